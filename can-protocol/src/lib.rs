@@ -1,0 +1,3 @@
+//! can-protocol
+#![no_std]
+#![forbid(unsafe_code)]

@@ -1,0 +1,3 @@
+//! firmware-core
+#![no_std]
+#![forbid(unsafe_code)]

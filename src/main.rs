@@ -1,0 +1,2 @@
+//! The `yawbench` command.
+fn main() {}
