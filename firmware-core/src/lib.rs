@@ -1,3 +1,6 @@
-//! firmware-core
+//! The vehicle, the contact, the damper: a fixed step without heap.
 #![no_std]
 #![forbid(unsafe_code)]
+
+pub mod damper;
+pub mod wheel_rail;

@@ -1,0 +1,3 @@
+//! Wheel and rail.
+
+pub mod geometry;
