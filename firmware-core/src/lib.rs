@@ -3,4 +3,5 @@
 #![forbid(unsafe_code)]
 
 pub mod damper;
+pub mod lanes;
 pub mod wheel_rail;

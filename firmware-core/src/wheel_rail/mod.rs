@@ -1,3 +1,7 @@
-//! Wheel and rail.
+//! Wheel and rail: contact geometry tables, Hertz, Kalker, creep laws.
 
+pub mod creep;
 pub mod geometry;
+pub mod hertz;
+pub mod kalker;
+pub mod table;

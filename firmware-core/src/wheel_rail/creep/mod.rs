@@ -1,0 +1,171 @@
+//! Creep laws: from creepages and normal force to the tangential force of one patch.
+//!
+//! Axes of a patch: along the rolling direction, across it outward, and the normal into the rail.
+//! Creepage is the velocity of the wheel against the rail over the running speed; the force acts on
+//! the wheel and opposes it. A new law is a new file here and one line in [`CreepLaw`].
+
+mod conical_prescribed;
+mod fastsim;
+mod linear_saturated;
+mod polach;
+
+pub use conical_prescribed::ConicalPrescribed;
+pub use fastsim::Fastsim;
+pub use linear_saturated::LinearSaturated;
+pub use polach::Polach;
+
+/// One contact patch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Patch {
+    /// Normal force (N).
+    pub normal_n: f64,
+    /// Semi-axis in rolling direction (m).
+    pub along_m: f64,
+    /// Semi-axis across (m).
+    pub across_m: f64,
+    /// Kalker's C11.
+    pub c11: f64,
+    /// Kalker's C22.
+    pub c22: f64,
+    /// Kalker's C23.
+    pub c23: f64,
+    /// Shear modulus (Pa).
+    pub shear_modulus_pa: f64,
+    /// Coefficient of friction.
+    pub friction: f64,
+}
+
+/// Relative motion in a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Creepage {
+    /// Along the rolling direction.
+    pub longitudinal: f64,
+    /// Across it, outward.
+    pub lateral: f64,
+    /// Spin about the normal (1/m).
+    pub spin_per_m: f64,
+}
+
+/// Force on the wheel in a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CreepForce {
+    /// Along the rolling direction (N).
+    pub longitudinal_n: f64,
+    /// Across it, outward (N).
+    pub lateral_n: f64,
+    /// Moment about the normal into the rail (N m).
+    pub spin_moment_n_m: f64,
+}
+
+/// The creep laws, by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CreepLaw {
+    /// `linear_saturated`: Kalker's linear theory with cubic saturation.
+    LinearSaturated(LinearSaturated),
+    /// `polach`: Polach's closed form with spin.
+    Polach(Polach),
+    /// `fastsim`: Kalker's simplified theory on a grid.
+    Fastsim(Fastsim),
+    /// `conical_prescribed`: given coefficients, for classical bogie models.
+    ConicalPrescribed(ConicalPrescribed),
+}
+
+impl CreepLaw {
+    /// Force on the wheel.
+    #[inline(always)]
+    pub fn force(&self, patch: &Patch, creepage: Creepage) -> CreepForce {
+        match self {
+            Self::LinearSaturated(law) => law.force(patch, creepage),
+            Self::Polach(law) => law.force(patch, creepage),
+            Self::Fastsim(law) => law.force(patch, creepage),
+            Self::ConicalPrescribed(law) => law.force(patch, creepage),
+        }
+    }
+}
+
+/// Shen, Hedrick and Elkins's saturation: share of the linear force that is left when the linear
+/// force is `u` times the friction limit.
+#[inline(always)]
+fn cubic_saturation(u: f64) -> f64 {
+    if u <= 3.0 { 1.0 - u * (1.0 / 3.0) + u * u * (1.0 / 27.0) } else { 1.0 / u }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wheel_rail::kalker::coefficients;
+
+    /// The Eurosprinter patch of CONTACT's traction curve.
+    pub(super) fn eurosprinter() -> Patch {
+        let (a, b) = (6.304e-3, 12.61e-3);
+        let c = coefficients(a, b, 0.28);
+        Patch {
+            normal_n: 106.7e3,
+            along_m: a,
+            across_m: b,
+            c11: c.c11,
+            c22: c.c22,
+            c23: c.c23,
+            shear_modulus_pa: 82.0e9,
+            friction: 0.33,
+        }
+    }
+
+    pub(super) fn laws() -> [CreepLaw; 3] {
+        [
+            CreepLaw::LinearSaturated(LinearSaturated),
+            CreepLaw::Polach(Polach),
+            CreepLaw::Fastsim(Fastsim::new(40, 40).unwrap()),
+        ]
+    }
+
+    #[test]
+    fn every_law_starts_with_kalkers_slope() {
+        let patch = eurosprinter();
+        let area = patch.along_m * patch.across_m;
+        let gab = patch.shear_modulus_pa * area;
+        for law in laws() {
+            let force = law
+                .force(&patch, Creepage { longitudinal: 1e-7, ..Creepage::default() })
+                .longitudinal_n;
+            assert!((force / (-gab * patch.c11 * 1e-7) - 1.0).abs() < 0.02, "{law:?} {force}");
+            let force =
+                law.force(&patch, Creepage { lateral: 1e-7, ..Creepage::default() }).lateral_n;
+            assert!((force / (-gab * patch.c22 * 1e-7) - 1.0).abs() < 0.02, "{law:?} {force}");
+            let spin = 1e-5;
+            let force =
+                law.force(&patch, Creepage { spin_per_m: spin, ..Creepage::default() }).lateral_n;
+            let expected =
+                -patch.shear_modulus_pa * area * libm::sqrt(area) * patch.c23 * spin;
+            assert!((force / expected - 1.0).abs() < 0.03, "{law:?} {force} {expected}");
+        }
+    }
+
+    #[test]
+    fn every_law_ends_at_the_friction_limit() {
+        let patch = eurosprinter();
+        for law in laws() {
+            let force = law.force(
+                &patch,
+                Creepage { longitudinal: -0.03, lateral: 0.04, spin_per_m: 0.0 },
+            );
+            let total = libm::hypot(force.longitudinal_n, force.lateral_n);
+            assert!(total <= patch.friction * patch.normal_n * (1.0 + 2e-3), "{law:?} {total}");
+            assert!(total > 0.97 * patch.friction * patch.normal_n, "{law:?} {total}");
+            assert!(force.longitudinal_n > 0.0 && force.lateral_n < 0.0);
+        }
+    }
+
+    #[test]
+    fn every_law_is_mirror_symmetric_to_the_bit() {
+        let patch = eurosprinter();
+        for law in laws() {
+            let creepage = Creepage { longitudinal: 3e-4, lateral: -7e-4, spin_per_m: 0.13 };
+            let mirrored = Creepage { lateral: 7e-4, spin_per_m: -0.13, ..creepage };
+            let (force, image) = (law.force(&patch, creepage), law.force(&patch, mirrored));
+            assert_eq!(force.longitudinal_n, image.longitudinal_n, "{law:?}");
+            assert_eq!(force.lateral_n, -image.lateral_n, "{law:?}");
+            assert_eq!(force.spin_moment_n_m, -image.spin_moment_n_m, "{law:?}");
+        }
+    }
+}
