@@ -1,3 +1,120 @@
-//! can-protocol
+//! yawbench on the bus: the frames between the locomotive model and the damper rigs.
+//!
+//! # The protocol in one page
+//!
+//! One **host** computes a vehicle; up to four **rigs** (nodes 1 to 4) carry one damper each. Once
+//! per cycle the host sends every rig a [`Command`] (where the damper's eyes should be) and every
+//! rig answers with a [`Measurement`] (the force it felt). Four slow messages go beside them:
+//! [`Sync`], [`Heartbeat`], [`Fault`] and [`Telemetry`].
+//!
+//! | id | message | sender | bytes | when |
+//! | --- | --- | --- | --- | --- |
+//! | `0x080` | [`Sync`] | host | 8 | 10 Hz |
+//! | `0x100 + n` | [`Command`], classical | host | 8 | every cycle, 1 kHz |
+//! | `0x110 + n` | [`Command`], FD | host | 16 | every cycle, 2 to 4 kHz |
+//! | `0x200 + n` | [`Measurement`], classical | rig n | 8 | every cycle |
+//! | `0x210 + n` | [`Measurement`], FD | rig n | 16 | every cycle |
+//! | `0x300 + n` | [`Fault`], n = 0 is the host | both | 6 | on change |
+//! | `0x400 + n` | [`Telemetry`] | rig n | 6 | 20 Hz |
+//! | `0x700 + n` | [`Heartbeat`], n = 0 is the host | both | 1 | 50 Hz |
+//!
+//! All ids are standard (11 bit); the lower id wins the bus, so nothing slow delays the loop by
+//! more than the one frame already on the wire. Only the FD variants are FD frames, sent with
+//! bit-rate switch; the slow messages stay classical on either bus.
+//!
+//! **Signals** are little-endian and fixed-point: `value = code x lsb`, rounded half to even. A
+//! value beyond the range *saturates*, encoding says so ([`Saturated`]), and nothing wraps. The
+//! most negative code means *invalid*: `None` here. Values are SI, as the names say; the displacement
+//! is positive in extension from mid-stroke, the force positive in tension.
+//!
+//! | signal | classical | FD |
+//! | --- | --- | --- |
+//! | command displacement | i24 x 0.1 µm (±0.839 m) | i32 x 10 nm (±21.5 m) |
+//! | command velocity | i16 x 0.01 mm/s (±327.67 mm/s) | i24 x 1 µm/s (±8.39 m/s) |
+//! | measured force | i20 x 0.2 N (±104.9 kN) | i32 x 0.01 N (±21.5 MN) |
+//! | measured displacement | i20 x 0.2 µm (±104.9 mm) | i32 x 10 nm (±21.5 m) |
+//! | time | none | u32 (command), u24 (measurement) x 1 µs, modulo, all ones = none |
+//!
+//! Why so fine: 1 µm of displacement on a damper of 15 MN/m is 15 N, and a velocity derived from
+//! coarse displacement at 1 kHz would be useless, so velocity travels on its own.
+//!
+//! **Protection.** Every message but the heartbeat starts with a CRC: CRC-8 SAE J1850 in 6- and
+//! 8-byte frames, CRC-16/CCITT-FALSE in 16-byte frames, over the `DataID` (`0x5000 + id`, high byte
+//! first; it is not sent) and all bytes behind the CRC ([`protection`]). A counter runs 0 to 14 in
+//! the 4-bit profile (15 = invalid) and 0 to 254 in the FD profile (255 = invalid); the **echo** is
+//! the counter last accepted from the peer, or the invalid code when there was none yet. The echo
+//! paces lock-step runs and measures the loop's delay in cycles ([`Profile::counter_steps`]).
+//!
+//! **Receiving.** [`Receiver`] gives each frame one [`Status`]; only INITIAL, OK and `SOME_LOST`
+//! deliver data, and only they feed a watchdog.
+//!
+//! **Bus load** is known before a run: [`BusPlan`] computes it from worst-case frame lengths, warns
+//! above 50 % and refuses above 80 %.
+//!
+//! `yawbench.dbc` beside this crate is the same contract for everyone else; it is generated from
+//! the constants here and checked against the codec by two independent DBC implementations.
+//!
+//! # Example
+//!
+//! ```
+//! use can_protocol::{Command, Mode, Node, Profile, RunState};
+//!
+//! let command = Command {
+//!     node: Node::new(1)?,
+//!     counter: 3,
+//!     state: RunState::Run,
+//!     mode: Mode::FollowWithVelocity,
+//!     echo: Some(2),
+//!     displacement_m: Some(3.46e-3),
+//!     velocity_m_per_s: Some(-0.076),
+//!     time_us: None,
+//! };
+//! let (frame, saturated) = command.encode(Profile::Classical);
+//! assert!(saturated.is_empty());
+//! assert_eq!(frame.to_string(), "101#184328870050E222");
+//! assert_eq!(Command::decode(frame.id(), frame.data())?, command);
+//! # Ok::<(), can_protocol::Error>(())
+//! ```
+//!
+//! # Limits
+//!
+//! The CRC-8 misses one random corruption in 256 of those that pass CAN's own check: enough for a
+//! laboratory, no claim of functional safety. There is no authentication. No message sets a limit
+//! or a guard of a rig: those are the rig's own, and telemetry only reports that they tripped.
 #![no_std]
 #![forbid(unsafe_code)]
+
+mod bus_load;
+mod command;
+mod embedded;
+mod error;
+mod fault;
+mod frame;
+mod heartbeat;
+mod id;
+mod measurement;
+mod message;
+mod profile;
+pub mod protection;
+mod receiver;
+pub mod signal;
+mod state;
+mod sync;
+mod telemetry;
+
+pub use bus_load::{BusPlan, Verdict, classical_frame_bits, fd_frame_bits};
+pub use command::{Command, CommandLayout, Mode};
+pub use embedded::{from_embedded, to_embedded};
+pub use error::Error;
+pub use fault::{Fault, FaultCode};
+pub use frame::Frame;
+pub use heartbeat::Heartbeat;
+pub use id::{MessageId, Node, Sender};
+pub use measurement::{Measurement, MeasurementFlags, MeasurementLayout};
+pub use message::Message;
+pub use profile::Profile;
+pub use receiver::{Counts, Cyclic, Receiver, ReceiverState, Reception, Status};
+pub use signal::Saturated;
+pub use state::RunState;
+pub use sync::{PROTOCOL_VERSION, Pace, Sync};
+pub use telemetry::{Pressure, Telemetry, Trips};

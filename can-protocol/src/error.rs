@@ -1,0 +1,74 @@
+//! What can be wrong with a frame or a parameter: one closed list for the crate.
+use core::fmt;
+
+/// Why a frame was not decoded, or a parameter not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// A node number outside 1 to 4.
+    NodeRange {
+        /// The number given.
+        value: u8,
+    },
+    /// The largest accepted counter step is outside its bounds.
+    MaxDeltaRange {
+        /// The number given.
+        value: u8,
+        /// The largest step that can still be told from an old frame.
+        upper: u8,
+    },
+    /// The id is none of this protocol, or not of the message asked for.
+    UnknownId {
+        /// The frame's id.
+        id: u16,
+    },
+    /// The payload has the wrong length.
+    Length {
+        /// The frame's id.
+        id: u16,
+        /// Bytes found.
+        found: usize,
+        /// Bytes that this message has.
+        expected: usize,
+    },
+    /// The CRC over `DataID` and payload does not match.
+    Checksum {
+        /// The frame's id.
+        id: u16,
+        /// The CRC in the frame.
+        found: u16,
+        /// The CRC of what the frame holds.
+        expected: u16,
+    },
+    /// A field holds a code that has no meaning (yet).
+    ReservedCode {
+        /// The frame's id.
+        id: u16,
+        /// The field.
+        field: &'static str,
+        /// The code found.
+        code: u32,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NodeRange { value } => write!(f, "node is {value}, must be 1 to 4"),
+            Self::MaxDeltaRange { value, upper } => {
+                write!(f, "max_delta is {value}, must be 1 to {upper}")
+            }
+            Self::UnknownId { id } => write!(f, "frame id {id:#05x} is not expected here"),
+            Self::Length { id, found, expected } => {
+                write!(f, "frame {id:#05x} has {found} bytes, must have {expected}")
+            }
+            Self::Checksum { id, found, expected } => {
+                write!(f, "frame {id:#05x} has crc {found:#x}, its content gives {expected:#x}")
+            }
+            Self::ReservedCode { id, field, code } => {
+                write!(f, "frame {id:#05x} has reserved code {code} in {field}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for Error {}

@@ -1,0 +1,219 @@
+//! Who is on the bus and which id says what.
+//!
+//! Ids are ordered by urgency, since the lower id wins: sync, commands, measurements, faults,
+//! telemetry, heartbeats. The `DataID` that enters a frame's CRC is `0x5000 + id`, so that a frame
+//! sent under a wrong id fails its check.
+use crate::{Error, Profile};
+use core::fmt;
+
+/// The number of a rig, 1 to 4.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Node(u8);
+
+impl Node {
+    /// All four rigs.
+    pub const ALL: [Self; 4] = [Self(1), Self(2), Self(3), Self(4)];
+
+    /// The rig of this number.
+    ///
+    /// # Errors
+    /// [`Error::NodeRange`] outside 1 to 4.
+    pub const fn new(value: u8) -> Result<Self, Error> {
+        if value >= 1 && value <= 4 { Ok(Self(value)) } else { Err(Error::NodeRange { value }) }
+    }
+
+    /// The number, 1 to 4.
+    pub const fn number(self) -> u8 {
+        self.0
+    }
+}
+
+impl fmt::Display for Node {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.0)
+    }
+}
+
+/// Sender of a message that both sides have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Sender {
+    /// The model's side, number 0.
+    Host,
+    /// A rig.
+    Rig(Node),
+}
+
+impl Sender {
+    /// 0 for the host, else the rig's number.
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Host => 0,
+            Self::Rig(node) => node.number(),
+        }
+    }
+
+    /// The sender of a number.
+    ///
+    /// # Errors
+    /// [`Error::NodeRange`] above 4.
+    pub const fn new(number: u8) -> Result<Self, Error> {
+        match (number, Node::new(number)) {
+            (0, _) => Ok(Self::Host),
+            (_, Ok(node)) => Ok(Self::Rig(node)),
+            (_, Err(error)) => Err(error),
+        }
+    }
+}
+
+impl fmt::Display for Sender {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Host => f.write_str("HOST"),
+            Self::Rig(node) => node.fmt(f),
+        }
+    }
+}
+
+/// A message of the protocol, as its frame id tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MessageId {
+    /// `0x080`: period, pace and time, from the host to all rigs.
+    Sync,
+    /// `0x100 + n`, FD `0x110 + n`: the host commands a rig.
+    Command(Profile, Node),
+    /// `0x200 + n`, FD `0x210 + n`: a rig answers.
+    Measurement(Profile, Node),
+    /// `0x300 + n`: what went wrong, on change.
+    Fault(Sender),
+    /// `0x400 + n`: slow values of a rig.
+    Telemetry(Node),
+    /// `0x700 + n`: alive, and in which state.
+    Heartbeat(Sender),
+}
+
+impl MessageId {
+    /// The 11-bit frame id.
+    ///
+    /// ```
+    /// use can_protocol::{MessageId, Node, Profile};
+    /// assert_eq!(MessageId::Measurement(Profile::Fd, Node::new(3)?).raw(), 0x213);
+    /// # Ok::<(), can_protocol::Error>(())
+    /// ```
+    pub const fn raw(self) -> u16 {
+        let (base, number) = match self {
+            Self::Sync => (0x080, 0),
+            Self::Command(Profile::Classical, node) => (0x100, node.number()),
+            Self::Command(Profile::Fd, node) => (0x110, node.number()),
+            Self::Measurement(Profile::Classical, node) => (0x200, node.number()),
+            Self::Measurement(Profile::Fd, node) => (0x210, node.number()),
+            Self::Fault(sender) => (0x300, sender.number()),
+            Self::Telemetry(node) => (0x400, node.number()),
+            Self::Heartbeat(sender) => (0x700, sender.number()),
+        };
+        base + number as u16
+    }
+
+    /// The message of a frame id, `None` when it is not ours.
+    pub fn from_raw(id: u16) -> Option<Self> {
+        let number = (id & 0xF) as u8;
+        let node = Node::new(number).ok();
+        let sender = Sender::new(number).ok();
+        match id & !0xF {
+            0x080 if number == 0 => Some(Self::Sync),
+            0x100 => node.map(|node| Self::Command(Profile::Classical, node)),
+            0x110 => node.map(|node| Self::Command(Profile::Fd, node)),
+            0x200 => node.map(|node| Self::Measurement(Profile::Classical, node)),
+            0x210 => node.map(|node| Self::Measurement(Profile::Fd, node)),
+            0x300 => sender.map(Self::Fault),
+            0x400 => node.map(Self::Telemetry),
+            0x700 => sender.map(Self::Heartbeat),
+            _ => None,
+        }
+    }
+
+    /// Every message of every node in both profiles, in the order of their ids.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..=0x7FF).filter_map(Self::from_raw)
+    }
+
+    /// The number that enters the CRC in front of the payload: `0x5000 + id`.
+    pub const fn data_id(self) -> u16 {
+        0x5000 + self.raw()
+    }
+
+    /// Payload length, bytes.
+    pub const fn payload_len(self) -> usize {
+        match self {
+            Self::Sync => 8,
+            Self::Command(profile, _) | Self::Measurement(profile, _) => profile.cyclic_len(),
+            Self::Fault(_) | Self::Telemetry(_) => 6,
+            Self::Heartbeat(_) => 1,
+        }
+    }
+
+    /// The frame format: FD (with bit-rate switch) only for the FD variants of the cyclic pair.
+    pub const fn profile(self) -> Profile {
+        match self {
+            Self::Command(profile, _) | Self::Measurement(profile, _) => profile,
+            _ => Profile::Classical,
+        }
+    }
+
+    /// Usual time between two frames in µs; `None` when sent on change. For the cyclic pair the
+    /// sync message rules; these are 1 kHz classical and 2 kHz FD.
+    pub const fn nominal_period_us(self) -> Option<u32> {
+        match self {
+            Self::Sync => Some(100_000),
+            Self::Command(Profile::Classical, _) | Self::Measurement(Profile::Classical, _) => {
+                Some(1_000)
+            }
+            Self::Command(Profile::Fd, _) | Self::Measurement(Profile::Fd, _) => Some(500),
+            Self::Fault(_) => None,
+            Self::Telemetry(_) => Some(50_000),
+            Self::Heartbeat(_) => Some(20_000),
+        }
+    }
+}
+
+/// The message's name in the DBC.
+impl fmt::Display for MessageId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sync => f.write_str("SYNC"),
+            Self::Command(Profile::Classical, node) => write!(f, "CMD_{node}"),
+            Self::Command(Profile::Fd, node) => write!(f, "CMD_FD_{node}"),
+            Self::Measurement(Profile::Classical, node) => write!(f, "MEAS_{node}"),
+            Self::Measurement(Profile::Fd, node) => write!(f, "MEAS_FD_{node}"),
+            Self::Fault(sender) => write!(f, "FAULT_{sender}"),
+            Self::Telemetry(node) => write!(f, "TELEMETRY_{node}"),
+            Self::Heartbeat(sender) => write!(f, "HEARTBEAT_{sender}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_and_messages_are_one_to_one() {
+        for id in 0..=u16::MAX {
+            if let Some(message) = MessageId::from_raw(id) {
+                assert_eq!(message.raw(), id);
+            }
+        }
+        // Sync, 4 x (command + measurement) x 2, 5 faults, 4 telemetry, 5 heartbeats.
+        assert_eq!(MessageId::all().count(), 1 + 16 + 5 + 4 + 5);
+    }
+
+    #[test]
+    fn sync_commands_and_measurements_win_the_bus() {
+        let rank = |message| match message {
+            MessageId::Sync => 0,
+            MessageId::Command(..) => 1,
+            MessageId::Measurement(..) => 2,
+            _ => 3,
+        };
+        assert!(MessageId::all().is_sorted_by_key(rank));
+    }
+}

@@ -1,0 +1,114 @@
+//! Any frame of the protocol: for logs, monitors and tests.
+use crate::{
+    Command, Error, Fault, Frame, Heartbeat, Measurement, MessageId, Saturated, Sync, Telemetry,
+};
+use core::fmt;
+
+/// One decoded frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Message {
+    /// Period, pace and time.
+    Sync(Sync),
+    /// Host to rig.
+    Command(Command),
+    /// Rig to host.
+    Measurement(Measurement),
+    /// What went wrong.
+    Fault(Fault),
+    /// A rig's slow values.
+    Telemetry(Telemetry),
+    /// Alive.
+    Heartbeat(Heartbeat),
+}
+
+impl Message {
+    /// The message in a frame, whichever it is.
+    ///
+    /// # Errors
+    /// An id that is not of this protocol, or whatever that message's own `decode` finds.
+    pub fn decode(id: u16, data: &[u8]) -> Result<Self, Error> {
+        match MessageId::from_raw(id).ok_or(Error::UnknownId { id })? {
+            MessageId::Sync => Sync::decode(id, data).map(Self::Sync),
+            MessageId::Command(..) => Command::decode(id, data).map(Self::Command),
+            MessageId::Measurement(..) => Measurement::decode(id, data).map(Self::Measurement),
+            MessageId::Fault(_) => Fault::decode(id, data).map(Self::Fault),
+            MessageId::Telemetry(_) => Telemetry::decode(id, data).map(Self::Telemetry),
+            MessageId::Heartbeat(_) => Heartbeat::decode(id, data).map(Self::Heartbeat),
+        }
+    }
+
+    /// The frame, and what had to be saturated to fit it. The profile matters to commands and
+    /// measurements only.
+    pub fn encode(&self, profile: crate::Profile) -> (Frame, Saturated) {
+        match self {
+            Self::Sync(sync) => (sync.encode(), Saturated::empty()),
+            Self::Command(command) => command.encode(profile),
+            Self::Measurement(measurement) => measurement.encode(profile),
+            Self::Fault(fault) => fault.encode(),
+            Self::Telemetry(telemetry) => telemetry.encode(),
+            Self::Heartbeat(heartbeat) => (heartbeat.encode(), Saturated::empty()),
+        }
+    }
+}
+
+impl fmt::Display for Message {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Sync(sync) => sync.fmt(f),
+            Self::Command(command) => command.fmt(f),
+            Self::Measurement(measurement) => measurement.fmt(f),
+            Self::Fault(fault) => fault.fmt(f),
+            Self::Telemetry(telemetry) => telemetry.fmt(f),
+            Self::Heartbeat(heartbeat) => heartbeat.fmt(f),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn a_log_line_says_it_all() {
+        for (id, bytes, line) in [
+            (
+                0x080,
+                &[0xD5, 0x11, 0xF4, 0x01, 0x01, 0x40, 0x42, 0x0F][..],
+                "sync v1 Fd CLOCK period 500 us x1 time 1000000 us",
+            ),
+            (
+                0x101,
+                &[0x18, 0x43, 0x28, 0x87, 0x00, 0x50, 0xE2, 0x22],
+                "command 1 #3 RUN FOLLOW_WITH_VELOCITY displacement +3.4600 mm \
+                 velocity -76.00 mm/s echo 2",
+            ),
+            (
+                0x201,
+                &[0x03, 0x42, 0x71, 0xA0, 0xBE, 0x38, 0x04, 0xA3],
+                "measurement 1 #2 RUN force -17999.8 N displacement +3.4582 mm echo 3 \
+                 LIMIT_REACHED ACTUATOR_LAGGING",
+            ),
+            (0x302, &[0x7B, 0x65, 0x01, 0x00, 0x05, 0x00], "fault 2 #5 SAFE PEER_SILENT (1) 5"),
+            (
+                0x403,
+                &[0x5C, 0x4E, 0x1D, 0x10, 0x03, 0x22],
+                "telemetry 3 #14 RUN temperature +41.25 degC pressure READY STROKE_LIMIT WATCHDOG",
+            ),
+            (0x703, &[0x36], "heartbeat 3 SAFE"),
+        ] {
+            assert_eq!(Message::decode(id, bytes).unwrap().to_string(), line);
+        }
+    }
+
+    #[test]
+    fn errors_name_what_they_found() {
+        let crc = Message::decode(0x302, &[0x7C, 0x65, 0x01, 0x00, 0x05, 0x00]).unwrap_err();
+        assert_eq!(crc.to_string(), "frame 0x302 has crc 0x7c, its content gives 0x7b");
+        let length = Message::decode(0x302, &[0; 8]).unwrap_err();
+        assert_eq!(length.to_string(), "frame 0x302 has 8 bytes, must have 6");
+        let id = Message::decode(0x105, &[0; 8]).unwrap_err();
+        assert_eq!(id.to_string(), "frame id 0x105 is not expected here");
+    }
+}
