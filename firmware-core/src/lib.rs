@@ -4,4 +4,6 @@
 
 pub mod damper;
 pub mod lanes;
+pub mod track;
+pub mod vehicle;
 pub mod wheel_rail;

@@ -5,3 +5,4 @@ pub mod geometry;
 pub mod hertz;
 pub mod kalker;
 pub mod table;
+pub mod wheel;

@@ -1,0 +1,155 @@
+//! A vehicle as data: bodies, force elements between points, wheelsets on rails.
+//!
+//! ```text
+//! m q'' = sum of element forces + gravity + wheel/rail forces - inertia of the track frame
+//! ```
+//! Every body moves with a frame that runs along the track at its own station at the running speed;
+//! its coordinates are lateral, vertical, roll, pitch, yaw against that frame (x forward, y right,
+//! z down). No vehicle has code of its own: the SS9, a coach and a seven-degree-of-freedom bogie are
+//! lists of the same elements. Small angles, rigid bodies, no longitudinal motion.
+
+mod axle;
+mod body;
+mod links;
+mod state;
+mod step;
+
+pub use axle::{Axle, RailSupport};
+pub use body::{
+    BODIES_MAX, Body, BodyId, COORDINATES, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW,
+};
+pub use links::{Anchor, BUMP_POINTS_MAX, BumpStop, DamperMount, Suspension, Torsion};
+pub use state::VehicleState;
+pub use step::{DamperForces, Running};
+
+use crate::wheel_rail::table::ContactTable;
+
+/// Largest number of suspension elements.
+pub const SUSPENSIONS_MAX: usize = 48;
+/// Largest number of rotational springs.
+pub const TORSIONS_MAX: usize = 8;
+/// Largest number of bump stops.
+pub const BUMP_STOPS_MAX: usize = 12;
+/// Largest number of wheelsets.
+pub const AXLES_MAX: usize = 8;
+/// Damper slots: each is modelled or on a rig.
+pub const DAMPER_SLOTS: usize = 4;
+
+/// Acceleration of gravity (m/s2).
+pub const GRAVITY_M_PER_S2: f64 = 9.81;
+
+/// A vehicle. Build it from data, check it with [`Vehicle::check`], then step it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Vehicle<'a> {
+    /// The bodies.
+    pub bodies: heapless::Vec<Body, { BODIES_MAX - 1 }>,
+    /// Springs and dampers between points.
+    pub suspensions: heapless::Vec<Suspension, SUSPENSIONS_MAX>,
+    /// Rotational springs.
+    pub torsions: heapless::Vec<Torsion, TORSIONS_MAX>,
+    /// Lateral stops.
+    pub bump_stops: heapless::Vec<BumpStop, BUMP_STOPS_MAX>,
+    /// Damper slots, in the order in which their forces are applied.
+    pub dampers: heapless::Vec<DamperMount, DAMPER_SLOTS>,
+    /// Wheelsets.
+    pub axles: heapless::Vec<Axle, AXLES_MAX>,
+    /// The contact table of all wheels that run on profiles.
+    pub contact: Option<&'a ContactTable>,
+}
+
+/// Why a vehicle cannot run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum VehicleError {
+    /// A mass or inertia of a free coordinate that is not positive: body, coordinate, value.
+    Inertia(usize, usize, f64),
+    /// An element names a body that does not exist.
+    MissingBody(usize),
+    /// An axle's body has no rolling radius.
+    NotRolling(usize),
+    /// Wheels on profiles, but no contact table.
+    NoContactTable,
+    /// A number that is not finite in the named element.
+    NotFinite(&'static str),
+}
+
+impl core::fmt::Display for VehicleError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Inertia(body, coordinate, value) => write!(
+                f,
+                "body {body}, coordinate {coordinate}: inertia {value}, expected a positive number"
+            ),
+            Self::MissingBody(body) => write!(f, "body {body} does not exist"),
+            Self::NotRolling(axle) => write!(f, "axle {axle}: its body has no rolling radius"),
+            Self::NoContactTable => f.write_str("wheels run on profiles, but there is no table"),
+            Self::NotFinite(element) => write!(f, "a number in {element} is not finite"),
+        }
+    }
+}
+
+impl core::error::Error for VehicleError {}
+
+impl Vehicle<'_> {
+    /// Checks what a step relies on.
+    ///
+    /// # Errors
+    /// The first thing found wrong.
+    pub fn check(&self) -> Result<(), VehicleError> {
+        for (index, body) in self.bodies.iter().enumerate() {
+            for (coordinate, free) in body.free.iter().enumerate() {
+                let inertia = body.inertia(coordinate);
+                if *free && !(inertia > 0.0 && inertia.is_finite()) {
+                    return Err(VehicleError::Inertia(index, coordinate, inertia));
+                }
+            }
+        }
+        let known = |body: BodyId| {
+            if body == BodyId::GROUND || body.index() < self.bodies.len() {
+                Ok(())
+            } else {
+                Err(VehicleError::MissingBody(body.index()))
+            }
+        };
+        for element in &self.suspensions {
+            known(element.first.body)?;
+            known(element.second.body)?;
+            if !element.stiffness_n_per_m.iter().chain(&element.damping_n_s_per_m).all(|v| v.is_finite())
+            {
+                return Err(VehicleError::NotFinite("suspension"));
+            }
+        }
+        for element in &self.torsions {
+            known(element.first)?;
+            known(element.second)?;
+        }
+        for element in &self.bump_stops {
+            known(element.first.body)?;
+            known(element.second.body)?;
+        }
+        for element in &self.dampers {
+            known(element.first.body)?;
+            known(element.second.body)?;
+        }
+        for (index, axle) in self.axles.iter().enumerate() {
+            known(axle.body)?;
+            match self.bodies.get(axle.body.index()) {
+                Some(Body { rolling_radius_m: Some(radius), .. }) if *radius > 0.0 => {}
+                _ => return Err(VehicleError::NotRolling(index)),
+            }
+            if axle.runs_on_profiles() && self.contact.is_none() {
+                return Err(VehicleError::NoContactTable);
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of free coordinates of the bodies; the rails under the wheels are not counted.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.bodies.iter().flat_map(|body| body.free).filter(|free| *free).count()
+    }
+
+    /// Total mass (kg).
+    pub fn mass_kg(&self) -> f64 {
+        self.bodies.iter().map(|body| body.mass_kg).sum()
+    }
+}

@@ -1,0 +1,89 @@
+//! What a vehicle remembers between steps.
+
+use super::body::{BODIES_MAX, Body, Pose};
+use super::{AXLES_MAX, DAMPER_SLOTS};
+use crate::lanes::Lanes;
+use crate::wheel_rail::wheel::WheelForce;
+
+/// State of `L` vehicles side by side. Copying it is a snapshot; putting it back restores the run to
+/// the last bit.
+///
+/// Velocities are kept half a substep behind the positions (see the step); the accelerations are
+/// those of the last evaluation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VehicleState<const L: usize = 1> {
+    /// Distance run by the vehicle's reference point (m).
+    pub distance_m: Lanes<L>,
+    /// Positions of the bodies.
+    pub position: [Pose<L>; BODIES_MAX],
+    /// Velocities of the bodies, half a substep behind.
+    pub half_velocity: [Pose<L>; BODIES_MAX],
+    /// Accelerations of the bodies at the last evaluation.
+    pub acceleration: [Pose<L>; BODIES_MAX],
+    /// Positions of the rails: axle, side (left, right), then right and down (m).
+    pub rail_position: [[[Lanes<L>; 2]; 2]; AXLES_MAX],
+    /// Velocities of the rails, half a substep behind.
+    pub rail_half_velocity: [[[Lanes<L>; 2]; 2]; AXLES_MAX],
+    /// Accelerations of the rails at the last evaluation.
+    pub rail_acceleration: [[[Lanes<L>; 2]; 2]; AXLES_MAX],
+    /// Wheel forces at the last evaluation: axle, side (left, right), lane.
+    pub wheels: [[[WheelForce; L]; 2]; AXLES_MAX],
+    /// Lateral shift of each wheel against its rail at the last evaluation (m).
+    pub shifts_m: [[Lanes<L>; 2]; AXLES_MAX],
+    /// Extension of each damper slot at the last evaluation (m).
+    pub extension_m: [Lanes<L>; DAMPER_SLOTS],
+    /// Extension rate of each damper slot at the last evaluation (m/s).
+    pub extension_m_per_s: [Lanes<L>; DAMPER_SLOTS],
+    /// Force of each damper slot at the last evaluation (N).
+    pub damper_n: [Lanes<L>; DAMPER_SLOTS],
+}
+
+impl<const L: usize> Default for VehicleState<L> {
+    fn default() -> Self {
+        let pose = [Lanes::ZERO; 5];
+        let rails = [[[Lanes::ZERO; 2]; 2]; AXLES_MAX];
+        Self {
+            distance_m: Lanes::ZERO,
+            position: [pose; BODIES_MAX],
+            half_velocity: [pose; BODIES_MAX],
+            acceleration: [pose; BODIES_MAX],
+            rail_position: rails,
+            rail_half_velocity: rails,
+            rail_acceleration: rails,
+            wheels: [[[WheelForce::default(); L]; 2]; AXLES_MAX],
+            shifts_m: [[Lanes::ZERO; 2]; AXLES_MAX],
+            extension_m: [Lanes::ZERO; DAMPER_SLOTS],
+            extension_m_per_s: [Lanes::ZERO; DAMPER_SLOTS],
+            damper_n: [Lanes::ZERO; DAMPER_SLOTS],
+        }
+    }
+}
+
+impl<const L: usize> VehicleState<L> {
+    /// Whether every position is a number: false after a blow-up.
+    pub fn is_finite(&self) -> bool {
+        self.position.iter().flatten().all(|value| value.0.iter().all(|v| v.is_finite()))
+    }
+
+    /// Velocity of a coordinate at the time of the positions, to second order (m/s, rad/s).
+    pub fn velocity(&self, body: usize, coordinate: usize, substep_s: f64) -> Lanes<L> {
+        let half = self.half_velocity.get(body).and_then(|pose| pose.get(coordinate));
+        let rate = self.acceleration.get(body).and_then(|pose| pose.get(coordinate));
+        match (half, rate) {
+            (Some(half), Some(rate)) => *half + *rate * (0.5 * substep_s),
+            _ => Lanes::ZERO,
+        }
+    }
+
+    /// Kinetic energy of all bodies in one lane, with the velocities half a step behind (J).
+    pub fn kinetic_energy_j(&self, bodies: &[Body], lane: usize) -> f64 {
+        let mut energy = 0.0;
+        for (body, velocity) in bodies.iter().zip(&self.half_velocity) {
+            for (coordinate, value) in velocity.iter().enumerate() {
+                let value = value.lane(lane);
+                energy += 0.5 * body.inertia(coordinate) * value * value;
+            }
+        }
+        energy
+    }
+}

@@ -1,0 +1,221 @@
+//! The force between one wheel and its rail.
+//!
+//! Wheel-local axes: x forward, outward from the track centre, down; the left wheel is the mirror
+//! image of the right one. With shift `u` of the wheel outward against the rail, drop `w` of the
+//! wheel against the rail at the tape circle, and roll `phi` (outward side down), the table is read
+//! at `u - phi R` (R: transverse radius of the rail head; turning an arc moves its centre), the
+//! touching height falls by `phi` times the distance of that centre, and the contact angle by `phi`:
+//! exact to first order for arcs. Then, per zone,
+//! ```text
+//! delta = (w - touch) cos g        N = k delta^1.5
+//! xi  = (V + W r - (psi' + V/R_c) y) / V
+//! eta = ((y' - phi' r) cos g - (z' + phi' y) sin g + W psi r / cos g) / V
+//! spin = (W sin g + (psi' + V/R_c) cos g) / V
+//! ```
+//! with the spin `W = -V/r0 + theta'` of the wheelset and rail velocities subtracted. Track
+//! irregularity moves the rail, not its material, so it enters the geometry and no velocity. Two
+//! zones may be in contact at once, each with its own approach; none means lift-off. Left out: the
+//! change of geometry with yaw (second order), contact damping, wheel and rail bending.
+
+use super::creep::{CreepForce, CreepLaw, Creepage, Patch};
+use super::hertz::Material;
+use super::table::{ContactTable, ZoneTable};
+
+/// What a wheel runs on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Surface {
+    /// Real profiles, from the vehicle's contact table.
+    Profiles,
+    /// The cone of classical bogie models: constant wheel load, linear flange.
+    Conical(Conical),
+}
+
+/// A conical wheel under constant load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conical {
+    /// Change of rolling radius per lateral shift.
+    pub conicity: f64,
+    /// Wheel load (N).
+    pub load_n: f64,
+    /// Shift at which the flange spring begins (m).
+    pub flange_gap_m: f64,
+    /// Flange spring (N/m).
+    pub flange_n_per_m: f64,
+}
+
+/// Motion of a wheel against its rail, in wheel-local axes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WheelMotion {
+    /// Shift of the wheel's tape circle outward against the rail (m).
+    pub shift_m: f64,
+    /// Drop of the wheel's tape circle against the rail (m).
+    pub drop_m: f64,
+    /// Roll of the wheelset, outward side down (rad).
+    pub roll_rad: f64,
+    /// Yaw of the wheelset, forward towards outward (rad).
+    pub yaw_rad: f64,
+    /// Velocity of the wheelset's centre less that of the rail, outward (m/s).
+    pub lateral_m_per_s: f64,
+    /// Velocity of the wheelset's centre less that of the rail, down (m/s).
+    pub vertical_m_per_s: f64,
+    /// Roll rate (rad/s).
+    pub roll_rad_per_s: f64,
+    /// Spin about the axle, `-V/r0` plus the pitch rate (rad/s).
+    pub spin_rad_per_s: f64,
+    /// Yaw rate, with that of the track frame (rad/s).
+    pub yaw_rad_per_s: f64,
+    /// Running speed (m/s).
+    pub speed_m_per_s: f64,
+}
+
+/// Force and moment on the wheelset from one wheel, in wheel-local axes about the axle's centre.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct WheelForce {
+    /// Forward (N).
+    pub longitudinal_n: f64,
+    /// Outward (N); on the rail it is the opposite.
+    pub lateral_n: f64,
+    /// Down (N); on the rail it is the opposite.
+    pub vertical_n: f64,
+    /// Outward side down (N m).
+    pub roll_n_m: f64,
+    /// About the axle (N m).
+    pub pitch_n_m: f64,
+    /// Forward towards outward (N m).
+    pub yaw_n_m: f64,
+    /// Normal force of the tread (N).
+    pub tread_n: f64,
+    /// Normal force of the flange (N).
+    pub flange_n: f64,
+    /// Power lost in both patches (W).
+    pub wear_w: f64,
+}
+
+/// What does not change while running: the geometry of a wheel and its material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wheel {
+    /// Distance of the tape circle from the track centre (m).
+    pub tape_m: f64,
+    /// Nominal rolling radius (m).
+    pub radius_m: f64,
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// Steel of wheel and rail.
+    pub material: Material,
+    /// What it runs on.
+    pub surface: Surface,
+    /// The creep law.
+    pub creep: CreepLaw,
+}
+
+impl Wheel {
+    /// The force on the wheelset. A wheel on real profiles without a table carries nothing.
+    #[inline(always)]
+    pub fn force(&self, table: Option<&ContactTable>, motion: &WheelMotion) -> WheelForce {
+        let mut force = WheelForce::default();
+        match (self.surface, table) {
+            (Surface::Profiles, Some(table)) => {
+                force.tread_n = self.zone(&table.tread, motion, &mut force);
+                force.flange_n = self.zone(&table.flange, motion, &mut force);
+            }
+            (Surface::Conical(cone), _) => self.cone(cone, motion, &mut force),
+            (Surface::Profiles, None) => {}
+        }
+        force
+    }
+
+    /// Adds one zone and gives its normal force.
+    #[inline(always)]
+    fn zone(&self, zone: &ZoneTable, motion: &WheelMotion, sum: &mut WheelForce) -> f64 {
+        // Where the rolled wheel meets the rail.
+        let shift = motion.shift_m - motion.roll_rad * zone.rail_radius_m(motion.shift_m);
+        // Cheap refusal: a tenth of a millimetre covers what roll can add.
+        if motion.drop_m + 1e-3 < zone.touch_m(shift) {
+            return 0.0;
+        }
+        let shape = zone.at(shift);
+        let touch_m = shape.touch_m - motion.roll_rad * shape.rail_centre_m;
+        let slope = shape.slope - motion.roll_rad;
+        let cosine = 1.0 / libm::sqrt(1.0 + slope * slope);
+        let sine = slope * cosine;
+        let approach_m = (motion.drop_m - touch_m) * cosine;
+        if approach_m <= 0.0 {
+            return 0.0;
+        }
+        let root = libm::sqrt(approach_m);
+        let patch = Patch {
+            normal_n: shape.hertz_n_per_m15 * approach_m * root,
+            along_m: shape.along_per_sqrt_m * root,
+            across_m: shape.across_per_sqrt_m * root,
+            c11: shape.c11,
+            c22: shape.c22,
+            c23: shape.c23,
+            shear_modulus_pa: self.material.shear_modulus_pa,
+            friction: self.friction,
+        };
+        let arm_m = self.tape_m + shape.lateral_m;
+        let radius_m = self.radius_m + shape.radius_deviation_m;
+        self.add_patch(&patch, [sine, cosine], arm_m, radius_m, motion, sum);
+        patch.normal_n
+    }
+
+    #[inline(always)]
+    fn cone(&self, cone: Conical, motion: &WheelMotion, sum: &mut WheelForce) {
+        let patch = Patch {
+            normal_n: cone.load_n,
+            along_m: 0.0,
+            across_m: 0.0,
+            c11: 0.0,
+            c22: 0.0,
+            c23: 0.0,
+            shear_modulus_pa: self.material.shear_modulus_pa,
+            friction: self.friction,
+        };
+        let radius_m = self.radius_m + cone.conicity * motion.shift_m;
+        self.add_patch(&patch, [0.0, 1.0], self.tape_m, radius_m, motion, sum);
+        sum.tread_n = cone.load_n;
+        sum.flange_n = cone.flange_n_per_m * (motion.shift_m - cone.flange_gap_m).max(0.0);
+        sum.lateral_n -= sum.flange_n;
+    }
+
+    /// Creepages of a patch, its tangential force, and all of it as force and moment.
+    #[inline(always)]
+    fn add_patch(
+        &self,
+        patch: &Patch,
+        [sine, cosine]: [f64; 2],
+        arm_m: f64,
+        radius_m: f64,
+        motion: &WheelMotion,
+        sum: &mut WheelForce,
+    ) {
+        let spin = motion.spin_rad_per_s;
+        let per_speed = 1.0 / motion.speed_m_per_s;
+        let tangent = sine / cosine;
+        let creepage = Creepage {
+            longitudinal: (motion.speed_m_per_s + spin * radius_m - motion.yaw_rad_per_s * arm_m)
+                * per_speed,
+            lateral: ((motion.lateral_m_per_s - motion.roll_rad_per_s * radius_m) * cosine
+                - (motion.vertical_m_per_s + motion.roll_rad_per_s * arm_m) * sine
+                + spin * motion.yaw_rad * radius_m / cosine)
+                * per_speed,
+            spin_per_m: (spin * sine + motion.yaw_rad_per_s * cosine) * per_speed,
+        };
+        let creep: CreepForce = self.creep.force(patch, creepage);
+        let outward = creep.lateral_n * cosine - patch.normal_n * sine;
+        let down = -creep.lateral_n * sine - patch.normal_n * cosine;
+        // The contact leads or trails the axle in a yawed wheelset.
+        let lead_m = motion.yaw_rad * (radius_m * tangent - arm_m);
+        sum.longitudinal_n += creep.longitudinal_n;
+        sum.lateral_n += outward;
+        sum.vertical_n += down;
+        sum.roll_n_m += arm_m * down - radius_m * outward;
+        sum.pitch_n_m += radius_m * creep.longitudinal_n + creep.spin_moment_n_m * sine;
+        sum.yaw_n_m +=
+            lead_m * outward - arm_m * creep.longitudinal_n + creep.spin_moment_n_m * cosine;
+        sum.wear_w -= motion.speed_m_per_s
+            * (creep.longitudinal_n * creepage.longitudinal
+                + creep.lateral_n * creepage.lateral
+                + creep.spin_moment_n_m * creepage.spin_per_m);
+    }
+}
