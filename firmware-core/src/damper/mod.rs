@@ -1,1 +1,413 @@
-//! The damper.
+//! The yaw damper: a chain in series, driven by the motion between its eyes.
+//!
+//! ```text
+//! eye --[ attachment e = c(F): clearance, stiffness, rubber ]--[ body F = f(v_d), v_d = x_d' ]-- eye
+//!                                        parts beside the body (seal friction) sit inside the attachment
+//! ```
+//!
+//! Displacement is positive in extension from mid-stroke, force positive in tension, dissipated
+//! work positive. The nominal damper has five numbers ([`Nominal`]); what it lacks are
+//! [`effects`], one file each, on the same path. One [`Damper::advance`] serves the vehicle, the rig
+//! emulator and the fit of measured records, so that no fit absorbs an integration error.
+//!
+//! How a step is solved:
+//! - Attachment and body are joined into one rising piecewise-linear law ([`law`]), which is
+//!   followed exactly from knot to knot ([`series`]): clearance, relief, sticking, hard caps.
+//! - Factors from slow states (position, temperature, wear) are frozen at mid-step.
+//! - Attachments with a fast memory (rubber) are solved together with the chain by a bracketed,
+//!   second-order, L-stable step ([`implicit`]).
+//! - Parts beside the whole damper and the sensor act on the result.
+//!
+//! Work is bounded in every case, there is no heap and no way to panic.
+//!
+//! ```
+//! use firmware_core::damper::{Damper, DamperState, Motion, Nominal};
+//!
+//! let damper = Damper::new(Nominal::NEW, &[])?.prepared(1e-3);
+//! let mut state = DamperState::starting(Motion::new(0.0, 0.01));
+//! let mut force_n = 0.0;
+//! for step in 1..=1000 {
+//!     // Extension at 10 mm/s: the dashpot alone takes it after a second.
+//!     force_n = damper.advance(&mut state, Motion::new(1e-5 * f64::from(step), 0.01), 1e-3);
+//! }
+//! assert!((force_n - 10.0e3).abs() < 1.0);
+//! # Ok::<(), firmware_core::damper::DamperError>(())
+//! ```
+
+pub mod curve;
+pub mod effects;
+pub mod error;
+pub mod implicit;
+pub mod law;
+pub mod nominal;
+pub mod series;
+
+use heapless::Vec;
+
+pub use effects::Effect;
+pub use error::DamperError;
+pub use nominal::Nominal;
+
+use curve::Curve;
+use effects::Memory;
+use implicit::Creep;
+use law::{Factors, Law, Parts};
+use series::{Arrival, Drive, Stand};
+
+/// Most effects in one damper.
+pub const MAX_EFFECTS: usize = 8;
+
+/// Memories smaller than this are set to zero: they are no physics, only slow arithmetic.
+const TINY: f64 = 1e-30;
+
+/// Motion between the eyes of the damper at the end of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct Motion {
+    /// Displacement, m, positive in extension from mid-stroke.
+    pub displacement_m: f64,
+    /// Velocity, m/s. Between two steps the motion is a parabola with the mean acceleration of
+    /// their velocities; a caller without velocities passes zero and gets straight lines.
+    pub velocity_m_per_s: f64,
+}
+
+impl Motion {
+    /// A displacement and a velocity.
+    pub const fn new(displacement_m: f64, velocity_m_per_s: f64) -> Self {
+        Self { displacement_m, velocity_m_per_s }
+    }
+}
+
+/// What slow factors are computed from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct MidStep {
+    /// Motion between the eyes.
+    pub motion: Motion,
+    /// Position of the piston, m.
+    pub piston_m: f64,
+    /// Velocity of the piston, m/s.
+    pub piston_velocity_m_per_s: f64,
+}
+
+/// A finished step, as effects see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Done {
+    /// Length of the step, s.
+    pub step_s: f64,
+    /// Motion at its end.
+    pub motion: Motion,
+    /// Mean acceleration between the eyes, m/s2.
+    pub acceleration_m_per_s2: f64,
+    /// Force in the chain at its beginning, N.
+    pub start_force_n: f64,
+    /// Force in the chain at its end, N.
+    pub chain_force_n: f64,
+    /// Position of the piston at its end, m.
+    pub piston_m: f64,
+    /// Change of the piston's position, m.
+    pub piston_travel_m: f64,
+}
+
+/// Everything a damper remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DamperState {
+    motion: Motion,
+    deflection_m: f64,
+    creep_m: f64,
+    resting: bool,
+    chain_force_n: f64,
+    output_n: f64,
+    piston_velocity_m_per_s: f64,
+    memory: [Memory; MAX_EFFECTS],
+    fallbacks: u32,
+}
+
+impl DamperState {
+    /// At mid-stroke, at rest, the joint in the middle of its clearance.
+    pub fn rest() -> Self {
+        Self { resting: true, ..Self::default() }
+    }
+
+    /// Without force at the given motion, the joint in the middle of its clearance.
+    pub fn starting(motion: Motion) -> Self {
+        Self { motion, ..Self::rest() }
+    }
+
+    /// The same with the piston elsewhere: the attachment then starts deflected by the difference.
+    #[must_use]
+    pub fn with_piston_m(mut self, piston_m: f64) -> Self {
+        self.deflection_m = self.motion.displacement_m - self.creep_m - piston_m;
+        self
+    }
+
+    /// Motion at the last step.
+    pub fn motion(&self) -> Motion {
+        self.motion
+    }
+
+    /// Position of the piston, m.
+    pub fn piston_m(&self) -> f64 {
+        self.motion.displacement_m - self.deflection_m - self.creep_m
+    }
+
+    /// Velocity of the piston at the end of the last step, m/s.
+    pub fn piston_velocity_m_per_s(&self) -> f64 {
+        self.piston_velocity_m_per_s
+    }
+
+    /// Deflection of the attachment with its clearance and creep, m.
+    pub fn deflection_m(&self) -> f64 {
+        self.deflection_m + self.creep_m
+    }
+
+    /// Force in the chain at the end of the last step, N, without parallel parts and sensor.
+    pub fn chain_force_n(&self) -> f64 {
+        self.chain_force_n
+    }
+
+    /// Force that the last step returned, N.
+    pub fn force_n(&self) -> f64 {
+        self.output_n
+    }
+
+    /// Steps that had to be closed by backward Euler, or were given no finite motion.
+    pub fn fallbacks(&self) -> u32 {
+        self.fallbacks
+    }
+}
+
+/// A damper: nominal parameters, effects, and the laws that follow from them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Damper {
+    nominal: Nominal,
+    effects: Vec<Effect, MAX_EFFECTS>,
+    parts: Parts,
+    law: Law,
+    per_step: f64,
+    slow: bool,
+    creeps: bool,
+}
+
+impl Damper {
+    /// A damper with the given effects, in any order, each at most once.
+    ///
+    /// # Errors
+    /// A parameter outside what is possible, too many or repeated effects, or effects that
+    /// together leave no rising law.
+    pub fn new(nominal: Nominal, effects: &[Effect]) -> Result<Self, DamperError> {
+        nominal.validate()?;
+        let mut ordered: Vec<Effect, MAX_EFFECTS> = Vec::new();
+        for effect in effects {
+            effect.validate()?;
+            if ordered.iter().any(|other| other.index() == effect.index()) {
+                return Err(DamperError::RepeatedEffect { effect: effect.name() });
+            }
+            let given = effects.len();
+            let full = DamperError::TooManyEffects { given, limit: MAX_EFFECTS };
+            ordered.push(*effect).map_err(|_| full)?;
+        }
+        ordered.sort_unstable_by_key(Effect::index);
+        let (hydraulic, attachment) = (nominal.hydraulic(), nominal.attachment());
+        let mut parts = Parts { hydraulic, dry: Curve::ZERO, attachment };
+        for effect in &ordered {
+            effect.shape(&mut parts, &nominal);
+        }
+        Law::check(&parts)?;
+        let mut law = Law::EMPTY;
+        law.join(&parts, &Factors::NONE);
+        let slow = ordered.iter().any(Effect::is_slow);
+        let creeps = ordered.iter().any(Effect::creeps);
+        Ok(Self { nominal, effects: ordered, parts, law, per_step: 0.0, slow, creeps })
+    }
+
+    /// The same damper, faster for steps of exactly this length. It gives the same numbers.
+    #[must_use]
+    pub fn prepared(mut self, step_s: f64) -> Self {
+        self.law.prepare(step_s);
+        self.per_step = 1.0 / step_s;
+        self
+    }
+
+    /// The nominal parameters.
+    pub fn nominal(&self) -> &Nominal {
+        &self.nominal
+    }
+
+    /// The effects, in the order of the catalogue.
+    pub fn effects(&self) -> &[Effect] {
+        &self.effects
+    }
+
+    /// The force at a constant velocity of the piston at mid-stroke, N, slow factors left out.
+    ///
+    /// ```
+    /// use firmware_core::damper::{Damper, Nominal};
+    /// let damper = Damper::new(Nominal::NEW, &[])?;
+    /// // 18 kN at relief (18 mm/s), 80 kN s/m beyond.
+    /// assert!((damper.steady_force_n(0.118) - 26.0e3).abs() < 1e-6);
+    /// # Ok::<(), firmware_core::damper::DamperError>(())
+    /// ```
+    pub fn steady_force_n(&self, velocity_m_per_s: f64) -> f64 {
+        self.parts.hydraulic.at(velocity_m_per_s) + self.parts.dry.at(velocity_m_per_s)
+    }
+
+    /// Moves the damper to `motion` in `step_s` and returns the force there, N.
+    ///
+    /// Without a finite motion, or a step above zero, nothing moves: the last force is returned and
+    /// [`DamperState::fallbacks`] counts it.
+    #[inline]
+    pub fn advance(&self, state: &mut DamperState, motion: Motion, step_s: f64) -> f64 {
+        let finite = motion.displacement_m.is_finite() && motion.velocity_m_per_s.is_finite();
+        if !(finite && step_s > 0.0 && step_s < f64::INFINITY) {
+            state.fallbacks = state.fallbacks.saturating_add(1);
+            return state.output_n;
+        }
+        let prepared = step_s == self.law.step_s;
+        let per_step = if prepared { self.per_step } else { 1.0 / step_s };
+        let mean = (motion.displacement_m - state.motion.displacement_m) * per_step;
+        let gained = motion.velocity_m_per_s - state.motion.velocity_m_per_s;
+        let drive = Drive {
+            velocity_m_per_s: mean - 0.5 * gained,
+            acceleration_m_per_s2: gained * per_step,
+        };
+        if !self.effects.is_empty() {
+            return self.advance_with_effects(state, motion, drive, step_s);
+        }
+        let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
+        let arrival = series::advance(&self.law, stand, drive, step_s);
+        state.arrive(&arrival, motion);
+        state.output_n = arrival.force_n;
+        arrival.force_n
+    }
+
+    fn advance_with_effects(
+        &self,
+        state: &mut DamperState,
+        motion: Motion,
+        drive: Drive,
+        step_s: f64,
+    ) -> f64 {
+        let piston_before_m = state.piston_m();
+        let start_force_n = state.chain_force_n;
+        let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
+        let creep = self.creep(state, start_force_n, step_s);
+        let mut arrival = if self.slow {
+            let factors = self.factors(state, &mid_step(state, motion, drive, step_s));
+            let mut law = Law::EMPTY;
+            law.join(&self.parts, &factors);
+            self.solve(&law, stand, drive, step_s, creep, start_force_n)
+        } else {
+            self.solve(&self.law, stand, drive, step_s, creep, start_force_n)
+        };
+        if self.creeps {
+            state.creep_m = creep.end_m(arrival.force_n);
+        }
+        if self.slow {
+            self.read_attachment(state, &mut arrival, motion);
+        }
+        state.arrive(&arrival, motion);
+        let piston_m = state.piston_m();
+        let done = Done {
+            step_s,
+            motion,
+            acceleration_m_per_s2: drive.acceleration_m_per_s2,
+            start_force_n,
+            chain_force_n: arrival.force_n,
+            piston_m,
+            piston_travel_m: piston_m - piston_before_m,
+        };
+        let mut force_n = arrival.force_n;
+        for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
+            effect.remember(&self.nominal, memory, &done);
+            force_n = effect.output(memory, &done, force_n);
+            for value in memory.iter_mut() {
+                *value = without_tiny(*value);
+            }
+        }
+        state.output_n = force_n;
+        force_n
+    }
+
+    fn solve(
+        &self,
+        law: &Law,
+        stand: Stand,
+        drive: Drive,
+        step_s: f64,
+        creep: Creep,
+        start_force_n: f64,
+    ) -> Arrival {
+        if self.creeps {
+            implicit::advance_with_creep(law, stand, drive, step_s, creep, start_force_n)
+        } else {
+            series::advance(law, stand, drive, step_s)
+        }
+    }
+
+    fn creep(&self, state: &DamperState, start_force_n: f64, step_s: f64) -> Creep {
+        let mut creep = Creep::NONE;
+        if self.creeps {
+            for (effect, memory) in self.effects.iter().zip(&state.memory) {
+                creep = creep.plus(effect.creep(&self.nominal, memory, start_force_n, step_s));
+            }
+        }
+        creep
+    }
+
+    fn factors(&self, state: &DamperState, at: &MidStep) -> Factors {
+        let mut factors = Factors::NONE;
+        for (effect, memory) in self.effects.iter().zip(&state.memory) {
+            effect.slow(at, memory, &mut factors);
+        }
+        factors
+    }
+
+    /// Reads the force with the attachment as it is at the end of the step: frozen at mid-step, a
+    /// stiffness that changes would leave the force half a step behind.
+    fn read_attachment(&self, state: &DamperState, arrival: &mut Arrival, motion: Motion) {
+        let deflection_m = arrival.stand.deflection_m;
+        let at = MidStep {
+            motion,
+            piston_m: motion.displacement_m - deflection_m - state.creep_m,
+            piston_velocity_m_per_s: arrival.piston_velocity_m_per_s,
+        };
+        let factors = self.factors(state, &at);
+        if factors.compliance_gain != 1.0 || factors.added_half_clearance_m != 0.0 {
+            arrival.force_n = law::attachment_force_n(&self.parts, &factors, deflection_m);
+        }
+    }
+}
+
+impl DamperState {
+    #[inline]
+    fn arrive(&mut self, arrival: &Arrival, motion: Motion) {
+        self.motion = motion;
+        self.deflection_m = without_tiny(arrival.stand.deflection_m);
+        self.resting = arrival.stand.resting;
+        self.chain_force_n = arrival.force_n;
+        self.piston_velocity_m_per_s = arrival.piston_velocity_m_per_s;
+        self.fallbacks = self.fallbacks.saturating_add(u32::from(arrival.fell_back));
+    }
+}
+
+/// Where the damper will be at mid-step, near enough for a factor that changes slowly.
+fn mid_step(state: &DamperState, end: Motion, drive: Drive, step_s: f64) -> MidStep {
+    let half = 0.5 * step_s;
+    let velocity = state.piston_velocity_m_per_s;
+    let bend = 0.25 * half * step_s * drive.acceleration_m_per_s2;
+    MidStep {
+        motion: Motion {
+            displacement_m: 0.5 * (state.motion.displacement_m + end.displacement_m) - bend,
+            velocity_m_per_s: 0.5 * (state.motion.velocity_m_per_s + end.velocity_m_per_s),
+        },
+        piston_m: state.piston_m() + half * velocity,
+        piston_velocity_m_per_s: velocity,
+    }
+}
+
+#[inline]
+fn without_tiny(value: f64) -> f64 {
+    if value.abs() < TINY { 0.0 } else { value }
+}

@@ -1,0 +1,269 @@
+//! A piecewise-linear law: force over velocity, deflection over force.
+//!
+//! Knots in rising order with a slope beyond each end. Two knots at the same place are a step (dry
+//! friction, a clearance). Parallel parts add their forces at equal velocity and parts in series
+//! their deflections at equal force, so both are [`Curve::plus`].
+//!
+//! Values between knots are taken from the knot nearer to zero: a curve and its mirror image then
+//! give mirrored bits.
+
+use heapless::Vec;
+
+/// How many knots one curve holds.
+pub const CURVE_KNOTS: usize = 32;
+
+/// A point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Knot {
+    /// Where.
+    pub x: f64,
+    /// How much.
+    pub y: f64,
+}
+
+/// A piecewise-linear curve with straight ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    knots: Vec<Knot, CURVE_KNOTS>,
+    slope_before: f64,
+    slope_after: f64,
+}
+
+impl Curve {
+    /// Zero everywhere.
+    pub const ZERO: Self = Self { knots: Vec::new(), slope_before: 0.0, slope_after: 0.0 };
+
+    /// A curve through rising knots with a slope beyond each end. Knots beyond the capacity are
+    /// dropped; [`Curve::is_full`] then holds.
+    pub fn through(knots: &[Knot], slope_before: f64, slope_after: f64) -> Self {
+        let mut curve = Self { slope_before, slope_after, ..Self::ZERO };
+        for knot in knots {
+            curve.push(*knot);
+        }
+        curve
+    }
+
+    /// The knots, rising.
+    pub fn knots(&self) -> &[Knot] {
+        &self.knots
+    }
+
+    /// Slope before the first knot.
+    pub fn slope_before(&self) -> f64 {
+        self.slope_before
+    }
+
+    /// Slope after the last knot.
+    pub fn slope_after(&self) -> f64 {
+        self.slope_after
+    }
+
+    /// True when no more knots fit: the curve may be cut off.
+    pub fn is_full(&self) -> bool {
+        self.knots.is_full()
+    }
+
+    /// The value at `x`; at a step, the middle of it.
+    pub fn at(&self, x: f64) -> f64 {
+        let index = self.knots.iter().position(|knot| knot.x >= x).unwrap_or(self.knots.len());
+        let (before, after, _) = self.limits(index, x);
+        0.5 * (before + after)
+    }
+
+    /// The sum of two curves.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        let mut sum = Self {
+            knots: Vec::new(),
+            slope_before: self.slope_before + other.slope_before,
+            slope_after: self.slope_after + other.slope_after,
+        };
+        merge(self, other, |x, a, b| {
+            let (before, after) = (a.0 + b.0, a.1 + b.1);
+            sum.push(Knot { x, y: before });
+            if after != before {
+                sum.push(Knot { x, y: after });
+            }
+        });
+        sum
+    }
+
+    /// Adds a straight line through the origin.
+    pub fn add_line(&mut self, slope: f64) {
+        for knot in &mut self.knots {
+            knot.y += slope * knot.x;
+        }
+        self.slope_before += slope;
+        self.slope_after += slope;
+    }
+
+    /// Stretches one side of zero: `x` by `x_gain`, `y` by `y_gain`; both above zero.
+    pub fn stretch(&mut self, side: Side, x_gain: f64, y_gain: f64) {
+        for knot in &mut self.knots {
+            if if side == Side::Negative { knot.x < 0.0 } else { knot.x > 0.0 } {
+                knot.x *= x_gain;
+                knot.y *= y_gain;
+            }
+        }
+        let slope =
+            if side == Side::Negative { &mut self.slope_before } else { &mut self.slope_after };
+        *slope *= y_gain / x_gain;
+    }
+
+    /// Writes `x_gain * x`, `y_gain * y + y_shift` of `source` into `self`.
+    pub(super) fn copy_scaled(&mut self, source: &Self, x_gain: f64, y_gain: f64, y_shift: f64) {
+        self.knots.clear();
+        for knot in &source.knots {
+            self.push(Knot { x: x_gain * knot.x, y: y_gain * knot.y + y_shift });
+        }
+        self.slope_before = source.slope_before * y_gain / x_gain;
+        self.slope_after = source.slope_after * y_gain / x_gain;
+    }
+
+    /// Exchanges `x` and `y`. A flat end becomes an infinite slope.
+    pub(super) fn invert(&mut self) {
+        for knot in &mut self.knots {
+            *knot = Knot { x: knot.y, y: knot.x };
+        }
+        self.slope_before = 1.0 / self.slope_before;
+        self.slope_after = 1.0 / self.slope_after;
+    }
+
+    /// Cuts a curve through zero down to its rising part, outward from zero on both sides, and
+    /// returns the two values at zero as they were.
+    ///
+    /// What falls on the way outward is lowered to the lowest force that is still to come: the
+    /// force at which a piston that slides comes to rest.
+    pub(super) fn cut_to_rising(&mut self) -> (f64, f64) {
+        let before = self.knots.iter().find(|knot| knot.x >= 0.0).map_or(0.0, |knot| knot.y);
+        let after = self.knots.iter().rfind(|knot| knot.x <= 0.0).map_or(0.0, |knot| knot.y);
+        let first = self.knots.iter().position(|knot| knot.x >= 0.0);
+        let mut lowest = f64::INFINITY;
+        for knot in self.knots.iter_mut().rev().filter(|knot| knot.x >= 0.0) {
+            if knot.x == 0.0 && knot.y == before && before != after {
+                break;
+            }
+            lowest = lowest.min(knot.y);
+            knot.y = lowest;
+        }
+        let mut highest = f64::NEG_INFINITY;
+        for knot in self.knots.iter_mut().take(first.map_or(CURVE_KNOTS, |i| i + 1)) {
+            highest = highest.max(knot.y);
+            knot.y = highest;
+        }
+        (before, after)
+    }
+
+    /// True when the curve never falls and every slope between steps is at least `slope`.
+    pub(super) fn rises_at_least(&self, slope: f64) -> bool {
+        let pairs = self.knots.iter().zip(self.knots.iter().skip(1));
+        self.slope_before >= slope
+            && self.slope_after >= slope
+            && pairs.clone().all(|(a, b)| b.x >= a.x && b.y - a.y >= slope * (b.x - a.x))
+    }
+
+    fn push(&mut self, knot: Knot) {
+        // A full curve is refused when the damper is built, so nothing is lost in a step.
+        let _ = self.knots.push(knot);
+    }
+
+    /// Limits from the left and the right at `x`, given the first knot at or after `x`, and the
+    /// first knot after `x`.
+    fn limits(&self, index: usize, x: f64) -> (f64, f64, usize) {
+        let Some(here) = self.knots.get(index).filter(|knot| knot.x == x) else {
+            let value = self.between(index, x);
+            return (value, value, index);
+        };
+        let mut after = here.y;
+        let mut next = index + 1;
+        while let Some(knot) = self.knots.get(next).filter(|knot| knot.x == x) {
+            after = knot.y;
+            next += 1;
+        }
+        (here.y, after, next)
+    }
+
+    fn between(&self, index: usize, x: f64) -> f64 {
+        let left = index.checked_sub(1).and_then(|i| self.knots.get(i));
+        match (left, self.knots.get(index)) {
+            (None, None) => 0.0,
+            (None, Some(b)) => b.y + self.slope_before * (x - b.x),
+            (Some(a), None) => a.y + self.slope_after * (x - a.x),
+            (Some(a), Some(b)) => {
+                let slope = (b.y - a.y) / (b.x - a.x);
+                let inner = if a.x.abs() <= b.x.abs() { a } else { b };
+                inner.y + slope * (x - inner.x)
+            }
+        }
+    }
+}
+
+/// One side of zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Below zero: compression.
+    Negative,
+    /// Above zero: extension.
+    Positive,
+}
+
+/// Visits every place where one of two curves has a knot, rising, with the limits of both from the
+/// left and the right.
+pub(super) fn merge(a: &Curve, b: &Curve, mut visit: impl FnMut(f64, (f64, f64), (f64, f64))) {
+    let (mut i, mut j) = (0, 0);
+    for _ in 0..2 * CURVE_KNOTS {
+        let x = match (a.knots.get(i), b.knots.get(j)) {
+            (None, None) => return,
+            (Some(knot), None) | (None, Some(knot)) => knot.x,
+            (Some(p), Some(q)) => p.x.min(q.x),
+        };
+        let (a_before, a_after, next_i) = a.limits(i, x);
+        let (b_before, b_after, next_j) = b.limits(j, x);
+        visit(x, (a_before, a_after), (b_before, b_after));
+        (i, j) = (next_i, next_j);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn knot(x: f64, y: f64) -> Knot {
+        Knot { x, y }
+    }
+
+    #[test]
+    fn parallel_parts_add_at_equal_velocity() {
+        let dashpot = Curve::through(&[knot(-1.0, -2.0), knot(0.0, 0.0), knot(1.0, 2.0)], 0.5, 0.5);
+        let friction = Curve::through(&[knot(0.0, -3.0), knot(0.0, 3.0)], 0.0, 0.0);
+        let sum = dashpot.plus(&friction);
+        let expected = [knot(-1.0, -5.0), knot(0.0, -3.0), knot(0.0, 3.0), knot(1.0, 5.0)];
+        assert_eq!(sum.knots(), &expected);
+        assert_eq!(sum.at(0.5), 4.0);
+        assert_eq!(sum.at(3.0), 6.0);
+        assert_eq!(sum.at(-3.0), -6.0);
+        assert_eq!(sum.at(0.0), 0.0);
+    }
+
+    #[test]
+    fn falling_part_is_cut_to_the_lowest_sliding_force() {
+        let mut curve = Curve::through(
+            &[knot(-1.0, -2.0), knot(0.0, -5.0), knot(0.0, 5.0), knot(1.0, 2.0), knot(2.0, 6.0)],
+            1.0,
+            1.0,
+        );
+        assert_eq!(curve.cut_to_rising(), (-5.0, 5.0));
+        let expected =
+            [knot(-1.0, -2.0), knot(0.0, -2.0), knot(0.0, 2.0), knot(1.0, 2.0), knot(2.0, 6.0)];
+        assert_eq!(curve.knots(), &expected);
+        assert!(curve.rises_at_least(0.0));
+    }
+
+    #[test]
+    fn rising_curve_is_left_as_it_is() {
+        let source = Curve::through(&[knot(-1.0, -2.0), knot(0.0, 0.0), knot(1.0, 3.0)], 0.5, 0.5);
+        let mut curve = source.clone();
+        assert_eq!(curve.cut_to_rising(), (0.0, 0.0));
+        assert_eq!(curve, source);
+    }
+}

@@ -1,0 +1,297 @@
+//! What a nominal damper lacks, one effect per file.
+//!
+//! An effect is a struct made by `effect_parameters!` from its table, an [`DamperEffect`] that says
+//! how it enters the chain, and one line in the list at the end of this file. It enters by one or
+//! more of these, each with a default that does nothing:
+//!
+//! | method | for | when |
+//! | --- | --- | --- |
+//! | [`shape`](DamperEffect::shape) | a changed law: friction, asymmetry, valve stages, stiffening, a soft toe of air | once |
+//! | [`slow`](DamperEffect::slow) | a factor on a law from temperature, position, aeration, wear | each step, frozen at mid-step |
+//! | [`creep`](DamperEffect::creep) | a deflection of the attachment with a fast memory | each step, solved with the chain |
+//! | [`remember`](DamperEffect::remember) | the effect's own memory | after each step |
+//! | [`output`](DamperEffect::output) | parts beside the chain, and the sensor | after each step, in list order |
+//!
+//! The order of the list is the order in which effects act, whatever the order they are given in.
+
+pub mod parameter;
+
+use heapless::Vec;
+
+pub use parameter::{Parameter, Scale, Unit};
+
+use super::error::DamperError;
+use super::implicit::Creep;
+use super::law::{Factors, Parts};
+use super::nominal::Nominal;
+use super::{Done, MidStep};
+
+/// Most parameters of one effect.
+pub const MAX_PARAMETERS: usize = 8;
+
+/// Parameter values in table order.
+pub type Values = Vec<f64, MAX_PARAMETERS>;
+
+/// What one effect remembers between steps.
+pub type Memory = [f64; 4];
+
+/// Where in the damper an effect sits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Parallel to the hydraulic body, inside the attachment: the attachment filters it.
+    Inboard,
+    /// In series with the body.
+    Attachment,
+    /// Parallel to the whole damper, between its eyes.
+    Parallel,
+    /// Between the force and what is read of it.
+    Sensor,
+}
+
+impl Place {
+    /// As it is written in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Inboard => "inboard",
+            Self::Attachment => "attachment",
+            Self::Parallel => "parallel",
+            Self::Sensor => "sensor",
+        }
+    }
+}
+
+/// A parameter table and the values that follow it; `effect_parameters!` writes it.
+pub trait Table: Sized {
+    /// The table.
+    const PARAMETERS: &'static [Parameter];
+
+    /// The effect from values in table order, if there are as many.
+    fn from_table(values: &[f64]) -> Option<Self>;
+
+    /// The values in table order.
+    fn values(&self) -> Values;
+}
+
+/// How an effect enters the chain. Frozen configuration in `self`, memory outside.
+pub trait DamperEffect: Table + Copy {
+    /// Its name in scenarios and results.
+    const NAME: &'static str;
+    /// Where it sits.
+    const PLACE: Place;
+    /// Its equation, one line.
+    const EQUATION: &'static str;
+    /// It has [`slow`](Self::slow) factors.
+    const SLOW: bool = false;
+    /// It has [`creep`](Self::creep).
+    const CREEPS: bool = false;
+
+    /// The effect from values in table order.
+    ///
+    /// # Errors
+    /// [`DamperError::ValueCount`], or [`DamperError::Parameter`] for a value that no damper of
+    /// any size can have.
+    fn from_values(values: &[f64]) -> Result<Self, DamperError> {
+        let (given, expected) = (values.len(), Self::PARAMETERS.len());
+        let count = DamperError::ValueCount { effect: Self::NAME, given, expected };
+        let effect = Self::from_table(values).ok_or(count)?;
+        effect.validate()?;
+        Ok(effect)
+    }
+
+    /// Checks the values against what is possible at any size of damper.
+    ///
+    /// # Errors
+    /// [`DamperError::Parameter`] naming the first value that is not.
+    fn validate(&self) -> Result<(), DamperError> {
+        for (row, value) in Self::PARAMETERS.iter().zip(self.values()) {
+            let (lower, upper) = row.bounds_at_any_scale();
+            if !(value >= lower && value <= upper) {
+                let (owner, parameter) = (Self::NAME, row.name);
+                return Err(DamperError::Parameter { owner, parameter, value, lower, upper });
+            }
+        }
+        Ok(())
+    }
+
+    /// Changes the laws of the parts, once, when the damper is built.
+    fn shape(&self, _parts: &mut Parts, _nominal: &Nominal) {}
+
+    /// Multiplies the factors that hold during a step. `at` is mid-step for the motion of the
+    /// chain, and the end of the step when the force is read from the attachment.
+    fn slow(&self, _at: &MidStep, _memory: &Memory, _factors: &mut Factors) {}
+
+    /// Creep of the attachment over a step, given the force at its beginning.
+    fn creep(&self, _nominal: &Nominal, _memory: &Memory, _from_n: f64, _step_s: f64) -> Creep {
+        Creep::NONE
+    }
+
+    /// Brings the memory to the end of a step.
+    fn remember(&self, _nominal: &Nominal, _memory: &mut Memory, _done: &Done) {}
+
+    /// The force outside of this effect, given the force inside of it, at the end of a step.
+    fn output(&self, _memory: &mut Memory, _done: &Done, force_n: f64) -> f64 {
+        force_n
+    }
+}
+
+/// What the catalogue says about an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EffectInfo {
+    /// Its name in scenarios and results.
+    pub name: &'static str,
+    /// Where it sits.
+    pub place: Place,
+    /// Its equation, one line.
+    pub equation: &'static str,
+    /// Its parameter table.
+    pub parameters: &'static [Parameter],
+}
+
+macro_rules! effects {
+    ($($module:ident: $effect:ident,)+) => {
+        $(pub mod $module;)+
+        $(pub use $module::$effect;)+
+
+        /// An effect that the nominal damper lacks.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub enum Effect {
+            $(#[doc = concat!("See [`", stringify!($module), "`].")] $effect($effect),)+
+        }
+
+        /// All effects, in the order in which they act.
+        pub const CATALOGUE: &[EffectInfo] = &[$(EffectInfo {
+            name: $effect::NAME,
+            place: $effect::PLACE,
+            equation: $effect::EQUATION,
+            parameters: $effect::PARAMETERS,
+        },)+];
+
+        $(impl From<$effect> for Effect {
+            fn from(effect: $effect) -> Self {
+                Self::$effect(effect)
+            }
+        })+
+
+        impl Effect {
+            /// The effect of this name from values in the order of its table.
+            ///
+            /// # Errors
+            /// [`DamperError::UnknownEffect`], [`DamperError::ValueCount`],
+            /// [`DamperError::Parameter`].
+            pub fn from_values(name: &str, values: &[f64]) -> Result<Self, DamperError> {
+                $(if name == $effect::NAME {
+                    return Ok(Self::$effect(DamperEffect::from_values(values)?));
+                })+
+                Err(DamperError::UnknownEffect)
+            }
+
+            /// Its place in the catalogue.
+            pub fn index(&self) -> usize {
+                let name = self.name();
+                CATALOGUE.iter().position(|info| info.name == name).unwrap_or(CATALOGUE.len())
+            }
+
+            /// Its name in scenarios and results.
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$effect(_) => $effect::NAME,)+ }
+            }
+
+            /// Where it sits.
+            pub fn place(&self) -> Place {
+                match self { $(Self::$effect(_) => $effect::PLACE,)+ }
+            }
+
+            /// Its parameter table.
+            pub fn parameters(&self) -> &'static [Parameter] {
+                match self { $(Self::$effect(_) => $effect::PARAMETERS,)+ }
+            }
+
+            /// Its values in the order of the table.
+            pub fn values(&self) -> Values {
+                match self { $(Self::$effect(effect) => effect.values(),)+ }
+            }
+
+            pub(super) fn is_slow(&self) -> bool {
+                match self { $(Self::$effect(_) => $effect::SLOW,)+ }
+            }
+
+            pub(super) fn creeps(&self) -> bool {
+                match self { $(Self::$effect(_) => $effect::CREEPS,)+ }
+            }
+
+            pub(super) fn validate(&self) -> Result<(), DamperError> {
+                match self { $(Self::$effect(effect) => effect.validate(),)+ }
+            }
+
+            pub(super) fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
+                match self { $(Self::$effect(effect) => effect.shape(parts, nominal),)+ }
+            }
+
+            pub(super) fn slow(&self, at: &MidStep, memory: &Memory, factors: &mut Factors) {
+                match self { $(Self::$effect(effect) => effect.slow(at, memory, factors),)+ }
+            }
+
+            pub(super) fn creep(
+                &self,
+                nominal: &Nominal,
+                memory: &Memory,
+                from_n: f64,
+                step_s: f64,
+            ) -> Creep {
+                match self {
+                    $(Self::$effect(effect) => effect.creep(nominal, memory, from_n, step_s),)+
+                }
+            }
+
+            pub(super) fn remember(&self, nominal: &Nominal, memory: &mut Memory, done: &Done) {
+                match self { $(Self::$effect(effect) => effect.remember(nominal, memory, done),)+ }
+            }
+
+            pub(super) fn output(&self, memory: &mut Memory, done: &Done, force_n: f64) -> f64 {
+                match self { $(Self::$effect(effect) => effect.output(memory, done, force_n),)+ }
+            }
+        }
+    };
+}
+
+// Those that add to a law come before those that scale it; the sensor comes last.
+effects! {
+    seal_friction: SealFriction,
+    asymmetric_damping: AsymmetricDamping,
+    position_dependent_damping: PositionDependentDamping,
+    rubber_hysteresis: RubberHysteresis,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_table_is_usable() {
+        let scale = Scale { force_n: 15e3, velocity_m_per_s: 0.015, displacement_m: 3e-3 };
+        for info in CATALOGUE {
+            assert!(!info.parameters.is_empty() && info.parameters.len() <= MAX_PARAMETERS);
+            let usual: Values = info.parameters.iter().map(|row| row.usual(&scale)).collect();
+            for (row, value) in info.parameters.iter().zip(&usual) {
+                let (lower, upper) = row.bounds(&scale);
+                assert!(lower < upper && lower <= *value && *value <= upper, "{}", row.name);
+                assert!(!row.meaning.is_empty());
+            }
+            let effect = Effect::from_values(info.name, &usual).unwrap();
+            assert_eq!(effect.values(), usual);
+            assert_eq!((effect.name(), effect.place()), (info.name, info.place));
+            assert!(Effect::from_values(info.name, &usual[1..]).is_err());
+            let mut bad = usual.clone();
+            bad[0] = f64::NAN;
+            assert!(Effect::from_values(info.name, &bad).is_err());
+        }
+        assert_eq!(Effect::from_values("gremlins", &[]), Err(DamperError::UnknownEffect));
+    }
+
+    #[test]
+    fn names_are_unique() {
+        for (i, info) in CATALOGUE.iter().enumerate() {
+            assert!(CATALOGUE[..i].iter().all(|other| other.name != info.name));
+        }
+    }
+}

@@ -1,0 +1,327 @@
+//! The whole chain as one rising law: piston velocity over attachment deflection.
+//!
+//! Attachment and body carry the same force, so the deflection e of the attachment fixes the force
+//! F, and the force fixes the velocity v of the piston. With every law piecewise linear, so is
+//! v(e), and the chain driven at x(t) is one scalar equation:
+//!
+//! ```text
+//! e = x - x_d        e' = x'(t) - v(e)        F = F(e)
+//! ```
+//!
+//! On one segment its solution is an exponential. Where v jumps (a hard cap of the force) e stands
+//! still; where F does not change (the clearance) e moves freely.
+//!
+//! A body whose force falls after breakaway has two laws, one for the piston at rest and one for
+//! the sliding piston. Both rise; which one holds is a memory of the piston.
+
+use heapless::Vec;
+
+use super::curve::{Curve, Knot, merge};
+use super::error::DamperError;
+use super::series::Gains;
+
+/// How many segments the law of a chain holds.
+pub const LAW_SEGMENTS: usize = 48;
+
+/// The parts of a chain at nominal state, and what effects have made of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parts {
+    /// Hydraulic force over piston velocity; slow factors scale it.
+    pub hydraulic: Curve,
+    /// Dry force over piston velocity, parallel to the hydraulic one.
+    pub dry: Curve,
+    /// Deflection of the attachment over force, without its creep.
+    pub attachment: Curve,
+}
+
+/// What slow states do to the parts, frozen for one step. All gains are above zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Factors {
+    /// Hydraulic force at equal velocity.
+    pub force_gain: f64,
+    /// Velocity at equal hydraulic force: a thinner oil has a higher one, its relief force stays.
+    pub velocity_gain: f64,
+    /// Force that stands on the piston at rest, N, positive in tension.
+    pub preload_n: f64,
+    /// Deflection of the attachment at equal force, without the clearance.
+    pub compliance_gain: f64,
+    /// Half clearance that wear has added, m.
+    pub added_half_clearance_m: f64,
+}
+
+impl Factors {
+    /// Nothing changed.
+    pub const NONE: Self = Self {
+        force_gain: 1.0,
+        velocity_gain: 1.0,
+        preload_n: 0.0,
+        compliance_gain: 1.0,
+        added_half_clearance_m: 0.0,
+    };
+}
+
+/// A stretch of the law between two deflections.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// Where it begins, m; minus infinity for the first.
+    pub from_m: f64,
+    /// Where it ends, m.
+    pub to_m: f64,
+    /// Piston velocity at its beginning, m/s.
+    pub velocity_from: f64,
+    /// Piston velocity at its end, m/s.
+    pub velocity_to: f64,
+    /// Rate dv/de, 1/s.
+    pub rate_per_s: f64,
+    /// Stiffness dF/de, N/m.
+    pub stiffness_n_per_m: f64,
+    /// The end nearer to zero: deflection, force, velocity.
+    pub anchor: Point,
+    /// Response over the step the damper was prepared for.
+    pub gains: Gains,
+}
+
+/// A point of the law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Deflection of the attachment, m.
+    pub deflection_m: f64,
+    /// Force, N.
+    pub force_n: f64,
+    /// Piston velocity, m/s.
+    pub velocity_m_per_s: f64,
+}
+
+impl Segment {
+    /// Piston velocity at a deflection.
+    #[inline]
+    pub fn velocity(&self, deflection_m: f64) -> f64 {
+        self.anchor.velocity_m_per_s + self.rate_per_s * (deflection_m - self.anchor.deflection_m)
+    }
+
+    /// Force at a deflection.
+    #[inline]
+    pub fn force(&self, deflection_m: f64) -> f64 {
+        self.anchor.force_n + self.stiffness_n_per_m * (deflection_m - self.anchor.deflection_m)
+    }
+}
+
+/// Segments in rising order.
+pub type Segments = Vec<Segment, LAW_SEGMENTS>;
+
+/// The joined law of a chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Law {
+    /// The law while the piston slides, or at all times when its force never falls.
+    pub sliding: Segments,
+    /// The law of the piston at rest, up to breakaway; empty when its force never falls.
+    pub resting: Segments,
+    /// Deflection range in which a sliding piston comes to rest, m.
+    pub rest_from_m: f64,
+    /// End of that range, m.
+    pub rest_to_m: f64,
+    /// The step for which the gains of the segments hold, s; zero for none.
+    pub step_s: f64,
+}
+
+impl Law {
+    /// A law to be filled by [`Law::join`].
+    pub const EMPTY: Self = Self {
+        sliding: Vec::new(),
+        resting: Vec::new(),
+        rest_from_m: 0.0,
+        rest_to_m: 0.0,
+        step_s: 0.0,
+    };
+
+    /// Joins the parts under the given factors, in place. Bounded by the number of knots.
+    pub fn join(&mut self, parts: &Parts, factors: &Factors) {
+        let mut body = Curve::ZERO;
+        let x_gain = factors.velocity_gain;
+        body.copy_scaled(&parts.hydraulic, x_gain, factors.force_gain, factors.preload_n);
+        let mut body = body.plus(&parts.dry);
+        let (breakaway_from, breakaway_to) = body.cut_to_rising();
+        let at_rest = |knot: &&Knot| knot.x == 0.0;
+        let rest_from = body.knots().iter().find(at_rest).map_or(0.0, |knot| knot.y);
+        let rest_to = body.knots().iter().rfind(at_rest).map_or(0.0, |knot| knot.y);
+        body.invert();
+
+        let attachment = attachment_under(&parts.attachment, factors);
+        let attachment = attachment.as_ref().unwrap_or(&parts.attachment);
+        self.step_s = 0.0;
+        join_into(&mut self.sliding, &body, attachment);
+        self.resting.clear();
+        if breakaway_from < rest_from || breakaway_to > rest_to {
+            let ends = [Knot { x: breakaway_from, y: 0.0 }, Knot { x: breakaway_to, y: 0.0 }];
+            let stuck = Curve::through(&ends, f64::INFINITY, f64::INFINITY);
+            join_into(&mut self.resting, &stuck, attachment);
+            self.rest_from_m = outer(attachment, rest_from);
+            self.rest_to_m = outer(attachment, rest_to);
+        }
+    }
+
+    /// Computes the gains of every segment for one length of step.
+    pub fn prepare(&mut self, step_s: f64) {
+        for segment in self.sliding.iter_mut().chain(self.resting.iter_mut()) {
+            segment.gains = Gains::over(segment.rate_per_s, step_s);
+        }
+        self.step_s = step_s;
+    }
+
+    /// True when the piston has a law of its own at rest.
+    #[inline]
+    pub fn breaks_away(&self) -> bool {
+        !self.resting.is_empty()
+    }
+
+    /// Refuses parts that the tables cannot hold or that do not rise.
+    ///
+    /// # Errors
+    /// [`DamperError::TooManyKnots`], [`DamperError::NotMonotone`].
+    pub fn check(parts: &Parts) -> Result<(), DamperError> {
+        let curves = [&parts.hydraulic, &parts.dry, &parts.attachment];
+        let knots: usize = curves.iter().map(|curve| curve.knots().len()).sum();
+        if knots > CURVE_LIMIT || curves.iter().any(|curve| curve.is_full()) {
+            return Err(DamperError::TooManyKnots { limit: CURVE_LIMIT });
+        }
+        if !parts.attachment.rises_at_least(f64::MIN_POSITIVE) {
+            return Err(DamperError::NotMonotone { law: "attachment" });
+        }
+        if !parts.hydraulic.rises_at_least(0.0) {
+            return Err(DamperError::NotMonotone { law: "body" });
+        }
+        Ok(())
+    }
+}
+
+/// Knots of all three curves together: body and law then fit whatever the factors are.
+const CURVE_LIMIT: usize = 31;
+
+/// Force of the attachment at a deflection under the given factors.
+pub fn attachment_force_n(parts: &Parts, factors: &Factors, deflection_m: f64) -> f64 {
+    let scaled = attachment_under(&parts.attachment, factors);
+    let mut curve = scaled.unwrap_or_else(|| parts.attachment.clone());
+    curve.invert();
+    curve.at(deflection_m)
+}
+
+/// The attachment with its compliance scaled and its clearance widened, if either is changed.
+fn attachment_under(nominal: &Curve, factors: &Factors) -> Option<Curve> {
+    if factors.compliance_gain == 1.0 && factors.added_half_clearance_m == 0.0 {
+        return None;
+    }
+    let outer_end = |side: f64| {
+        let knots = nominal.knots().iter().filter(|knot| knot.x == 0.0);
+        knots.map(|knot| side * knot.y).fold(0.0, f64::max)
+    };
+    let (below, above) = (outer_end(-1.0), outer_end(1.0));
+    let added = factors.added_half_clearance_m;
+    let gain = factors.compliance_gain;
+    let positive = |y: f64| above + added + gain * (y - above);
+    let negative = |y: f64| -(below + added + gain * (-y - below));
+    let mut knots: Vec<Knot, { CURVE_LIMIT + 1 }> = Vec::new();
+    for knot in nominal.knots() {
+        let split = nominal.knots().iter().filter(|other| other.x == 0.0).count() == 1;
+        if knot.x == 0.0 && split && added > 0.0 {
+            let _ = knots.push(Knot { x: 0.0, y: negative(knot.y) });
+            let _ = knots.push(Knot { x: 0.0, y: positive(knot.y) });
+            continue;
+        }
+        let below_zero = knot.x < 0.0 || (knot.x == 0.0 && knot.y < 0.0);
+        let y = if below_zero { negative(knot.y) } else { positive(knot.y) };
+        let _ = knots.push(Knot { x: knot.x, y });
+    }
+    Some(Curve::through(&knots, gain * nominal.slope_before(), gain * nominal.slope_after()))
+}
+
+/// Deflection at a force, on the far side of a step.
+fn outer(attachment: &Curve, force_n: f64) -> f64 {
+    let knots = attachment.knots().iter().filter(|knot| knot.x == force_n);
+    let far = knots.fold(None, |far: Option<f64>, knot| {
+        Some(far.map_or(knot.y, |y| if knot.y.abs() > y.abs() { knot.y } else { y }))
+    });
+    far.unwrap_or_else(|| attachment.at(force_n))
+}
+
+/// Joins a body, velocity over force, with an attachment, deflection over force.
+fn join_into(segments: &mut Segments, body: &Curve, attachment: &Curve) {
+    segments.clear();
+    let mut last: Option<Point> = None;
+    merge(body, attachment, |force_n, velocity, deflection| {
+        let mut visit = |deflection_m: f64, velocity_m_per_s: f64| {
+            let point = Point { deflection_m, force_n, velocity_m_per_s };
+            if velocity_m_per_s == f64::NEG_INFINITY {
+                return;
+            }
+            match last {
+                None => push_end(segments, &point, body, attachment, -1.0),
+                Some(from) if point.deflection_m > from.deflection_m => {
+                    push_between(segments, &from, &point);
+                }
+                Some(_) => {}
+            }
+            last = Some(point);
+        };
+        if velocity.0 == f64::INFINITY {
+            return;
+        }
+        visit(deflection.0, velocity.0);
+        if deflection.1 > deflection.0 && velocity.1 > velocity.0 {
+            // Both free at once: the joint moves through its clearance, the piston waits.
+            let waiting = 0.0_f64.max(velocity.0).min(velocity.1);
+            visit(deflection.0, waiting);
+            visit(deflection.1, waiting);
+        }
+        if velocity.1 < f64::INFINITY {
+            visit(deflection.1, velocity.1);
+        }
+    });
+    if let Some(end) = last {
+        push_end(segments, &end, body, attachment, 1.0);
+    }
+}
+
+/// The segment between two points.
+fn push_between(segments: &mut Segments, from: &Point, to: &Point) {
+    let length = to.deflection_m - from.deflection_m;
+    let inner = if from.deflection_m.abs() <= to.deflection_m.abs() { from } else { to };
+    // Never full: `Law::check` has counted the knots.
+    let _ = segments.push(Segment {
+        from_m: from.deflection_m,
+        to_m: to.deflection_m,
+        velocity_from: from.velocity_m_per_s,
+        velocity_to: to.velocity_m_per_s,
+        rate_per_s: (to.velocity_m_per_s - from.velocity_m_per_s) / length,
+        stiffness_n_per_m: (to.force_n - from.force_n) / length,
+        anchor: *inner,
+        gains: Gains::NONE,
+    });
+}
+
+/// The segment beyond the first or the last point, unless the force is capped there.
+fn push_end(segments: &mut Segments, at: &Point, body: &Curve, attachment: &Curve, side: f64) {
+    let (slope, compliance) = if side < 0.0 {
+        (body.slope_before(), attachment.slope_before())
+    } else {
+        (body.slope_after(), attachment.slope_after())
+    };
+    if slope.is_infinite() {
+        return;
+    }
+    let far = side * f64::INFINITY;
+    let far_velocity = if slope > 0.0 { far } else { at.velocity_m_per_s };
+    let (e, v) = (at.deflection_m, at.velocity_m_per_s);
+    let ordered = |inner: f64, outer: f64| if side < 0.0 { (outer, inner) } else { (inner, outer) };
+    let (from_m, to_m) = ordered(e, far);
+    let (velocity_from, velocity_to) = ordered(v, far_velocity);
+    let _ = segments.push(Segment {
+        from_m,
+        to_m,
+        velocity_from,
+        velocity_to,
+        rate_per_s: slope / compliance,
+        stiffness_n_per_m: 1.0 / compliance,
+        anchor: *at,
+        gains: Gains::NONE,
+    });
+}

@@ -1,0 +1,315 @@
+//! The event-exact update of the series chain.
+//!
+//! Within a step the ends of the damper move as a parabola, x' = V + A t, through the displacements
+//! at both ends with the mean acceleration between the velocities there. On one segment of the
+//! [law](super::law) the deflection then is
+//!
+//! ```text
+//! e(t) = e0 + t f1(-s t) (V - v(e0)) + t^2 f2(-s t) A
+//! f1(z) = (exp(z) - 1)/z           f2(z) = (f1(z) - 1)/z
+//! ```
+//!
+//! with the rate s = dv/de. The time at which it leaves the segment is the root of this equation,
+//! found by a bracketed Newton iteration; then the next segment goes on for the rest of the step.
+//! A step rarely meets more than two segments. After [`MAX_VISITS`] the rest of the step is closed
+//! by one backward Euler step, which always succeeds, and counted.
+//!
+//! Limit: an excursion into a neighbouring segment that begins and ends within one step is left
+//! out; it is smaller than A h^2 / 8.
+
+use super::implicit::backward_euler;
+use super::law::{Law, Segment, Segments};
+
+/// Most pieces of one step before the fallback.
+pub const MAX_VISITS: u32 = 16;
+
+/// Most iterations for one crossing time.
+const MAX_CROSSING_ITERATIONS: u32 = 24;
+
+/// Response of a segment over a length of time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gains {
+    /// t f1(-s t): deflection per excess velocity, s.
+    pub velocity_s: f64,
+    /// t^2 f2(-s t): deflection per acceleration, s^2.
+    pub acceleration_s2: f64,
+}
+
+impl Gains {
+    /// Over no time.
+    pub const NONE: Self = Self { velocity_s: 0.0, acceleration_s2: 0.0 };
+
+    /// Over `time_s` at `rate_per_s`.
+    pub fn over(rate_per_s: f64, time_s: f64) -> Self {
+        let z = -rate_per_s * time_s;
+        let (f1, f2) = if z > -0.1 {
+            // Series of f2 to z^8: at |z| = 0.1 the first term left out is 3e-16.
+            let mut f2 = 0.0;
+            for factorial in
+                [3_628_800.0, 362_880.0, 40_320.0, 5_040.0, 720.0, 120.0, 24.0, 6.0, 2.0]
+            {
+                f2 = f2 * z + 1.0 / factorial;
+            }
+            (1.0 + z * f2, f2)
+        } else {
+            let f1 = libm::expm1(z) / z;
+            (f1, (f1 - 1.0) / z)
+        };
+        Self { velocity_s: time_s * f1, acceleration_s2: time_s * time_s * f2 }
+    }
+}
+
+/// How the ends of the damper move during a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// Velocity at the beginning, m/s.
+    pub velocity_m_per_s: f64,
+    /// Acceleration, m/s2.
+    pub acceleration_m_per_s2: f64,
+}
+
+/// Where the chain stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stand {
+    /// Deflection of the attachment without creep, m.
+    pub deflection_m: f64,
+    /// The piston is at rest and has to break away.
+    pub resting: bool,
+}
+
+/// Where a step ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arrival {
+    /// Where the chain stands.
+    pub stand: Stand,
+    /// Force in the chain, N.
+    pub force_n: f64,
+    /// Velocity of the piston, m/s.
+    pub piston_velocity_m_per_s: f64,
+    /// Change of force per change of driving velocity, N s/m, on the last segment.
+    pub sensitivity_n_s_per_m: f64,
+    /// The step was closed by backward Euler.
+    pub fell_back: bool,
+}
+
+/// Moves the chain through one step.
+#[inline]
+pub fn advance(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
+    let resting = stands_at_rest(law, stand);
+    let segments = if resting { &law.resting } else { &law.sliding };
+    let e = stand.deflection_m;
+    // Nearly every step begins and ends inside one segment.
+    if let Some(segment) = segments.iter().find(|segment| e < segment.to_m)
+        && e > segment.from_m
+        && let Some(arrival) =
+            within(law, segment, Stand { deflection_m: e, resting }, drive, step_s)
+    {
+        return arrival;
+    }
+    across(law, Stand { deflection_m: e, resting }, drive, step_s)
+}
+
+/// The whole step on one segment, or nothing if it leaves the segment.
+#[inline]
+fn within(law: &Law, on: &Segment, stand: Stand, drive: Drive, time_s: f64) -> Option<Arrival> {
+    let e = stand.deflection_m;
+    let gains = gains_over(law, on, time_s);
+    let excess = drive.velocity_m_per_s - on.velocity(e);
+    let end = e + gains.velocity_s * excess + gains.acceleration_s2 * drive.acceleration_m_per_s2;
+    if !(end < on.to_m && end > on.from_m) {
+        return None;
+    }
+    Some(Arrival {
+        stand: Stand { deflection_m: end, ..stand },
+        force_n: on.force(end),
+        piston_velocity_m_per_s: on.velocity(end),
+        sensitivity_n_s_per_m: on.stiffness_n_per_m * gains.velocity_s,
+        fell_back: false,
+    })
+}
+
+#[inline]
+fn gains_over(law: &Law, segment: &Segment, time_s: f64) -> Gains {
+    if time_s == law.step_s { segment.gains } else { Gains::over(segment.rate_per_s, time_s) }
+}
+
+#[inline]
+fn stands_at_rest(law: &Law, stand: Stand) -> bool {
+    if !law.breaks_away() {
+        return false;
+    }
+    let e = stand.deflection_m;
+    if stand.resting {
+        let from = law.resting.first().map_or(0.0, |first| first.from_m);
+        let to = law.resting.last().map_or(0.0, |last| last.to_m);
+        e >= from && e <= to
+    } else {
+        e >= law.rest_from_m && e <= law.rest_to_m
+    }
+}
+
+/// Which way a chain leaves a knot.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Below,
+    Above,
+}
+
+/// The step over several segments.
+fn across(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
+    let mut resting = stand.resting;
+    let mut e = stand.deflection_m;
+    let mut velocity = drive.velocity_m_per_s;
+    let acceleration = drive.acceleration_m_per_s2;
+    let mut left_s = step_s;
+    // Set when the segment on the other side of a knot has turned the chain back.
+    let mut turned: Option<Way> = None;
+    for _ in 0..MAX_VISITS {
+        let segments = if resting { &law.resting } else { &law.sliding };
+        e = clamp_to(segments, e);
+        let stand = Stand { deflection_m: e, resting };
+        let drive = Drive { velocity_m_per_s: velocity, acceleration_m_per_s2: acceleration };
+        let (below, above) = around(segments, e);
+        let on = match (below, above) {
+            (Some(a), Some(b)) if core::ptr::eq(a, b) => a,
+            _ => {
+                // Beyond the last segment the force is capped, or the piston at rest breaks away.
+                let cap = if resting { 0.0 } else { f64::INFINITY };
+                let low = below.map_or(-cap, |segment| segment.velocity_to);
+                let high = above.map_or(cap, |segment| segment.velocity_from);
+                let way = turned.or_else(|| leave(velocity, acceleration, low, high));
+                match (way, below, above) {
+                    (Some(Way::Below), Some(segment), _) | (Some(Way::Above), _, Some(segment)) => {
+                        segment
+                    }
+                    (Some(_), ..) if resting => {
+                        // Breakaway: from here on the law of the sliding piston.
+                        resting = false;
+                        turned = None;
+                        continue;
+                    }
+                    (Some(_), ..) => {
+                        return held(segments, stand, velocity + acceleration * left_s);
+                    }
+                    (None, ..) => {
+                        let bound = if acceleration > 0.0 { high } else { low };
+                        let wait_s = (bound - velocity) / acceleration;
+                        if acceleration == 0.0 || wait_s >= left_s {
+                            return held(segments, stand, velocity + acceleration * left_s);
+                        }
+                        left_s -= wait_s;
+                        velocity = bound;
+                        continue;
+                    }
+                }
+            }
+        };
+        if let Some(arrival) = within(law, on, stand, drive, left_s) {
+            return arrival;
+        }
+        let gains = gains_over(law, on, left_s);
+        let excess = velocity - on.velocity(e);
+        let end = e + gains.velocity_s * excess + gains.acceleration_s2 * acceleration;
+        let target = if end >= on.to_m { on.to_m } else { on.from_m };
+        if target == e {
+            // Out again where it came in: the excursion is too small to matter.
+            if turned.is_some() {
+                return held(segments, stand, velocity + acceleration * left_s);
+            }
+            turned = Some(if target == on.to_m { Way::Above } else { Way::Below });
+        } else {
+            let time_s = crossing_time(on, excess, acceleration, target - e, end - e, left_s);
+            e = target;
+            velocity += acceleration * time_s;
+            left_s -= time_s;
+            turned = None;
+        }
+        if !resting && law.breaks_away() && e >= law.rest_from_m && e <= law.rest_to_m {
+            resting = true;
+            turned = None;
+        }
+    }
+    let mean = velocity + 0.5 * acceleration * left_s;
+    let segments = &law.sliding;
+    let end = backward_euler(segments, e, mean, left_s);
+    let stand = Stand { deflection_m: end, resting: false };
+    Arrival { fell_back: true, ..held(segments, stand, velocity + acceleration * left_s) }
+}
+
+/// The segments below and above a deflection: the same one inside it, two at a knot, one at a cap.
+fn around(segments: &Segments, e: f64) -> (Option<&Segment>, Option<&Segment>) {
+    let Some(index) = segments.iter().position(|segment| e <= segment.to_m) else {
+        return (segments.last(), None);
+    };
+    let here = segments.get(index);
+    match here {
+        Some(segment) if e == segment.to_m => (here, segments.get(index + 1)),
+        Some(segment) if e == segment.from_m => {
+            (index.checked_sub(1).and_then(|i| segments.get(i)), here)
+        }
+        _ => (here, here),
+    }
+}
+
+/// Which way the chain leaves a knot where the law jumps from `low` to `high`, if it leaves it.
+fn leave(velocity: f64, acceleration: f64, low: f64, high: f64) -> Option<Way> {
+    if velocity > high || (velocity == high && acceleration > 0.0) {
+        Some(Way::Above)
+    } else if velocity < low || (velocity == low && acceleration < 0.0) {
+        Some(Way::Below)
+    } else {
+        None
+    }
+}
+
+/// The end of a step at a knot, the piston taking all of the motion that the law leaves it.
+fn held(segments: &Segments, stand: Stand, velocity: f64) -> Arrival {
+    let e = stand.deflection_m;
+    let (below, above) = around(segments, e);
+    let low = below.map_or(f64::NEG_INFINITY, |s| s.velocity(e).min(s.velocity_to));
+    let high = above.map_or(f64::INFINITY, |s| s.velocity(e).max(s.velocity_from));
+    Arrival {
+        stand,
+        force_n: below.or(above).map_or(0.0, |segment| segment.force(e)),
+        piston_velocity_m_per_s: velocity.max(low).min(high),
+        sensitivity_n_s_per_m: 0.0,
+        fell_back: false,
+    }
+}
+
+fn clamp_to(segments: &Segments, e: f64) -> f64 {
+    let from = segments.first().map_or(e, |first| first.from_m);
+    let to = segments.last().map_or(e, |last| last.to_m);
+    e.max(from).min(to)
+}
+
+/// The time at which the deflection has changed by `target`, knowing that it would change by
+/// `change`, beyond the target, within `left_s`.
+fn crossing_time(
+    on: &Segment,
+    excess: f64,
+    acceleration: f64,
+    target: f64,
+    change: f64,
+    left_s: f64,
+) -> f64 {
+    let (mut early, mut late) = (0.0, left_s);
+    let mut time = left_s * (target / change);
+    for _ in 0..MAX_CROSSING_ITERATIONS {
+        let gains = Gains::over(on.rate_per_s, time);
+        let miss = gains.velocity_s * excess + gains.acceleration_s2 * acceleration - target;
+        if (miss >= 0.0) == (target > 0.0) {
+            late = time;
+        } else {
+            early = time;
+        }
+        let decay = 1.0 - on.rate_per_s * gains.velocity_s;
+        let speed = excess * decay + acceleration * gains.velocity_s;
+        let newton = time - miss / speed;
+        if (newton - time).abs() <= 1e-13 * left_s {
+            break;
+        }
+        time = if newton > early && newton < late { newton } else { 0.5 * (early + late) };
+    }
+    time
+}
