@@ -1,21 +1,13 @@
 "use strict";
 (() => {
   const page = document.documentElement;
-  const errors = [];
-  const report = (what) => {
-    errors.push(String(what));
-    page.dataset.pageErrors = errors.join(" | ");
-  };
-  addEventListener("error", (event) => report(event.message));
-  document.addEventListener("securitypolicyviolation", (event) =>
-    report(`${event.violatedDirective} refused ${event.blockedURI}`));
-
   // Looks that all plots share; the data and the axes come with each figure.
   const axis = {
-    automargin: true, showline: true, linecolor: "#1d2329", linewidth: 1, mirror: true,
-    ticks: "outside", ticklen: 4, tickcolor: "#1d2329", gridcolor: "#e3e7ea",
+    automargin: true, showline: true, linecolor: "#1d2329", linewidth: 1, mirror: "all",
+    ticks: "inside", ticklen: 5, tickcolor: "#1d2329", gridcolor: "#e3e7ea",
     zeroline: true, zerolinecolor: "#b9c1c7", zerolinewidth: 1,
     exponentformat: "power", hoverformat: ".6~g", title: { standoff: 8 },
+    minor: { gridcolor: "#f1f3f5" },
   };
   const looks = {
     font: {
@@ -25,8 +17,10 @@
     margin: { l: 60, r: 14, t: 26, b: 44 }, bargap: 0, hoversubplots: "axis", dragmode: "zoom",
     legend: {
       orientation: "h", x: 0, xanchor: "left", y: 1, yanchor: "bottom",
-      itemsizing: "constant", tracegroupgap: 0,
+      bgcolor: "rgba(0,0,0,0)",
+      itemsizing: "trace", tracegroupgap: 0,
     },
+    modebar: { bgcolor: "rgba(0,0,0,0)" },
     hoverlabel: { font: { size: 12 }, namelength: -1 },
     xaxis: axis, yaxis: axis,
     annotationdefaults: { arrowwidth: 1, arrowsize: 0.9, arrowcolor: "#555555", font: { size: 12 } },
@@ -37,9 +31,10 @@
     bar: "%{y:.6~g} %{meta}",
     heatmap: "%{x:.6~g}, %{y:.6~g}: %{z:.6~g} %{meta}<extra></extra>",
   };
+  // The buttons are named one by one: the library's own choice has one that uploads the data.
   const config = {
-    responsive: true, displaylogo: false,
-    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+    responsive: true, displaylogo: false, displayModeBar: "hover", showSendToCloud: false,
+    modeBarButtons: [["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"], ["toImage"]],
   };
 
   const drawings = [];
@@ -81,14 +76,14 @@
       } catch (error) {
         job.canvas.classList.add("failed");
         job.canvas.textContent = `This plot could not be drawn: ${error.message}`;
-        report(error.message);
+        page.complain(error.message);
       }
       page.dataset.plotsDrawn = drawings.length;
       // Let the reader scroll in between.
       await new Promise((next) => setTimeout(next, 0));
     }
     page.dataset.requests = performance.getEntriesByType("resource").length;
-    page.dataset.ready = errors.length ? "with errors" : "yes";
+    page.dataset.ready = page.dataset.pageErrors ? "with errors" : "yes";
   };
 
   // Paper is narrower than a screen: draw for its width, and put the screen back afterwards.

@@ -1,13 +1,14 @@
-//! A plot as plotly.js wants it: traces and layout in JSON, and the small print under it.
+//! A plot as plotly.js wants it: traces and layout in JSON.
 
 use serde_json::{Map, Value, json};
 
 use crate::html::{escape, with_unit};
+use crate::marks::{marks, room_for_limits};
 use crate::number::{decade, round_to_decimals};
-use crate::plot::{Axis, Mark, Panel, Plot, Zoom};
+use crate::plot::{Axis, Panel, Plot, Zoom};
 use crate::series::{Kind, Trace};
 use crate::style;
-use crate::thin::{Drawn, MAX_DRAWN, choose};
+use crate::thin::{self, Drawn};
 
 /// Digits of what is drawn: of the span of a trace on a linear axis, of each value on a log axis.
 const DIGITS: i32 = 6;
@@ -37,48 +38,6 @@ pub(crate) fn view(plot: &Plot, zoom: Option<&Zoom>) -> Value {
     json!({"data": data, "layout": layout(plot, zoom, names.len())})
 }
 
-/// What a reader must know about the drawing: thinning and gaps.
-pub(crate) fn small_print(plot: &Plot) -> Vec<String> {
-    let mut lines = Vec::new();
-    let traces = || plot.panels.iter().flat_map(|p| p.traces.iter().map(move |t| (p, t)));
-    let longest = traces()
-        .filter(|(_, t)| !matches!(t.kind, Kind::Bars | Kind::Map { .. }))
-        .map(|(_, t)| t.y.len())
-        .max()
-        .unwrap_or(0);
-    if longest > MAX_DRAWN {
-        lines.push(format!(
-            "Up to {longest} samples per trace; at most about {MAX_DRAWN} are drawn, the smallest \
-             and the largest of every step, so peaks are true."
-        ));
-    }
-    for (panel, trace) in traces() {
-        let gaps = gaps(trace, plot.x.log, panel.y.log);
-        if gaps > 0 {
-            let why = if plot.x.log || panel.y.log {
-                "not finite or not positive"
-            } else {
-                "not finite"
-            };
-            lines.push(format!("{}: {gaps} samples are {why} and left out.", trace.name));
-        }
-    }
-    lines
-}
-
-fn gaps(trace: &Trace, log_x: bool, log_y: bool) -> usize {
-    let bad = |v: f64, log: bool| !v.is_finite() || (log && v <= 0.0);
-    match &trace.kind {
-        Kind::Map { z, .. } => z.iter().filter(|&&z| !z.is_finite()).count(),
-        Kind::NamedBars { .. } => trace.x.iter().filter(|&&x| bad(x, log_x)).count(),
-        // A bar of height zero is an empty bin and no gap.
-        Kind::Bars => trace.y.iter().filter(|y| !y.is_finite()).count(),
-        Kind::Line { .. } | Kind::LineWithPoints | Kind::Scatter | Kind::Band { .. } => {
-            trace.x.iter().zip(&trace.y).filter(|&(&x, &y)| bad(x, log_x) || bad(y, log_y)).count()
-        }
-    }
-}
-
 /// The names in order of first appearance: place in this list is colour and legend entry.
 fn names(plot: &Plot) -> Vec<&str> {
     let mut names = Vec::new();
@@ -91,12 +50,16 @@ fn names(plot: &Plot) -> Vec<&str> {
 }
 
 fn draw(trace: &Trace, slot: usize, log_x: bool, log_y: bool, zoom: Option<&Zoom>) -> Vec<Value> {
-    let chosen = || choose(&trace.x, &trace.y, log_x, zoom.map(|z| &z.x));
+    let chosen = || {
+        let scatter = matches!(trace.kind, Kind::Scatter);
+        let window = zoom.map(|z| &z.x);
+        thin::choose(&trace.x, &trace.y, scatter, log_x, window).drawn
+    };
     match &trace.kind {
         Kind::Line { dashed } => {
             let k = chosen();
             vec![json!({
-                "type": "scatter", "mode": "lines", "line": style::line(slot, k.len(), *dashed),
+                "type": "scatter", "mode": "lines", "line": style::line(slot, trace.x.len(), k.len(), *dashed),
                 "x": numbers(&trace.x, &k, log_x), "y": numbers(&trace.y, &k, log_y),
             })]
         }
@@ -104,7 +67,7 @@ fn draw(trace: &Trace, slot: usize, log_x: bool, log_y: bool, zoom: Option<&Zoom
             let k = chosen();
             vec![json!({
                 "type": "scatter", "mode": "lines+markers",
-                "line": style::line(slot, k.len(), false), "marker": style::marker(slot, k.len()),
+                "line": style::joint(slot), "marker": style::marker(slot, k.len()),
                 "x": numbers(&trace.x, &k, log_x), "y": numbers(&trace.y, &k, log_y),
             })]
         }
@@ -125,7 +88,7 @@ fn draw(trace: &Trace, slot: usize, log_x: bool, log_y: bool, zoom: Option<&Zoom
             })]
         }
         Kind::Band { upper } => {
-            let k = chosen();
+            let k = both_edges(&trace.x, &trace.y, upper, log_x, zoom);
             let line = json!({"width": 0.6, "color": style::colour(slot)});
             let x = numbers(&trace.x, &k, log_x);
             vec![
@@ -151,13 +114,21 @@ fn draw(trace: &Trace, slot: usize, log_x: bool, log_y: bool, zoom: Option<&Zoom
     }
 }
 
+/// The samples of a band: those that either of its edges needs.
+fn both_edges(x: &[f64], lower: &[f64], upper: &[f64], log_x: bool, zoom: Option<&Zoom>) -> Drawn {
+    let edge = |y| thin::choose(x, y, false, log_x, zoom.map(|z| &z.x)).drawn.into_iter().flatten();
+    let mut kept: Vec<usize> = edge(lower).chain(edge(upper)).collect();
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(Some).collect()
+}
+
 /// Bars as centres and widths; on a log axis the middle is that of the ratio, so that the bars of
 /// equal decades look alike.
 fn bars(trace: &Trace, slot: usize, log_x: bool) -> Value {
     let pairs = || trace.x.windows(2).map(|edge| (edge[0], edge[1]));
-    let centres: Vec<f64> = pairs()
-        .map(|(a, b)| if log_x { (a * b).max(0.0).sqrt() } else { 0.5 * (a + b) })
-        .collect();
+    let centres: Vec<f64> =
+        pairs().map(|(a, b)| if log_x { (a * b).max(0.0).sqrt() } else { 0.5 * (a + b) }).collect();
     let widths: Vec<f64> = pairs().map(|(a, b)| b - a).collect();
     let offsets: Vec<f64> = pairs().zip(&centres).map(|((a, _), centre)| a - centre).collect();
     let k = all(centres.len());
@@ -197,9 +168,13 @@ fn numbers(values: &[f64], chosen: &Drawn, log: bool) -> Value {
 fn layout(plot: &Plot, zoom: Option<&Zoom>, names: usize) -> Value {
     let count = plot.panels.len();
     let mut layout = Map::new();
+    let has_names = plot.panels.iter().flat_map(|p| &p.traces).any(|t| t.name_count().is_some());
     let x_range = zoom.map(|z| &z.x).or(plot.x.range.as_ref());
     let mut x = axis(&plot.x, x_range.map(|r| (*r.start(), *r.end())));
     x.insert("anchor".into(), axis_id("y", count - 1).into());
+    if plot.equal_aspect {
+        x.insert("constrain".into(), "domain".into());
+    }
     layout.insert("xaxis".into(), x.into());
     for (index, panel) in plot.panels.iter().enumerate() {
         let range = match zoom {
@@ -212,15 +187,20 @@ fn layout(plot: &Plot, zoom: Option<&Zoom>, names: usize) -> Value {
         let height = (1.0 - GAP * (count - 1) as f64) / count as f64;
         let bottom = (height + GAP) * (count - 1 - index) as f64;
         y.insert("domain".into(), json!([bottom, (bottom + height).min(1.0)]));
+        if range.is_none() {
+            y.insert("autorangeoptions".into(), json!({"include": room_for_limits(panel)}));
+        }
         if plot.equal_aspect {
             y.insert("scaleanchor".into(), "x".into());
+            y.insert("constrain".into(), "domain".into());
         }
-        if panel.traces.iter().any(|t| matches!(t.kind, Kind::NamedBars { .. })) {
+        if has_names {
             y.insert("type".into(), "category".into());
             y.insert("autorange".into(), "reversed".into());
         }
         layout.insert(format!("yaxis{}", suffix(index)), y.into());
     }
+    layout.insert("bargap".into(), if has_names { 0.35 } else { 0.0 }.into());
     let (shapes, notes) = marks(plot, zoom);
     layout.insert("shapes".into(), shapes.into());
     layout.insert("annotations".into(), notes.into());
@@ -235,12 +215,17 @@ fn axis(axis: &Axis, range: Option<(f64, f64)>) -> Map<String, Value> {
     out.insert("title".into(), json!({"text": escape(&with_unit(&axis.name, &axis.unit))}));
     if axis.log {
         out.insert("type".into(), "log".into());
+        out.insert("minor".into(), json!({"showgrid": true}));
     }
     if let Some((from, to)) = range {
-        let place = |v: f64| if axis.log { libm::log10(v) } else { v };
-        out.insert("range".into(), json!([place(from), place(to)]));
+        out.insert("range".into(), json!([place(from, axis.log), place(to, axis.log)]));
     }
     out
+}
+
+/// Where a value lies on its axis: its logarithm on a log axis.
+pub(crate) fn place(value: f64, log: bool) -> f64 {
+    if log { libm::log10(value) } else { value }
 }
 
 /// The y range of the samples inside a zoom, with a margin; none for an empty one or a log axis.
@@ -253,63 +238,13 @@ fn range_inside(panel: &Panel, zoom: &Zoom) -> Option<(f64, f64)> {
     (!panel.y.log && margin > 0.0).then_some((low - margin, high + margin))
 }
 
-fn marks(plot: &Plot, zoom: Option<&Zoom>) -> (Vec<Value>, Vec<Value>) {
-    let (mut shapes, mut notes) = (Vec::new(), Vec::new());
-    for (index, panel) in plot.panels.iter().enumerate() {
-        let y_id = axis_id("y", index);
-        let over = format!("{y_id} domain");
-        for mark in &panel.marks {
-            match mark {
-                Mark::Limit { label, y } => shapes.push(json!({
-                    "type": "line", "xref": "x domain", "x0": 0, "x1": 1, "yref": y_id, "y0": y,
-                    "y1": y, "line": {"color": "#555555", "width": 1.2, "dash": "6px,3px"},
-                    "label": {"text": escape(label), "textposition": "end", "yanchor": "bottom"},
-                })),
-                Mark::At { label, x } => shapes.push(json!({
-                    "type": "line", "xref": "x", "x0": x, "x1": x, "yref": over, "y0": 0, "y1": 1,
-                    "line": {"color": "#555555", "width": 1.2, "dash": "2px,2px"},
-                    "label": {"text": escape(label), "textposition": "end", "textangle": 0,
-                              "xanchor": "left", "yanchor": "top"},
-                })),
-                Mark::Span { label, x } => shapes.push(json!({
-                    "type": "rect", "xref": "x", "x0": x.start(), "x1": x.end(), "yref": over,
-                    "y0": 0, "y1": 1, "layer": "below", "fillcolor": "#e9e4d4",
-                    "line": {"width": 0},
-                    "label": {"text": escape(label), "textposition": "top left"},
-                })),
-                Mark::Note { text, x, y } => {
-                    // Unlike shapes, annotations take the logarithm on a log axis.
-                    let place = |v: f64, log: bool| if log { libm::log10(v) } else { v };
-                    notes.push(json!({
-                        "text": escape(text), "xref": "x", "x": place(*x, plot.x.log),
-                        "yref": y_id, "y": place(*y, panel.y.log), "ax": 34, "ay": -30,
-                    }));
-                }
-            }
-        }
-    }
-    if zoom.is_none() {
-        shapes.extend(plot.zooms.iter().map(zoomed_area));
-    }
-    (shapes, notes)
-}
-
-/// A faint frame in the whole view that shows where a zoom looks.
-fn zoomed_area(zoom: &Zoom) -> Value {
-    let (y_ref, (low, high)) =
-        zoom.y.as_ref().map_or(("paper", (0.0, 1.0)), |y| ("y", ends(y)));
-    json!({
-        "type": "rect", "xref": "x", "x0": zoom.x.start(), "x1": zoom.x.end(), "yref": y_ref,
-        "y0": low, "y1": high, "fillcolor": "rgba(60,60,60,0.07)",
-        "line": {"color": "#777777", "width": 0.8, "dash": "3px,2px"},
-    })
-}
-
-fn ends(range: &std::ops::RangeInclusive<f64>) -> (f64, f64) {
+/// The two ends of a range.
+pub(crate) fn ends(range: &std::ops::RangeInclusive<f64>) -> (f64, f64) {
     (*range.start(), *range.end())
 }
 
-fn axis_id(letter: &str, index: usize) -> String {
+/// The name of the axis of a panel: y, y2, y3.
+pub(crate) fn axis_id(letter: &str, index: usize) -> String {
     format!("{letter}{}", suffix(index))
 }
 

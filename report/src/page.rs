@@ -7,9 +7,12 @@ use crate::error::Error;
 use crate::figure;
 use crate::html::{escape, escape_json};
 use crate::plot::Plot;
+use crate::series::Trace;
+use crate::small_print;
 use crate::tile::Tile;
 
 const STYLE: &str = include_str!("../assets/page.css");
+const WATCH: &str = include_str!("../assets/watch.js");
 const SCRIPT: &str = include_str!("../assets/page.js");
 const PLOTLY: &str = include_str!("../assets/plotly/plotly-cartesian.min.js");
 
@@ -48,6 +51,7 @@ fn head(report: &Report) -> String {
          <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{title}</title>\n<style>\n{STYLE}</style>\n\
+         <script>\n{WATCH}</script>\n\
          <noscript><style>.views {{ display: none; }}</style></noscript>\n\
          </head>\n<body>\n<main>\n<header>\n<h1>{title}</h1>\n"
     );
@@ -147,7 +151,7 @@ impl Figures {
         if !plot.caption.is_empty() {
             push(&mut out, format_args!("<p class=\"caption\">{}</p>\n", escape(&plot.caption)));
         }
-        for line in figure::small_print(plot) {
+        for line in small_print::lines(plot) {
             push(&mut out, format_args!("<p class=\"small-print\">{}</p>\n", escape(&line)));
         }
         let views: serde_json::Value = std::iter::once(figure::view(plot, None))
@@ -163,7 +167,7 @@ impl Figures {
 }
 
 fn default_height(plot: &Plot) -> u32 {
-    let bars = plot.panels.iter().flat_map(|p| &p.traces).filter_map(|t| t.name_count()).max();
+    let bars = plot.panels.iter().flat_map(|p| &p.traces).filter_map(Trace::name_count).max();
     match (bars, plot.panels.len() as u32) {
         (Some(bars), _) => FRAME_HEIGHT_PX + BAR_HEIGHT_PX * bars as u32,
         (None, 1) => SINGLE_HEIGHT_PX,

@@ -13,17 +13,26 @@ pub(crate) struct Trace {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Kind {
-    Line { dashed: bool },
+    Line {
+        dashed: bool,
+    },
     LineWithPoints,
     Scatter,
     /// `x` are edges, one more than `y`.
     Bars,
     /// Bars that lie, one name each; `x` are the lengths, `y` is empty.
-    NamedBars { names: Vec<String> },
+    NamedBars {
+        names: Vec<String>,
+    },
     /// Filled between `y` and `upper`.
-    Band { upper: Vec<f64> },
+    Band {
+        upper: Vec<f64>,
+    },
     /// `z` row by row, one row for each y.
-    Map { z: Vec<f64>, unit: String },
+    Map {
+        z: Vec<f64>,
+        unit: String,
+    },
 }
 
 impl Trace {
@@ -33,12 +42,8 @@ impl Trace {
 
     /// Checks that the columns fit each other.
     pub(crate) fn check(&self, plot: &str) -> Result<(), Error> {
-        let mismatch = |x, y| Error::TraceLength {
-            plot: plot.to_owned(),
-            trace: self.name.clone(),
-            x,
-            y,
-        };
+        let mismatch =
+            |x, y| Error::TraceLength { plot: plot.to_owned(), trace: self.name.clone(), x, y };
         let (x, y) = (self.x.len(), self.y.len());
         match &self.kind {
             Kind::Line { .. } | Kind::LineWithPoints | Kind::Scatter if x != y => {

@@ -7,7 +7,7 @@
 
 use serde_json::{Value, json};
 
-/// Lightness L* of the first four: 32, 59, 72, 47.
+/// Lightness L* of the first four: 33, 59, 70, 47.
 const COLOURS: [&str; 8] =
     ["#0b4f8a", "#e0700a", "#56b4e9", "#00805f", "#8e3b82", "#c9a000", "#4d4d4d", "#d68fb8"];
 const DASHES: [&str; 8] =
@@ -36,16 +36,23 @@ pub(crate) fn tint(slot: usize) -> String {
     format!("{}40", colour(slot))
 }
 
-pub(crate) fn line(slot: usize, points: usize, dashed: bool) -> Value {
+/// The line of a trace with so many samples, of which some are drawn in this view. The dash is that
+/// of the trace, so that a zoom looks like the whole.
+pub(crate) fn line(slot: usize, samples: usize, drawn: usize, dashed: bool) -> Value {
     let dash = if dashed {
         "7px,4px"
-    } else if points <= DASH_UP_TO {
+    } else if samples <= DASH_UP_TO {
         DASHES[slot % DASHES.len()]
     } else {
         "solid"
     };
-    let width = if points <= DASH_UP_TO || dashed { 2.0 } else { 1.2 };
+    let width = if drawn <= DASH_UP_TO || dashed { 2.0 } else { 1.2 };
     json!({"color": colour(slot), "dash": dash, "width": width})
+}
+
+/// The line between marks: solid, the marks tell traces apart.
+pub(crate) fn joint(slot: usize) -> Value {
+    json!({"color": colour(slot), "width": 1.5})
 }
 
 pub(crate) fn marker(slot: usize, points: usize) -> Value {

@@ -107,10 +107,7 @@ impl Table {
             "<div class=\"table\">\n<table>\n<caption>{}</caption>\n<thead><tr>",
             escape(&self.caption)
         );
-        for column in &self.columns {
-            let class = if column.digits.is_some() { " class=\"n\"" } else { "" };
-            html.push_str(&format!("<th scope=\"col\"{class}>{}</th>", escape(&column.head)));
-        }
+        html.extend(self.columns.iter().map(head_html));
         html.push_str("</tr></thead>\n<tbody>\n");
         for (index, row) in self.rows.iter().enumerate() {
             if row.len() != self.columns.len() {
@@ -122,14 +119,19 @@ impl Table {
                 });
             }
             html.push_str("<tr>");
-            for (cell, column) in row.iter().zip(&self.columns) {
-                html.push_str(&cell_html(cell, column));
-            }
+            html.extend(
+                row.iter().zip(&self.columns).map(|(cell, column)| cell_html(cell, column)),
+            );
             html.push_str("</tr>\n");
         }
         html.push_str("</tbody>\n</table>\n</div>\n");
         Ok(html)
     }
+}
+
+fn head_html(column: &Column) -> String {
+    let class = if column.digits.is_some() { " class=\"n\"" } else { "" };
+    format!("<th scope=\"col\"{class}>{}</th>", escape(&column.head))
 }
 
 fn cell_html(cell: &Cell, column: &Column) -> String {

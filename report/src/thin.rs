@@ -1,12 +1,16 @@
 //! Thinning: which samples of a long record are drawn.
 //!
-//! A screen is a thousand columns wide. Of every step of the axis the smallest and the largest
-//! sample are kept, at their true places, so that no peak is lost and none is invented; an average
-//! or every n-th sample would lower peaks. Where x only rises, steps are equal on the axis as drawn
-//! (in decades when it is logarithmic). A loop runs back and forth, so there a step is a stretch of
-//! consecutive samples, and the extremes of x are kept too.
+//! - A record, where x only rises: of every step of the axis (in decades when it is logarithmic) the
+//!   smallest and the largest sample, at their true places. No peak is lost and none is invented; an
+//!   average or every n-th sample would lower them.
+//! - A loop, where x goes back and forth: samples are left out where the line stays within a
+//!   tolerance without them (Ramer, Douglas, Peucker), in shares of the spans of x and y.
+//! - A cloud of marks: the outermost samples of every stretch of the record.
 
+use std::iter;
 use std::ops::{Range, RangeInclusive};
+
+use crate::simplify::simplify;
 
 /// The most points of one trace that are drawn as they are; above, the trace is thinned to about
 /// this many.
@@ -15,34 +19,43 @@ pub const MAX_DRAWN: usize = 4000;
 /// What to draw, in order: `Some(index)` of a sample, or `None` where the line is to break.
 pub(crate) type Drawn = Vec<Option<usize>>;
 
+/// The samples to draw of a trace.
+pub(crate) struct Chosen {
+    pub(crate) drawn: Drawn,
+    /// For a thinned loop: how far the drawn line may be from the samples, as a share of the spans.
+    pub(crate) off_by: Option<f64>,
+}
+
 /// Chooses the samples to draw of a trace, within a window of x if one is given.
 pub(crate) fn choose(
     x: &[f64],
     y: &[f64],
+    scatter: bool,
     log_x: bool,
     window: Option<&RangeInclusive<f64>>,
-) -> Drawn {
+) -> Chosen {
     let runs = runs_inside(x, window);
     let total: usize = runs.iter().map(Range::len).sum();
-    let rising = rises(x);
+    let (runs, off_by): (Vec<Vec<usize>>, _) = if total <= MAX_DRAWN {
+        (runs.into_iter().map(Iterator::collect).collect(), None)
+    } else if scatter {
+        let stretch = total.div_ceil(MAX_DRAWN / 4);
+        (runs.into_iter().map(|run| outermost(x, y, run, stretch)).collect(), None)
+    } else if rises(x) {
+        let by_steps = |run| extremes_of_axis_steps(x, y, run, MAX_DRAWN / 2, log_x);
+        (runs.into_iter().map(by_steps).collect(), None)
+    } else {
+        let (runs, tolerance) = simplify(x, y, &runs, MAX_DRAWN);
+        (runs, Some(tolerance))
+    };
     let mut drawn = Drawn::new();
     for run in runs {
         if !drawn.is_empty() {
             drawn.push(None);
         }
-        if total <= MAX_DRAWN {
-            drawn.extend(run.map(Some));
-            continue;
-        }
-        let share = (MAX_DRAWN * run.len() / total).max(4);
-        let kept = if rising {
-            extremes_of_axis_steps(x, y, run, share / 2, log_x)
-        } else {
-            extremes_of_stretches(x, y, run, share / 4)
-        };
-        drawn.extend(kept.into_iter().map(Some));
+        drawn.extend(run.into_iter().map(Some));
     }
-    drawn
+    Chosen { drawn, off_by }
 }
 
 /// True when x never falls and has no gap.
@@ -53,7 +66,7 @@ pub(crate) fn rises(x: &[f64]) -> bool {
 /// Stretches of samples inside the window, each with one neighbour more so that lines run up to
 /// the edge of the picture.
 fn runs_inside(x: &[f64], window: Option<&RangeInclusive<f64>>) -> Vec<Range<usize>> {
-    let Some(window) = window else { return vec![0..x.len()] };
+    let Some(window) = window else { return iter::once(0..x.len()).collect() };
     let mut runs: Vec<Range<usize>> = Vec::new();
     for k in (0..x.len()).filter(|&k| window.contains(&x[k])) {
         let (from, to) = (k.saturating_sub(1), (k + 2).min(x.len()));
@@ -86,14 +99,13 @@ fn extremes_of_axis_steps(
     in_order(kept)
 }
 
-fn extremes_of_stretches(x: &[f64], y: &[f64], run: Range<usize>, stretches: usize) -> Vec<usize> {
+fn outermost(x: &[f64], y: &[f64], run: Range<usize>, stretch: usize) -> Vec<usize> {
     let run: Vec<usize> = run.collect();
     let mut kept = Vec::new();
-    for chunk in run.chunks(run.len().div_ceil(stretches.max(1)).max(1)) {
+    for chunk in run.chunks(stretch) {
         keep_extremes(chunk, |k| x[k], &mut kept);
         keep_extremes(chunk, |k| y[k], &mut kept);
     }
-    kept.extend([run.first(), run.last()].into_iter().flatten());
     in_order(kept)
 }
 
@@ -117,7 +129,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn indices(x: &[f64], y: &[f64], log_x: bool) -> Vec<usize> {
-        choose(x, y, log_x, None).into_iter().flatten().collect()
+        choose(x, y, false, log_x, None).drawn.into_iter().flatten().collect()
     }
 
     proptest! {
@@ -125,25 +137,23 @@ mod tests {
         #[test]
         fn peaks_stay_and_the_size_is_bounded(
             y in prop::collection::vec(-1.0e3..1.0e3, 1..30_000),
-            loops in any::<bool>(),
+            scatter in any::<bool>(),
         ) {
             let n = y.len();
+            // A record rises; a cloud runs back and forth.
+            let back_and_forth = |k: usize| ((k % 1000) as f64 - 500.0).abs();
             let x: Vec<f64> = (0..n)
-                .map(|k| if loops { ((k % 1000) as f64 - 500.0).abs() } else { k as f64 * 1e-3 })
+                .map(|k| if scatter { back_and_forth(k) } else { k as f64 * 1e-3 })
                 .collect();
-            let kept = indices(&x, &y, false);
-            prop_assert!(kept.len() <= MAX_DRAWN.max(n.min(MAX_DRAWN)) + 6, "{}", kept.len());
+            let chosen = choose(&x, &y, scatter, false, None).drawn;
+            let kept: Vec<usize> = chosen.into_iter().flatten().collect();
+            prop_assert!(kept.len() <= n.min(MAX_DRAWN + 4), "{} of {n}", kept.len());
             prop_assert!(kept.is_sorted() && kept.iter().all(|&k| k < n));
-            prop_assert!(kept.first() == Some(&0) && kept.last() == Some(&(n - 1)));
-            let of = |values: &[f64], pick: fn(f64, f64) -> f64| {
-                let all = values.iter().copied().reduce(pick);
-                (all, kept.iter().map(|&k| values[k]).reduce(pick))
-            };
-            for pick in [f64::min as fn(f64, f64) -> f64, f64::max] {
-                let (all, drawn) = of(&y, pick);
-                prop_assert_eq!(all, drawn);
-                let (all, drawn) = of(&x, pick);
-                prop_assert_eq!(all, drawn);
+            for values in [&x, &y] {
+                for pick in [f64::min as fn(f64, f64) -> f64, f64::max] {
+                    let all = values.iter().copied().reduce(pick);
+                    prop_assert_eq!(all, kept.iter().map(|&k| values[k]).reduce(pick));
+                }
             }
         }
     }
@@ -177,11 +187,9 @@ mod tests {
     #[test]
     fn a_window_keeps_every_sample_inside_and_breaks_between_passes() {
         let x = [0.0, 1.0, 2.0, 3.0, 2.0, 1.0, 0.0, -1.0, 0.0, 1.0];
-        let drawn = choose(&x, &x, false, Some(&(-0.5..=1.5)));
-        let expected: Vec<Option<usize>> = [0, 1, 2].map(Some).into_iter()
-            .chain([None])
-            .chain((4..10).map(Some))
-            .collect();
+        let drawn = choose(&x, &x, false, false, Some(&(-0.5..=1.5))).drawn;
+        let expected: Vec<Option<usize>> =
+            [0, 1, 2].map(Some).into_iter().chain([None]).chain((4..10).map(Some)).collect();
         assert_eq!(drawn, expected);
     }
 }

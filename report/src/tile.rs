@@ -9,6 +9,7 @@ pub struct Tile {
     label: String,
     value: String,
     unit: String,
+    /// Class of its element, with the space before it.
     verdict: &'static str,
 }
 
@@ -31,28 +32,34 @@ impl Tile {
     /// Marks the tile as passed: a tick and a green edge.
     #[must_use]
     pub fn good(self) -> Self {
-        Self { verdict: "good", ..self }
+        Self { verdict: " good", ..self }
     }
 
     /// Marks the tile as failed: a cross and a red edge.
     #[must_use]
     pub fn bad(self) -> Self {
-        Self { verdict: "bad", ..self }
+        Self { verdict: " bad", ..self }
     }
 
     pub(crate) fn html(&self) -> String {
         // The sign says what the colour says, for print and for eyes that do not see it.
         let sign = match self.verdict {
-            "good" => "<span class=\"sign\">✓</span>",
-            "bad" => "<span class=\"sign\">✗</span>",
+            " good" => "<span class=\"sign\">✓</span>",
+            " bad" => "<span class=\"sign\">✗</span>",
             _ => "",
+        };
+        // Words are longer than numbers and get a smaller size.
+        let size = if self.value.len() > 7 && self.value.starts_with(char::is_alphabetic) {
+            " word"
+        } else {
+            ""
         };
         let unit = match self.unit.as_str() {
             "" => String::new(),
             unit => format!(" <span class=\"unit\">{}</span>", escape(unit)),
         };
         format!(
-            "<div class=\"tile {}\"><dt>{}</dt><dd>{sign}{}{unit}</dd></div>\n",
+            "<div class=\"tile{}{size}\"><dt>{}</dt><dd>{sign}{}{unit}</dd></div>\n",
             self.verdict,
             escape(&self.label),
             escape(&self.value),

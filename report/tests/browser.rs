@@ -20,15 +20,16 @@ fn every_plot_is_drawn_without_a_network() {
     let path = written("drawn.html");
     let Some(page) = browser::open(&path).expect("a page") else { return };
     page.assert_complete();
-    // 13 plots and 2 zooms.
-    assert_eq!(page.mark("plots"), Some("15"));
+    // 12 plots and 2 zooms.
+    assert_eq!(page.mark("plots"), Some("14"));
+    assert!(!page.dom.contains("data-title=\"Share"), "no button may upload measured data");
     assert!(page.dom.contains("&lt;tags&gt;"), "text is shown as it was written");
 }
 
 #[test]
 fn a_reader_can_zoom_hover_switch_traces_and_copy_tables() {
     let path = written("played.html");
-    let script = r#"
+    let script = r##"
         const marks = document.documentElement.dataset;
         const pause = (ms) => new Promise((next) => setTimeout(next, ms));
         const [whole, zoom] = document.querySelectorAll("#f2 .canvas");
@@ -53,7 +54,7 @@ fn a_reader_can_zoom_hover_switch_traces_and_copy_tables() {
         buttons[1].click();
         await pause(50);
         marks.markdown = copied.split("\n").slice(1, 3).join(" ");
-    "#;
+    "##;
     let Some(page) = browser::open_and_play(&path, script).expect("a page") else { return };
     page.assert_complete();
     let hover = page.mark("hover").expect("hovered");
@@ -62,7 +63,10 @@ fn a_reader_can_zoom_hover_switch_traces_and_copy_tables() {
     assert_eq!(page.mark("switched"), Some("legendonly legendonly true"));
     // Half a second at 1 kHz, both ends, and one neighbour on each side.
     assert_eq!(page.mark("samples-in-zoom"), Some("503"));
-    assert_eq!(page.mark("tabs"), Some("6 lines, rear right\tmodelled | off\t\t\t0\t0\t\t7.568e-5"));
+    assert_eq!(
+        page.mark("tabs"),
+        Some("6 lines, rear right\tmodelled | off\t\t\t0\t0\t\t7.568e-5")
+    );
     let markdown = page.mark("markdown").expect("copied");
     assert!(markdown.starts_with("| --- | --- | ---: |"), "{markdown}");
     assert!(markdown.contains("| front left | rig | -18.00 | 18.00 |"), "{markdown}");

@@ -139,7 +139,10 @@ fn time_histories(new: &Record, worn: &Record) -> Section {
                 .line("front right, worn", &worn.time_s, &worn.force_kn)
                 .limit("relief", 18.0)
                 .limit("relief", -18.0)
-                .zoom("one swing: the worn damper rests while it crosses its clearance", 10.0..=10.5),
+                .zoom(
+                    "one swing: the worn damper rests while it crosses its clearance",
+                    10.0..=10.5,
+                ),
         )
 }
 
@@ -150,8 +153,12 @@ fn loops(new: &Record, worn: &Record) -> Section {
             Plot::new("Force over displacement")
                 .x("displacement", "mm")
                 .y("force", "kN")
-                .line("new", &new.stroke_mm[4_000..6_400], &new.force_kn[4_000..6_400])
-                .line("worn, 2a = 4 mm", &worn.stroke_mm[4_000..6_400], &worn.force_kn[4_000..6_400])
+                .line("new", &new.stroke_mm[9_000..11_400], &new.force_kn[9_000..11_400])
+                .line(
+                    "worn, 2a = 4 mm",
+                    &worn.stroke_mm[9_000..11_400],
+                    &worn.force_kn[9_000..11_400],
+                )
                 .height_px(400),
             Plot::new("Force over velocity")
                 .x("velocity", "mm/s")
@@ -219,10 +226,11 @@ fn timing() -> Section {
             .log_y()
             .bars("cycles", &edges, &counts)
             .at("p99", 157.0),
-        Plot::new("Jitter of the wake-up")
-            .x("jitter", "µs")
-            .y("cycles", "")
-            .bars("cycles", &jitter_edges, &jitter_counts),
+        Plot::new("Jitter of the wake-up").x("jitter", "µs").y("cycles", "").bars(
+            "cycles",
+            &jitter_edges,
+            &jitter_counts,
+        ),
     ])
 }
 
@@ -262,13 +270,12 @@ fn sweeps() -> Section {
 }
 
 fn closing() -> Section {
-    Section::new("What could not be tested")
-        .table(
-            Table::new("Not testable on these records")
-                .text("effect")
-                .text("why")
-                .text("test that would show it")
-                .row(["clearance_impact".into(), "needs 5 kHz".into(), "sine, 2 mm, 4 Hz".into()])
-                .row(["temperature_fade".into(), "constant <20 °C>".into(), "warm-up".into()]),
-        )
+    Section::new("What could not be tested").table(
+        Table::new("Not testable on these records")
+            .text("effect")
+            .text("why")
+            .text("test that would show it")
+            .row(["clearance_impact".into(), "needs 5 kHz".into(), "sine, 2 mm, 4 Hz".into()])
+            .row(["temperature_fade".into(), "constant <20 °C>".into(), "warm-up".into()]),
+    )
 }
