@@ -171,7 +171,8 @@ impl fmt::Display for Command {
         write!(f, "command {node} #{counter} {state} {}", mode.name())?;
         write_value(f, " displacement", self.displacement_m, 1e3, "mm", 4)?;
         write_value(f, " velocity", self.velocity_m_per_s, 1e3, "mm/s", 2)?;
-        write_echo(f, self.echo)
+        write_echo(f, self.echo)?;
+        write_time(f, self.time_us)
     }
 }
 
@@ -190,7 +191,12 @@ pub(crate) fn write_value(
     }
 }
 
-/// The end of a `Display` line: `echo 7`, or `echo none`.
+/// The time in a `Display` line, when there is one.
+pub(crate) fn write_time(f: &mut fmt::Formatter<'_>, time_us: Option<u32>) -> fmt::Result {
+    time_us.map_or(Ok(()), |time_us| write!(f, " time {time_us} us"))
+}
+
+/// The echo in a `Display` line: `echo 7`, or `echo none`.
 pub(crate) fn write_echo(f: &mut fmt::Formatter<'_>, echo: Option<u8>) -> fmt::Result {
     match echo {
         Some(echo) => write!(f, " echo {echo}"),

@@ -1,5 +1,5 @@
 //! The measurement: what a rig felt, once per cycle.
-use crate::command::{write_echo, write_value};
+use crate::command::{write_echo, write_time, write_value};
 use crate::signal::{Field, FixedPoint, Quantity, Saturated, Word};
 use crate::{Error, Frame, MessageId, Node, Profile, RunState, protection};
 use core::fmt;
@@ -150,6 +150,7 @@ impl fmt::Display for Measurement {
         write_value(f, " force", self.force_n, 1.0, "N", 1)?;
         write_value(f, " displacement", self.displacement_m, 1e3, "mm", 4)?;
         write_echo(f, self.echo)?;
+        write_time(f, self.time_us)?;
         self.flags.iter_names().try_for_each(|(name, _)| write!(f, " {name}"))
     }
 }

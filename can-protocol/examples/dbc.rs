@@ -1,0 +1,7 @@
+//! Print `yawbench.dbc`: `cargo run -p can-protocol --example dbc > can-protocol/yawbench.dbc`.
+#[path = "../tests/support/dbc_text.rs"]
+mod dbc_text;
+
+fn main() {
+    print!("{}", dbc_text::dbc_text());
+}
