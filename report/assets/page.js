@@ -26,10 +26,11 @@
     annotationdefaults: { arrowwidth: 1, arrowsize: 0.9, arrowcolor: "#555555", font: { size: 12 } },
     shapedefaults: { label: { font: { size: 12, color: "#444444" } } },
   };
-  const hover = {
-    scatter: "%{y:.6~g} %{meta}",
-    bar: "%{y:.6~g} %{meta}",
-    heatmap: "%{x:.6~g}, %{y:.6~g}: %{z:.6~g} %{meta}<extra></extra>",
+  const hoverText = (trace, closest) => {
+    const unit = trace.meta ? " %{meta}" : "";
+    if (trace.type === "heatmap") return `%{x:.6~g}, %{y:.6~g}: %{z:.6~g}${unit}<extra></extra>`;
+    if (trace.orientation === "h") return "%{y}: %{x:.6~g}<extra></extra>";
+    return `${closest ? "%{x:.6~g}, " : ""}%{y:.6~g}${unit}`;
   };
   // The buttons are named one by one: the library's own choice has one that uploads the data.
   const config = {
@@ -40,14 +41,7 @@
   const drawings = [];
   const draw = async ({ canvas, view, name }) => {
     const closest = view.layout.hovermode === "closest";
-    for (const trace of view.data) {
-      trace.hovertemplate = hover[trace.type];
-      if (closest && trace.type === "scatter") {
-        trace.hovertemplate = `%{x:.6~g}, ${hover.scatter}`;
-      } else if (trace.orientation === "h") {
-        trace.hovertemplate = "%{y}: %{x:.6~g}";
-      }
-    }
+    for (const trace of view.data) trace.hovertemplate = hoverText(trace, closest);
     view.layout.template = { layout: looks };
     await Plotly.newPlot(canvas, view.data, view.layout, {
       ...config, toImageButtonOptions: { filename: name, scale: 2 },

@@ -2,12 +2,13 @@
 //!
 //! Between two kept samples the one farthest from their chord is kept too, while it is farther than
 //! the tolerance. Distances are in shares of the spans of x and y, so that one tolerance serves both
-//! axes; it starts below what a screen can show and grows by halves until the points fit. Stretches of
-//! bounded length keep the work linear in the record.
+//! axes. Each sample is given once the tolerance at which it would go; then the tolerance is below
+//! what a screen can show or, where that leaves too many points, the smallest that fits. Stretches
+//! of bounded length keep the work linear in the record.
 
 use std::ops::Range;
 
-const FIRST_TOLERANCE: f64 = 1.0 / 4000.0;
+const SMALLEST_TOLERANCE: f64 = 1.0 / 4000.0;
 const STRETCH: usize = 512;
 
 /// The samples to keep of each run, at most about `budget` in all, and the tolerance that it took.
@@ -20,16 +21,17 @@ pub(crate) fn simplify(
     let shape = Shape { x, y, x_span: span(x), y_span: span(y) };
     let total: usize = runs.iter().map(Range::len).sum();
     let stretch = STRETCH.max(total.div_ceil(budget / 4));
-    let mut tolerance = FIRST_TOLERANCE;
-    loop {
-        let kept: Vec<Vec<usize>> =
-            runs.iter().map(|run| shape.keep(run.clone(), stretch, tolerance)).collect();
-        // Past the whole span only ends and gaps are left, and they must stay.
-        if kept.iter().map(Vec::len).sum::<usize>() <= budget || tolerance > 1.0 {
-            return (kept, tolerance);
-        }
-        tolerance *= 1.5;
-    }
+    let goes_at: Vec<Vec<f64>> = runs.iter().map(|run| shape.goes_at(run, stretch)).collect();
+
+    let mut sorted: Vec<f64> = goes_at.iter().flatten().copied().collect();
+    sorted.sort_unstable_by(|a, b| b.total_cmp(a));
+    // Ends and gaps never go, so the tolerance stays finite even where they fill the budget.
+    let fitting = sorted.get(budget).copied().filter(|t| t.is_finite()).unwrap_or(0.0);
+    let tolerance = fitting.max(SMALLEST_TOLERANCE);
+    let keep = |(run, goes_at): (&Range<usize>, &Vec<f64>)| {
+        run.clone().zip(goes_at).filter(|&(_, &t)| t > tolerance).map(|(k, _)| k).collect()
+    };
+    (runs.iter().zip(&goes_at).map(keep).collect(), tolerance)
 }
 
 fn span(values: &[f64]) -> f64 {
@@ -46,46 +48,46 @@ struct Shape<'a> {
 }
 
 impl Shape<'_> {
-    fn keep(&self, run: Range<usize>, stretch: usize, tolerance: f64) -> Vec<usize> {
-        let mut kept = Vec::new();
-        let run: Vec<usize> = run.collect();
-        // Samples that are not finite stay: they break the line.
-        for solid in run.chunk_by(|&a, &b| self.is_finite(a) == self.is_finite(b)) {
-            if !self.is_finite(solid[0]) {
-                kept.push(solid[0]);
+    /// For each sample of the run the tolerance at which it goes; infinite for those that stay.
+    fn goes_at(&self, run: &Range<usize>, stretch: usize) -> Vec<f64> {
+        let mut goes_at = vec![0.0; run.len()];
+        let samples: Vec<usize> = run.clone().collect();
+        for part in samples.chunk_by(|&a, &b| self.is_finite(a) == self.is_finite(b)) {
+            if !self.is_finite(part[0]) {
+                // One sample that is not finite breaks the line; more would break it no better.
+                goes_at[part[0] - run.start] = f64::INFINITY;
                 continue;
             }
-            for chunk in solid.chunks(stretch) {
-                self.keep_chunk(chunk[0], chunk[chunk.len() - 1], tolerance, &mut kept);
+            for chunk in part.chunks(stretch) {
+                self.rank(chunk[0], chunk[chunk.len() - 1], run.start, &mut goes_at);
             }
         }
-        kept
+        goes_at
     }
 
     fn is_finite(&self, k: usize) -> bool {
         self.x[k].is_finite() && self.y[k].is_finite()
     }
 
-    fn keep_chunk(&self, first: usize, last: usize, tolerance: f64, kept: &mut Vec<usize>) {
-        let start = kept.len();
-        kept.push(first);
-        if last > first {
-            kept.push(last);
-        }
-        let mut open = vec![(first, last)];
-        while let Some((a, b)) = open.pop() {
-            let distance = |k: usize| self.distance_to_chord(k, a, b);
-            let farthest = (a + 1..b).max_by(|&i, &j| distance(i).total_cmp(&distance(j)));
-            if let Some(k) = farthest.filter(|&k| distance(k) > tolerance) {
-                kept.push(k);
-                open.extend([(a, k), (k, b)]);
+    fn rank(&self, first: usize, last: usize, start: usize, goes_at: &mut [f64]) {
+        goes_at[first - start] = f64::INFINITY;
+        goes_at[last - start] = f64::INFINITY;
+        let mut open = vec![(first, last, f64::INFINITY)];
+        while let Some((a, b, parent)) = open.pop() {
+            let farthest = (a + 1..b)
+                .map(|k| (k, self.squared_distance_to_chord(k, a, b)))
+                .max_by(|(_, i), (_, j)| i.total_cmp(j));
+            if let Some((k, squared)) = farthest {
+                // No sample stays longer than the one that split its chord.
+                let tolerance = libm::sqrt(squared).min(parent);
+                goes_at[k - start] = tolerance;
+                open.extend([(a, k, tolerance), (k, b, tolerance)]);
             }
         }
-        kept[start..].sort_unstable();
     }
 
-    /// Distance of sample `k` from the chord between `a` and `b`, in shares of the spans.
-    fn distance_to_chord(&self, k: usize, a: usize, b: usize) -> f64 {
+    /// Squared distance of sample `k` from the chord between `a` and `b`, in shares of the spans.
+    fn squared_distance_to_chord(&self, k: usize, a: usize, b: usize) -> f64 {
         let from_a = |j: usize| {
             ((self.x[j] - self.x[a]) / self.x_span, (self.y[j] - self.y[a]) / self.y_span)
         };
@@ -96,13 +98,15 @@ impl Shape<'_> {
         } else {
             0.0
         };
-        libm::hypot(px - along * cx, py - along * cy)
+        let (dx, dy) = (px - along * cx, py - along * cy);
+        dx * dx + dy * dy
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{FIRST_TOLERANCE, simplify};
+    use super::{SMALLEST_TOLERANCE, Shape, simplify, span};
+    use proptest::prelude::*;
 
     fn one_run(x: &[f64], y: &[f64]) -> (Vec<Vec<usize>>, f64) {
         simplify(x, y, std::slice::from_ref(&(0..x.len())), 4000)
@@ -117,7 +121,7 @@ mod tests {
     fn an_ellipse_keeps_its_shape_with_few_points() {
         let (x, y) = ellipse(20_000, 10.0);
         let (kept, tolerance) = one_run(&x, &y);
-        assert_eq!(tolerance, FIRST_TOLERANCE);
+        assert_eq!(tolerance, SMALLEST_TOLERANCE);
         let kept = &kept[0];
         assert!(kept.len() < 4000, "{}", kept.len());
         // A chord over an arc of angle phi is off by r (1 - cos(phi / 2)), here with r = 1/2 of
@@ -133,7 +137,7 @@ mod tests {
             *y += 900.0 * libm::sin(k as f64 * 2.4);
         }
         let (kept, tolerance) = one_run(&x, &y);
-        assert!(kept[0].len() <= 4000 && tolerance > FIRST_TOLERANCE);
+        assert!(kept[0].len() <= 4000 && tolerance > SMALLEST_TOLERANCE);
         assert!(tolerance < 0.1, "{tolerance}");
     }
 
@@ -143,5 +147,27 @@ mod tests {
         x[5_000..5_010].fill(f64::NAN);
         let (kept, _) = one_run(&x, &y);
         assert!(kept[0].contains(&5_000) && kept[0].contains(&4_999) && kept[0].contains(&5_010));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
+        #[test]
+        fn no_sample_is_farther_from_the_line_than_the_tolerance(
+            points in prop::collection::vec((-3.0..3.0, -18.0e3..18.0e3), 2..3000),
+            budget in 100_usize..1000,
+        ) {
+            let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+            let run = 0..x.len();
+            let (kept, tolerance) = simplify(&x, &y, std::slice::from_ref(&run), budget);
+            prop_assert!(kept[0].len() <= budget, "{} of {budget}", kept[0].len());
+            prop_assert!(kept[0].first() == Some(&0) && kept[0].last() == Some(&(x.len() - 1)));
+            let shape = Shape { x: &x, y: &y, x_span: span(&x), y_span: span(&y) };
+            for ends in kept[0].windows(2) {
+                for k in ends[0] + 1..ends[1] {
+                    let distance = shape.squared_distance_to_chord(k, ends[0], ends[1]).sqrt();
+                    prop_assert!(distance <= tolerance, "{k}: {distance} > {tolerance}");
+                }
+            }
+        }
     }
 }

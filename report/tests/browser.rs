@@ -37,6 +37,10 @@ fn a_reader_can_zoom_hover_switch_traces_and_copy_tables() {
         Plotly.Fx.hover(whole, { xval: 10.0 }, "xy");
         await pause(200);
         marks.hover = whole.querySelector(".hoverlayer").textContent;
+        const histogram = document.querySelector("#f9 .canvas");
+        Plotly.Fx.hover(histogram, { xval: 2.0 }, "xy");
+        await pause(200);
+        marks.hoverWithoutUnit = histogram.querySelector(".hoverlayer").textContent;
         await Plotly.relayout(whole, { "xaxis.range": [3, 4] });
         marks.zoomed = whole.layout.xaxis.range.join(" to ");
         for (const name of ["mousedown", "mouseup"]) {
@@ -59,6 +63,8 @@ fn a_reader_can_zoom_hover_switch_traces_and_copy_tables() {
     page.assert_complete();
     let hover = page.mark("hover").expect("hovered");
     assert!(hover.contains("front left, new : ") && hover.contains(" kN"), "{hover}");
+    let hover = page.mark("hover-without-unit").expect("hovered");
+    assert!(hover.ends_with(|c: char| c.is_ascii_digit()), "{hover}");
     assert_eq!(page.mark("zoomed"), Some("3 to 4"));
     assert_eq!(page.mark("switched"), Some("legendonly legendonly true"));
     // Half a second at 1 kHz, both ends, and one neighbour on each side.
