@@ -14,7 +14,7 @@ pub const PROTOCOL_VERSION: u8 = 1;
 /// The host's announcement to all rigs, 10 times a second. It has no counter: its time advances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sync {
-    /// Version of the sender's protocol, 4 bits; [`PROTOCOL_VERSION`] is ours.
+    /// Version of the sender's protocol, 0 to 15; [`PROTOCOL_VERSION`] is ours.
     pub version: u8,
     /// The profile that the host sends commands in and expects measurements in.
     pub profile: Profile,
@@ -66,7 +66,7 @@ impl Sync {
     /// The frame.
     pub fn encode(&self) -> Frame {
         let mut word = Word::default();
-        word.put(Self::VERSION, u32::from(self.version));
+        word.put(Self::VERSION, u32::from(self.version).min(Self::VERSION.ones()));
         word.put(Self::PROFILE, u32::from(self.profile == Profile::Fd));
         word.put(Self::PACE, self.pace as u32);
         word.put(Self::PERIOD, u32::from(self.period_us.get()));
