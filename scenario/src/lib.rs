@@ -1,1 +1,23 @@
-//! scenario
+//! From files to a vehicle that can run.
+//!
+//! [`run::Run::load`] reads a scenario with everything it names: the vehicle with the provenance of
+//! its numbers ([`vehicle`], [`wheel_rail`]), the dampers ([`damper`]), the track ([`track`],
+//! [`irregularity`]), the rig ([`rig`]). It solves the wheel and rail [`profile`]s into the contact
+//! table of the step ([`contact_geometry`]) and finds the steady motion to start from
+//! ([`equilibrium`]). Whatever does not fit is one clear line with file, line and key
+//! ([`source::ScenarioError`]).
+
+pub mod conicity;
+pub mod contact_geometry;
+pub mod damper;
+pub mod equilibrium;
+pub mod irregularity;
+pub mod minimum_speed;
+pub mod profile;
+pub mod quantity;
+pub mod rig;
+pub mod run;
+pub mod source;
+pub mod track;
+pub mod vehicle;
+pub mod wheel_rail;

@@ -96,7 +96,8 @@ mod tests {
 
     #[test]
     fn a_wider_gauge_moves_the_rails_apart() {
-        let wide = IrregularitySample { gauge_m: 0.004, cross_level_m: 0.002, ..Default::default() };
+        let wide =
+            IrregularitySample { gauge_m: 0.004, cross_level_m: 0.002, ..Default::default() };
         assert_eq!(wide.rail(1.0), (0.002, 0.001));
         assert_eq!(wide.rail(-1.0), (-0.002, -0.001));
     }

@@ -33,7 +33,9 @@ pub enum LayoutError {
 impl core::fmt::Display for LayoutError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::TooManySections => write!(f, "track layout has more than {SECTIONS_MAX} sections"),
+            Self::TooManySections => {
+                write!(f, "track layout has more than {SECTIONS_MAX} sections")
+            }
             Self::Length(m) => write!(f, "length_m = {m}, expected a positive number"),
             Self::Rounding(m) => write!(f, "rounding_m = {m}, expected less than the transition"),
         }
@@ -210,14 +212,17 @@ mod tests {
         let layout = curve();
         let h = 1e-4;
         for distance in [30.0, 53.0, 80.0, 107.0, 150.0, 213.0, 240.0, 260.0] {
-            let (a, b, c) =
-                (layout.at(distance - h), layout.at(distance), layout.at(distance + h));
+            let (a, b, c) = (layout.at(distance - h), layout.at(distance), layout.at(distance + h));
             let close = |got: f64, want: f64, tolerance: f64| {
                 assert!((got - want).abs() < tolerance, "{distance}: {got} {want}");
             };
             close((c.offset_m - a.offset_m) / (2.0 * h), b.heading_rad, 1e-8);
             close((c.heading_rad - a.heading_rad) / (2.0 * h), b.curvature_per_m, 1e-9);
-            close((c.curvature_per_m - a.curvature_per_m) / (2.0 * h), b.curvature_rate_per_m2, 1e-9);
+            close(
+                (c.curvature_per_m - a.curvature_per_m) / (2.0 * h),
+                b.curvature_rate_per_m2,
+                1e-9,
+            );
             close((c.cant_rad - a.cant_rad) / (2.0 * h), b.cant_rate_rad_per_m, 1e-9);
         }
     }

@@ -74,10 +74,7 @@ impl BodyId {
 
 /// Displacement (or velocity) of a point of a body, forward, right, down, for small angles.
 #[inline(always)]
-pub(super) fn point_motion<const L: usize>(
-    pose: &Pose<L>,
-    point: &Vector3<f64>,
-) -> [Lanes<L>; 3] {
+pub(super) fn point_motion<const L: usize>(pose: &Pose<L>, point: &Vector3<f64>) -> [Lanes<L>; 3] {
     let [lateral, vertical, roll, pitch, yaw] = *pose;
     [
         pitch * point.z - yaw * point.y,

@@ -174,11 +174,8 @@ impl DamperMount {
     /// Applies a damper force, positive in tension: it pulls the ends together.
     #[inline(always)]
     pub(super) fn pull<const L: usize>(&self, tension: Lanes<L>, forces: &mut Forces<L>) {
-        let force = [
-            tension * self.direction.x,
-            tension * self.direction.y,
-            tension * self.direction.z,
-        ];
+        let force =
+            [tension * self.direction.x, tension * self.direction.y, tension * self.direction.z];
         apply_pair(forces, &self.first, &self.second, force);
     }
 }

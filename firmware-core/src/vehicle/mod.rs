@@ -15,14 +15,10 @@ mod state;
 mod step;
 
 pub use axle::{Axle, RailSupport};
-pub use body::{
-    BODIES_MAX, Body, BodyId, COORDINATES, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW,
-};
+pub use body::{BODIES_MAX, Body, BodyId, COORDINATES, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
 pub use links::{Anchor, BUMP_POINTS_MAX, BumpStop, DamperMount, Suspension, Torsion};
 pub use state::VehicleState;
 pub use step::{DamperForces, Running};
-
-use crate::wheel_rail::table::ContactTable;
 
 /// Largest number of suspension elements.
 pub const SUSPENSIONS_MAX: usize = 48;
@@ -40,7 +36,7 @@ pub const GRAVITY_M_PER_S2: f64 = 9.81;
 
 /// A vehicle. Build it from data, check it with [`Vehicle::check`], then step it.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Vehicle<'a> {
+pub struct Vehicle {
     /// The bodies.
     pub bodies: heapless::Vec<Body, { BODIES_MAX - 1 }>,
     /// Springs and dampers between points.
@@ -53,8 +49,6 @@ pub struct Vehicle<'a> {
     pub dampers: heapless::Vec<DamperMount, DAMPER_SLOTS>,
     /// Wheelsets.
     pub axles: heapless::Vec<Axle, AXLES_MAX>,
-    /// The contact table of all wheels that run on profiles.
-    pub contact: Option<&'a ContactTable>,
 }
 
 /// Why a vehicle cannot run.
@@ -66,8 +60,6 @@ pub enum VehicleError {
     MissingBody(usize),
     /// An axle's body has no rolling radius.
     NotRolling(usize),
-    /// Wheels on profiles, but no contact table.
-    NoContactTable,
     /// A number that is not finite in the named element.
     NotFinite(&'static str),
 }
@@ -81,7 +73,6 @@ impl core::fmt::Display for VehicleError {
             ),
             Self::MissingBody(body) => write!(f, "body {body} does not exist"),
             Self::NotRolling(axle) => write!(f, "axle {axle}: its body has no rolling radius"),
-            Self::NoContactTable => f.write_str("wheels run on profiles, but there is no table"),
             Self::NotFinite(element) => write!(f, "a number in {element} is not finite"),
         }
     }
@@ -89,7 +80,7 @@ impl core::fmt::Display for VehicleError {
 
 impl core::error::Error for VehicleError {}
 
-impl Vehicle<'_> {
+impl Vehicle {
     /// Checks what a step relies on.
     ///
     /// # Errors
@@ -113,7 +104,11 @@ impl Vehicle<'_> {
         for element in &self.suspensions {
             known(element.first.body)?;
             known(element.second.body)?;
-            if !element.stiffness_n_per_m.iter().chain(&element.damping_n_s_per_m).all(|v| v.is_finite())
+            if !element
+                .stiffness_n_per_m
+                .iter()
+                .chain(&element.damping_n_s_per_m)
+                .all(|v| v.is_finite())
             {
                 return Err(VehicleError::NotFinite("suspension"));
             }
@@ -136,9 +131,6 @@ impl Vehicle<'_> {
                 Some(Body { rolling_radius_m: Some(radius), .. }) if *radius > 0.0 => {}
                 _ => return Err(VehicleError::NotRolling(index)),
             }
-            if axle.runs_on_profiles() && self.contact.is_none() {
-                return Err(VehicleError::NoContactTable);
-            }
         }
         Ok(())
     }
@@ -146,6 +138,11 @@ impl Vehicle<'_> {
     /// Number of free coordinates of the bodies; the rails under the wheels are not counted.
     pub fn degrees_of_freedom(&self) -> usize {
         self.bodies.iter().flat_map(|body| body.free).filter(|free| *free).count()
+    }
+
+    /// Whether a wheel runs on real profiles, so that [`Running`] must carry a contact table.
+    pub fn runs_on_profiles(&self) -> bool {
+        self.axles.iter().any(Axle::runs_on_profiles)
     }
 
     /// Total mass (kg).

@@ -18,6 +18,7 @@ use super::state::VehicleState;
 use super::{AXLES_MAX, DAMPER_SLOTS, GRAVITY_M_PER_S2, Vehicle};
 use crate::lanes::Lanes;
 use crate::track::{LayoutPoint, Track};
+use crate::wheel_rail::table::ContactTable;
 
 /// How the vehicle runs during a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +27,8 @@ pub struct Running<'a, const L: usize = 1> {
     pub speed_m_per_s: Lanes<L>,
     /// The track.
     pub track: &'a Track<'a>,
+    /// The contact table of wheels that run on profiles.
+    pub contact: Option<&'a ContactTable>,
     /// Length of one substep (s).
     pub substep_s: f64,
 }
@@ -51,7 +54,7 @@ impl DamperForces for () {
     }
 }
 
-impl Vehicle<'_> {
+impl Vehicle {
     /// Advances by `substeps` substeps.
     pub fn step<const L: usize>(
         &self,
@@ -105,8 +108,11 @@ impl Vehicle<'_> {
         let substep = running.substep_s;
         // Velocities at the time of the positions, and positions in the common frame.
         let mut velocity = [[Lanes::ZERO; 5]; BODIES_MAX];
-        for ((value, half), rate) in
-            velocity.iter_mut().zip(&state.half_velocity).zip(&state.acceleration).take(self.bodies.len())
+        for ((value, half), rate) in velocity
+            .iter_mut()
+            .zip(&state.half_velocity)
+            .zip(&state.acceleration)
+            .take(self.bodies.len())
         {
             for ((value, half), rate) in value.iter_mut().zip(half).zip(rate) {
                 *value = *half + *rate * (0.5 * substep);
@@ -223,11 +229,10 @@ impl Vehicle<'_> {
                 force[ROLL].add_lane(lane, -roll * roll_acceleration);
                 force[YAW].add_lane(lane, -yaw * yaw_acceleration);
                 if let Some(radius) = body.rolling_radius_m {
-                    let momentum = body.inertia(PITCH)
-                        * (velocity[index][PITCH].lane(lane) - speed / radius);
+                    let momentum =
+                        body.inertia(PITCH) * (velocity[index][PITCH].lane(lane) - speed / radius);
                     let turn = velocity[index][YAW].lane(lane) + speed * at.curvature_per_m;
-                    let tilt =
-                        velocity[index][ROLL].lane(lane) + speed * at.cant_rate_rad_per_m;
+                    let tilt = velocity[index][ROLL].lane(lane) + speed * at.cant_rate_rad_per_m;
                     force[ROLL].add_lane(lane, momentum * turn);
                     force[YAW].add_lane(lane, -momentum * tilt);
                 }
@@ -265,7 +270,7 @@ impl Vehicle<'_> {
                         down.lane(lane) + half * down_rate.lane(lane),
                     ];
                     let (force, shift) = axle.wheel_force(
-                        self.contact,
+                        running.contact,
                         side,
                         &here,
                         &moving,
@@ -274,8 +279,13 @@ impl Vehicle<'_> {
                     );
                     add_wheel(&mut forces[index], lane, side, &force);
                     if let Some(rail) = axle.rail {
-                        let [lateral, vertical] =
-                            rail_acceleration(&rail, at, speed, side * force.lateral_n, force.vertical_n);
+                        let [lateral, vertical] = rail_acceleration(
+                            &rail,
+                            at,
+                            speed,
+                            side * force.lateral_n,
+                            force.vertical_n,
+                        );
                         let [kept_lateral, kept_vertical] =
                             &mut state.rail_acceleration[number][which];
                         set_lane(kept_lateral, lane, lateral);

@@ -147,7 +147,8 @@ mod tests {
             }
         }
         let e = ellipse(along, low, steel);
-        let delta = libm::cbrt((106.7e3f64 / e.stiffness_n_per_m15) * (106.7e3 / e.stiffness_n_per_m15));
+        let delta =
+            libm::cbrt((106.7e3f64 / e.stiffness_n_per_m15) * (106.7e3 / e.stiffness_n_per_m15));
         let a = e.along_per_sqrt_m * libm::sqrt(delta);
         assert!((a - 6.304e-3).abs() < 5e-6, "{a}");
     }

@@ -5,7 +5,9 @@
 //! mixes them. The touching height is interpolated by a cubic through values and slopes, so that
 //! the contact force is continuous and belongs to one potential.
 
-use super::geometry::{ContactGeometry, ContactZones, TABLE_FIRST_SHIFT_M, TABLE_ROWS, TABLE_STEP_M};
+use super::geometry::{
+    ContactGeometry, ContactZones, TABLE_FIRST_SHIFT_M, TABLE_ROWS, TABLE_STEP_M,
+};
 use super::hertz::{Material, ellipse};
 use super::kalker::coefficients;
 

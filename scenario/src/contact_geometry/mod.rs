@@ -17,10 +17,11 @@
 //! ground back by a parabola, so that a contact never sits on an artificial edge and the load passes
 //! from one zone to the other through a range of shift where both carry.
 //!
-//! Roll of the wheel by `phi`, outward side down, is to first order a shift: slope, position, radius
-//! and curvature are those at the shift `u - phi * rail_radius`, and the tangent in track axes is
-//! that slope less `phi`. The touch is that at the unmoved shift less `phi * lateral`, or that at the moved
-//! shift less `phi * (lateral + rail_radius * slope)`, the place of the rail's centre of curvature.
+//! Roll of the wheel by `phi`, outward side down, turns the rail's centre of curvature about the tape
+//! circle, so it is to first order a shift and a lift. With `rail_radius` the depth of that centre
+//! below the tape circle: slope, position, radius and curvature are those at the shift
+//! `u - phi * rail_radius`, the tangent in track axes is that slope less `phi`, and the touch is that
+//! at the same shift less `phi * (lateral + (rail_radius - radius_deviation) * slope)`.
 //!
 //! Limits: one wheel at a time, no yaw (the longitudinal offset of the contact of a yawed wheel is
 //! left out), rigid rail cant, profiles single-valued from above.

@@ -12,6 +12,9 @@ pub(super) const LEAST_CURVATURE_PER_M: f64 = 0.2;
 /// Weights below `exp(-REACH)` are left out.
 const REACH: f64 = 40.0;
 
+/// A rail that is flatter than this is a straight one (1/m).
+const STRAIGHT_PER_M: f64 = 0.1;
+
 /// The rail radius is kept within these bounds (m).
 const RAIL_RADIUS_M: (f64, f64) = (0.0, 0.5);
 
@@ -49,10 +52,12 @@ pub(super) fn contact<'a>(
     let mean = |sum: f64| sum / sums.weight;
     let rail_slope = mean(sums.rail_slope);
     let covariance = |product: f64, factor: f64| mean(product) - mean(factor) * rail_slope;
-    // How the mean position answers to a shift and to a roll: their ratio is the rail radius.
+    // How the mean position answers to a shift and to a roll: their ratio is the rail radius. A
+    // straight rail does not answer to a shift at all; the ratio fades out before.
     let by_shift = covariance(sums.position_slope, sums.position);
     let by_roll = mean(sums.position_roll) - mean(sums.position) * mean(sums.roll);
-    let radius_m = if by_shift > 1e-12 { by_roll / by_shift } else { RAIL_RADIUS_M.1 };
+    let straight = STRAIGHT_PER_M * (mean(sums.position_square) - square(mean(sums.position)));
+    let radius_m = by_roll * by_shift / (square(by_shift) + square(straight)).max(1e-60);
     ContactGeometry {
         touch_m: least_m - SOFTNESS_M * libm::log(sums.weight * step_m) - datum_m,
         slope: -rail_slope,
@@ -63,12 +68,17 @@ pub(super) fn contact<'a>(
     }
 }
 
+fn square(value: f64) -> f64 {
+    value * value
+}
+
 /// Weighted sums; positions count from the first place met, so that squares do not cancel.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     origin_m: f64,
     weight: f64,
     position: f64,
+    position_square: f64,
     rail_slope: f64,
     radius: f64,
     curvature: f64,
@@ -88,6 +98,7 @@ impl Sums {
         let roll = position + place.rail.slope * wheel.relieved_m;
         self.weight += weight;
         self.position += weight * position;
+        self.position_square += weight * position * position;
         self.rail_slope += weight * place.rail.slope;
         self.radius += weight * wheel.drawn.down_m;
         self.curvature += weight * (place.rail.curvature_per_m - wheel.drawn.curvature_per_m);

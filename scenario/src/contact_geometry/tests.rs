@@ -199,6 +199,42 @@ fn the_wheel_dips_little_where_the_load_changes_zones() {
     }
 }
 
+/// Lateral place of the rail's centre of curvature from the tape circle: the wheel rolls about it.
+fn rail_centre_m(zone: &ContactGeometry) -> f64 {
+    zone.lateral_m + (zone.rail_radius_m - zone.radius_deviation_m) * zone.slope
+}
+
+/// The same on the flange, where the depth of the contact below the tape circle counts.
+#[test]
+fn a_small_roll_acts_like_a_shift_on_the_flange() {
+    for (wheel, pair) in pairs() {
+        let mut worst = [0.0_f64; 4];
+        for index in 0..=40 {
+            let shift_m = 6e-3 + f64::from(index) * 0.1e-3;
+            for roll_rad in [2e-3, -2e-3] {
+                let turned = pair.at(shift_m, roll_rad).flange;
+                let flat = pair.at(shift_m, 0.0).flange;
+                let moved = pair.at(shift_m - roll_rad * flat.rail_radius_m, 0.0).flange;
+                let cosine = 1.0 / libm::sqrt(1.0 + flat.slope * flat.slope);
+                let touch_m = moved.touch_m - roll_rad * rail_centre_m(&moved);
+                let misses = [
+                    turned.lateral_m - moved.lateral_m,
+                    turned.radius_deviation_m - moved.radius_deviation_m,
+                    libm::atan(turned.slope) - (libm::atan(moved.slope) - roll_rad),
+                    (turned.touch_m - touch_m) * cosine,
+                ];
+                for (worst, miss) in worst.iter_mut().zip(misses) {
+                    *worst = worst.max(miss.abs());
+                }
+            }
+        }
+        println!("{}: roll misses on the flange {worst:?}", wheel.name());
+        for (worst, allowed) in worst.iter().zip([1.0, 1.0, 1.0, 1.0]) {
+            assert!(*worst < allowed, "{}: {worst} over {allowed}", wheel.name());
+        }
+    }
+}
+
 /// A roll is a shift by the rail radius: position, radius, tangent and touch after it, against the
 /// exact solution with the wheel turned by 2 mrad.
 #[test]
@@ -219,8 +255,7 @@ fn a_small_roll_acts_like_a_shift() {
                 let turned = pair.at(shift_m, roll_rad).tread;
                 let flat = pair.at(shift_m, 0.0).tread;
                 let moved = pair.at(shift_m - roll_rad * flat.rail_radius_m, 0.0).tread;
-                // Centre of the rail's curvature from the tape circle: the wheel rolls about it.
-                let centre_m = moved.lateral_m + moved.rail_radius_m * moved.slope;
+                let centre_m = rail_centre_m(&moved);
                 let misses = [
                     turned.lateral_m - moved.lateral_m,
                     turned.radius_deviation_m - moved.radius_deviation_m,

@@ -162,8 +162,7 @@ mod tests {
         };
         let creepage = Creepage { longitudinal: 0.0, lateral: -6.25e-4, spin_per_m: 0.625 };
         let ratio = |cells| {
-            Fastsim::new(cells, cells).unwrap().force(&patch, creepage).lateral_n
-                / (0.3 * 82e3)
+            Fastsim::new(cells, cells).unwrap().force(&patch, creepage).lateral_n / (0.3 * 82e3)
         };
         assert!((ratio(220) + 0.6359).abs() < 0.02, "{} {}", ratio(44), ratio(220));
     }

@@ -135,8 +135,7 @@ mod tests {
             let spin = 1e-5;
             let force =
                 law.force(&patch, Creepage { spin_per_m: spin, ..Creepage::default() }).lateral_n;
-            let expected =
-                -patch.shear_modulus_pa * area * libm::sqrt(area) * patch.c23 * spin;
+            let expected = -patch.shear_modulus_pa * area * libm::sqrt(area) * patch.c23 * spin;
             assert!((force / expected - 1.0).abs() < 0.03, "{law:?} {force} {expected}");
         }
     }
@@ -145,10 +144,8 @@ mod tests {
     fn every_law_ends_at_the_friction_limit() {
         let patch = eurosprinter();
         for law in laws() {
-            let force = law.force(
-                &patch,
-                Creepage { longitudinal: -0.03, lateral: 0.04, spin_per_m: 0.0 },
-            );
+            let force =
+                law.force(&patch, Creepage { longitudinal: -0.03, lateral: 0.04, spin_per_m: 0.0 });
             let total = libm::hypot(force.longitudinal_n, force.lateral_n);
             assert!(total <= patch.friction * patch.normal_n * (1.0 + 2e-3), "{law:?} {total}");
             assert!(total > 0.97 * patch.friction * patch.normal_n, "{law:?} {total}");

@@ -1,0 +1,332 @@
+//! Track irregularity: random samples by the spectra of the SS9 study, or a measured file.
+//!
+//! The study's equations (1) and (2) (American class 6) are one-sided densities over spatial
+//! frequency in rad/m:
+//! ```text
+//! Sv = Sa = 5.7613e-3 / (W^2 (W^2 + 0.6798))                  cm2/(rad/m)   vertical, alignment
+//! Sc = Sg = 2.3045e-2 / ((W^2 + 0.6798) (W^2 + 0.1918))       cm2/(rad/m)   cross level, gauge
+//! ```
+//! Each channel is a sum of 600 cosines with random phase, one per band of equal ratio between the
+//! longest and the shortest wavelength; a band's variance is the closed integral of the density,
+//! so the variance is exact whatever the number of bands. The four channels are independent, from
+//! one seed.
+
+use crate::quantity::Quantity;
+use crate::source::{ScenarioError, Source};
+use firmware_core::track::IrregularitySample;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Distance between the samples made here (m).
+pub const SAMPLE_STEP_M: f64 = 0.1;
+
+/// Over this distance the irregularity fades in from perfect track (m).
+pub const FADE_IN_M: f64 = 30.0;
+
+/// Irregularity in a scenario file.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum IrregularityFile {
+    /// Random, American class 6 by the study's spectra.
+    Aar6 {
+        /// Seed of the phases.
+        seed: u64,
+        /// Shortest wavelength.
+        shortest_m: Quantity,
+        /// Longest wavelength.
+        longest_m: Quantity,
+        /// Factor on all amplitudes.
+        scale: Option<Quantity>,
+    },
+    /// Measured: a CSV with `distance_m` and any of `vertical_m`, `alignment_m`, `cross_level_m`,
+    /// `gauge_m`.
+    Csv {
+        /// The file, beside the scenario.
+        path: String,
+    },
+}
+
+/// Samples along the track.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Samples {
+    /// The samples.
+    pub samples: Vec<IrregularitySample>,
+    /// Distance of the first one (m).
+    pub first_m: f64,
+    /// Distance between them (m).
+    pub step_m: f64,
+}
+
+impl IrregularityFile {
+    /// Makes or reads the samples between two distances.
+    ///
+    /// # Errors
+    /// A band that is empty, or a file that does not fit.
+    pub fn samples(
+        &self,
+        source: &Source,
+        from_m: f64,
+        to_m: f64,
+    ) -> Result<Samples, ScenarioError> {
+        match self {
+            Self::Aar6 { seed, shortest_m, longest_m, scale } => {
+                let shortest =
+                    shortest_m.within(source, "shortest_m", 0.5, 500.0, "0.5 to 500 m")?;
+                let longest = longest_m.within(
+                    source,
+                    "longest_m",
+                    1.001 * shortest,
+                    1000.0,
+                    "more than shortest_m and at most 1000 m",
+                )?;
+                let scale = match scale {
+                    Some(scale) => scale.not_negative(source, "scale")?,
+                    None => 1.0,
+                };
+                Ok(aar6(&Band { seed: *seed, shortest, longest, scale }, from_m, to_m))
+            }
+            Self::Csv { path } => read_csv(&source.beside(path)),
+        }
+    }
+}
+
+/// What the random irregularity is made from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Seed of the phases.
+    pub seed: u64,
+    /// Shortest wavelength (m).
+    pub shortest: f64,
+    /// Longest wavelength (m).
+    pub longest: f64,
+    /// Factor on the amplitudes.
+    pub scale: f64,
+}
+
+/// Random irregularity by the study's spectra.
+pub fn aar6(band: &Band, from_m: f64, to_m: f64) -> Samples {
+    let count = (((to_m - from_m) / SAMPLE_STEP_M).max(0.0) as usize) + 4;
+    let mut samples = vec![IrregularitySample::default(); count];
+    for (channel, (variance, set)) in CHANNELS.iter().enumerate() {
+        let values = channel_values(band, channel as u64, *variance, count);
+        for (sample, value) in samples.iter_mut().zip(values) {
+            set(sample, value);
+        }
+    }
+    for (index, sample) in samples.iter_mut().enumerate() {
+        let t = (index as f64 * SAMPLE_STEP_M / FADE_IN_M).min(1.0);
+        let fade = t * t * t * (10.0 + t * (6.0 * t - 15.0));
+        sample.vertical_m *= fade;
+        sample.alignment_m *= fade;
+        sample.cross_level_m *= fade;
+        sample.gauge_m *= fade;
+    }
+    Samples { samples, first_m: from_m, step_m: SAMPLE_STEP_M }
+}
+
+type Channel = (fn(f64, f64) -> f64, fn(&mut IrregularitySample, f64));
+
+const CHANNELS: [Channel; 4] = [
+    (vertical_variance_m2, |s, v| s.vertical_m = v),
+    (vertical_variance_m2, |s, v| s.alignment_m = v),
+    (cross_variance_m2, |s, v| s.cross_level_m = v),
+    (cross_variance_m2, |s, v| s.gauge_m = v),
+];
+
+const OMEGA_C2: f64 = 0.6798;
+const OMEGA_S2: f64 = 0.1918;
+
+/// Variance of equation (1) between two spatial frequencies (rad/m), in m2.
+///
+/// ```
+/// // Wavelengths 1 to 100 m: sigma 3.46 mm.
+/// let tau = std::f64::consts::TAU;
+/// let sigma = scenario::irregularity::vertical_variance_m2(tau / 100.0, tau).sqrt();
+/// assert!((sigma - 3.46e-3).abs() < 0.02e-3);
+/// ```
+pub fn vertical_variance_m2(from: f64, to: f64) -> f64 {
+    let corner = OMEGA_C2.sqrt();
+    let integral = |w: f64| (-1.0 / w - libm::atan(w / corner) / corner) / OMEGA_C2;
+    5.7613e-3 * 1e-4 * (integral(to) - integral(from))
+}
+
+/// Variance of equation (2) between two spatial frequencies (rad/m), in m2.
+pub fn cross_variance_m2(from: f64, to: f64) -> f64 {
+    let (c, s) = (OMEGA_C2.sqrt(), OMEGA_S2.sqrt());
+    let integral = |w: f64| (libm::atan(w / s) / s - libm::atan(w / c) / c) / (OMEGA_C2 - OMEGA_S2);
+    2.3045e-2 * 1e-4 * (integral(to) - integral(from))
+}
+
+/// Number of cosines per channel.
+const COSINES: usize = 600;
+
+/// An oscillator is set anew from its phase after this many samples, so that rounding does not grow.
+const ANCHOR_EVERY: usize = 256;
+
+fn channel_values(
+    band: &Band,
+    channel: u64,
+    variance_m2: fn(f64, f64) -> f64,
+    count: usize,
+) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(band.seed);
+    random.set_stream(channel);
+    let tau = core::f64::consts::TAU;
+    let lowest = tau / band.longest;
+    let ratio = libm::pow(band.longest / band.shortest, 1.0 / COSINES as f64);
+    let mut values = vec![0.0; count];
+    let mut from = lowest;
+    for _ in 0..COSINES {
+        let to = from * ratio;
+        let frequency = (from * to).sqrt();
+        let amplitude = band.scale * (2.0 * variance_m2(from, to)).sqrt();
+        // 53 random bits of a turn.
+        let phase = tau * ((random.next_u64() >> 11) as f64 / (1u64 << 53) as f64);
+        add_cosine(&mut values, amplitude, frequency * SAMPLE_STEP_M, phase);
+        from = to;
+    }
+    values
+}
+
+fn add_cosine(values: &mut [f64], amplitude: f64, turn: f64, phase: f64) {
+    let (turn_sin, turn_cos) = libm::sincos(turn);
+    for (block, chunk) in values.chunks_mut(ANCHOR_EVERY).enumerate() {
+        let start = phase + turn * (block * ANCHOR_EVERY) as f64;
+        let (mut sin, mut cos) = libm::sincos(start);
+        for value in chunk {
+            *value += amplitude * cos;
+            (cos, sin) = (cos * turn_cos - sin * turn_sin, sin * turn_cos + cos * turn_sin);
+        }
+    }
+}
+
+/// Reads measured irregularity at even distances.
+fn read_csv(path: &Path) -> Result<Samples, ScenarioError> {
+    let fail = |line: Option<usize>, message: String| ScenarioError {
+        file: path.to_owned(),
+        line,
+        message,
+    };
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| fail(None, format!("cannot be read: {error}")))?;
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let headers = reader.headers().map_err(|error| fail(Some(1), error.to_string()))?.clone();
+    let known = ["distance_m", "vertical_m", "alignment_m", "cross_level_m", "gauge_m"];
+    if let Some(unknown) = headers.iter().find(|name| !known.contains(name)) {
+        return Err(fail(
+            Some(1),
+            format!("unknown column `{unknown}`, expected {}", known.join(", ")),
+        ));
+    }
+    let column = |name: &str| headers.iter().position(|header| header == name);
+    let Some(distance) = column("distance_m") else {
+        return Err(fail(Some(1), "column `distance_m` is missing".to_owned()));
+    };
+    let columns =
+        [column("vertical_m"), column("alignment_m"), column("cross_level_m"), column("gauge_m")];
+    let (mut places, mut samples) = (Vec::new(), Vec::new());
+    for record in reader.records() {
+        let record = record.map_err(|error| {
+            fail(error.position().map(|p| p.line() as usize), error.to_string())
+        })?;
+        let line = record.position().map(|p| p.line() as usize);
+        let number = |index: usize| -> Result<f64, ScenarioError> {
+            let text = record.get(index).unwrap_or("");
+            match text.parse::<f64>() {
+                Ok(value) if value.is_finite() => Ok(value),
+                _ => Err(fail(
+                    line,
+                    format!(
+                        "column `{}`: found \"{text}\", expected a number",
+                        headers.get(index).unwrap_or("")
+                    ),
+                )),
+            }
+        };
+        places.push((number(distance)?, line));
+        let mut sample = IrregularitySample::default();
+        for (index, (_, set)) in columns.iter().zip(CHANNELS) {
+            if let Some(index) = index {
+                set(&mut sample, number(*index)?);
+            }
+        }
+        samples.push(sample);
+    }
+    let [(first_m, _), (second_m, _), ..] = places.as_slice() else {
+        return Err(fail(None, format!("{} rows, expected at least 4", places.len())));
+    };
+    let (first_m, step_m) = (*first_m, second_m - first_m);
+    if places.len() < 4 || step_m <= 0.0 {
+        return Err(fail(None, "expected at least 4 rows at rising distance".to_owned()));
+    }
+    for (index, (place, line)) in places.iter().enumerate() {
+        let expected = first_m + step_m * index as f64;
+        if (place - expected).abs() > 0.01 * step_m {
+            return Err(fail(
+                *line,
+                format!(
+                    "column `distance_m`: found {place}, expected {expected} (even steps of {step_m} m)"
+                ),
+            ));
+        }
+    }
+    Ok(Samples { samples, first_m, step_m })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BAND: Band = Band { seed: 7, shortest: 1.0, longest: 100.0, scale: 1.0 };
+
+    #[test]
+    fn the_variance_of_a_long_track_is_the_integral_of_its_spectrum() {
+        let track = aar6(&BAND, 0.0, 40_000.0);
+        let tau = core::f64::consts::TAU;
+        let rms = |channel: fn(&IrregularitySample) -> f64| {
+            let values = track.samples.iter().skip(1000).map(channel);
+            let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v * v, n + 1.0));
+            f64::sqrt(sum / count)
+        };
+        let vertical = vertical_variance_m2(tau / 100.0, tau).sqrt();
+        let cross = cross_variance_m2(tau / 100.0, tau).sqrt();
+        assert!((rms(|s| s.vertical_m) / vertical - 1.0).abs() < 0.02);
+        assert!((rms(|s| s.alignment_m) / vertical - 1.0).abs() < 0.02);
+        assert!((rms(|s| s.cross_level_m) / cross - 1.0).abs() < 0.02);
+        assert!((rms(|s| s.gauge_m) / cross - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn channels_are_independent_and_seeds_repeat() {
+        let track = aar6(&BAND, 0.0, 5_000.0);
+        assert_eq!(track, aar6(&BAND, 0.0, 5_000.0));
+        assert_ne!(track, aar6(&Band { seed: 8, ..BAND }, 0.0, 5_000.0));
+        let (mut product, mut square) = (0.0, 0.0);
+        for sample in &track.samples {
+            product += sample.vertical_m * sample.alignment_m;
+            square += sample.vertical_m * sample.vertical_m;
+        }
+        assert!((product / square).abs() < 0.25, "{}", product / square);
+    }
+
+    #[test]
+    fn the_closed_variance_agrees_with_a_sum_over_the_density() {
+        let (from, to) = (0.1, 5.0);
+        let n = 200_000;
+        let (mut vertical, mut cross) = (0.0, 0.0);
+        for index in 0..n {
+            let w = from + (index as f64 + 0.5) * (to - from) / n as f64;
+            let w2 = w * w;
+            vertical += 5.7613e-3 / (w2 * (w2 + OMEGA_C2));
+            cross += 2.3045e-2 / ((w2 + OMEGA_C2) * (w2 + OMEGA_S2));
+        }
+        let width = 1e-4 * (to - from) / n as f64;
+        assert!((vertical * width / vertical_variance_m2(from, to) - 1.0).abs() < 1e-6);
+        assert!((cross * width / cross_variance_m2(from, to) - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,339 @@
+//! The scenario of a run: vehicle, speed, track, four damper slots, rig.
+
+use crate::damper::DamperFile;
+use crate::equilibrium::{self, Equilibrium};
+use crate::minimum_speed::minimum_speed_m_per_s;
+use crate::quantity::Quantity;
+use crate::rig::{RigFile, RigSetup};
+use crate::source::{ScenarioError, Source};
+use crate::track::{OwnedTrack, TrackFile};
+use crate::vehicle::VehicleFile;
+use crate::wheel_rail::Contact;
+use firmware_core::damper::Damper;
+use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Length of one control cycle (s).
+pub const CYCLE_S: f64 = 1e-3;
+
+/// Substeps per cycle unless a scenario says otherwise: chosen by the convergence test.
+pub const SUBSTEPS: u32 = 4;
+
+/// Distance at which the vehicle's reference point starts, so that no wheel stands before zero (m).
+const START_M: f64 = 15.0;
+
+/// A scenario as it stands in its file.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunFile {
+    /// What it shows.
+    pub title: String,
+    /// The vehicle file, beside this one.
+    pub vehicle: String,
+    /// Running speed.
+    pub speed_kmh: Quantity,
+    /// How long it runs.
+    pub duration_s: Quantity,
+    /// Time at the start that statistics leave out.
+    pub run_in_s: Option<Quantity>,
+    /// Substeps per cycle of 1 ms.
+    pub substeps: Option<u32>,
+    /// The track.
+    #[serde(default)]
+    pub track: TrackFile,
+    /// The damper in every slot that does not name its own values.
+    #[serde(default)]
+    pub damper: DamperFile,
+    /// What is different in single slots.
+    #[serde(default)]
+    pub slot: Vec<SlotFile>,
+    /// The emulated rig on the memory bus; its damper defaults to that of the scenario.
+    #[serde(default)]
+    pub rig: RigFile,
+}
+
+/// One damper slot.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlotFile {
+    /// Its place on the vehicle.
+    pub place: String,
+    /// `modelled` or `rig`.
+    pub on: On,
+    /// Node number of the rig, 1 to 4.
+    pub node: Option<u8>,
+    /// Name of the rig's bus, for a vehicle with rigs on several; the run's `--bus` when absent.
+    pub bus: Option<String>,
+    /// Values of this damper alone.
+    #[serde(default)]
+    pub damper: DamperFile,
+    /// Wear injected in software in front of a rig.
+    pub virtual_wear: Option<VirtualWearFile>,
+}
+
+/// Where the force of a slot comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum On {
+    /// The damper model, inside the vehicle step.
+    Modelled,
+    /// A rig on the bus.
+    Rig,
+}
+
+/// Wear in software: play and softness in series with the real damper.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct VirtualWearFile {
+    /// Extra total clearance.
+    pub clearance_2a_m: Option<Quantity>,
+    /// Stiffness of the extra series spring.
+    pub stiffness_n_per_m: Option<Quantity>,
+}
+
+/// One slot, ready to run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slot {
+    /// Its place on the vehicle.
+    pub place: String,
+    /// Where its force comes from.
+    pub force: SlotForce,
+}
+
+/// Where the force of a slot comes from.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "four of them, made once")]
+pub enum SlotForce {
+    /// The model.
+    Modelled(Damper),
+    /// A rig.
+    Rig {
+        /// Its node.
+        node: u8,
+        /// Its bus, when it is not the run's.
+        bus: Option<String>,
+        /// Extra total clearance in software (m).
+        virtual_clearance_2a_m: f64,
+        /// Extra series compliance in software (m/N).
+        virtual_compliance_m_per_n: f64,
+    },
+}
+
+/// A scenario in memory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// What it shows.
+    pub title: String,
+    /// Name of the vehicle.
+    pub vehicle_name: String,
+    /// What one should know about the vehicle's numbers.
+    pub about: Vec<String>,
+    /// The vehicle.
+    pub vehicle: Vehicle,
+    /// Solved profiles.
+    pub contact: Option<Contact>,
+    /// Running speed (m/s).
+    pub speed_m_per_s: f64,
+    /// How long it runs (s).
+    pub duration_s: f64,
+    /// Time at the start that statistics leave out (s).
+    pub run_in_s: f64,
+    /// Substeps per cycle.
+    pub substeps: u32,
+    /// The track.
+    pub track: OwnedTrack,
+    /// The damper slots.
+    pub slots: Vec<Slot>,
+    /// The emulated rig.
+    pub rig: RigSetup,
+    /// Where it starts from: steady running.
+    pub start: Equilibrium,
+    /// Names of the bodies, in order.
+    pub body_names: Vec<String>,
+    /// The scenario with the vehicle in it, as TOML.
+    pub effective: String,
+}
+
+/// What the command line changes in a scenario.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Overrides {
+    /// Another duration (s).
+    pub duration_s: Option<f64>,
+    /// Another speed (km/h).
+    pub speed_kmh: Option<f64>,
+}
+
+impl Run {
+    /// Reads a scenario file and everything it names.
+    ///
+    /// # Errors
+    /// One line with file, line and key for the first thing that does not fit.
+    pub fn load(path: &Path, overrides: Overrides) -> Result<Self, ScenarioError> {
+        let source = Source::read(path)?;
+        Self::from_source(&source, overrides)
+    }
+
+    /// Builds a scenario from its text.
+    ///
+    /// # Errors
+    /// One line with file, line and key for the first thing that does not fit.
+    pub fn from_source(source: &Source, overrides: Overrides) -> Result<Self, ScenarioError> {
+        let mut file: RunFile = source.parse()?;
+        if let Some(duration) = overrides.duration_s {
+            file.duration_s = Quantity::plain(duration);
+        }
+        if let Some(speed) = overrides.speed_kmh {
+            file.speed_kmh = Quantity::plain(speed);
+        }
+        let duration_s =
+            file.duration_s.within(source, "duration_s", CYCLE_S, 86_400.0, "0.001 to 86400 s")?;
+        let run_in_s = match &file.run_in_s {
+            Some(run_in) => run_in.not_negative(source, "run_in_s")?,
+            None => 2.0,
+        };
+        // A short run keeps half of itself for its statistics.
+        let run_in_s = run_in_s.min(0.5 * duration_s);
+        let substeps = file.substeps.unwrap_or(SUBSTEPS);
+        if !(2..=64).contains(&substeps) {
+            return Err(source.whole_error(format!("substeps = {substeps}, expected 2 to 64")));
+        }
+        let vehicle_source = Source::read(&source.beside(&file.vehicle))?;
+        let vehicle_file: VehicleFile = vehicle_source.parse()?;
+        let vehicle = vehicle_file.build(&vehicle_source)?;
+        let contact = vehicle_file.wheel_rail.contact(&vehicle_source)?;
+        let table = contact.as_ref().map(|contact| &*contact.table);
+
+        let speed_m_per_s = file.speed_kmh.positive(source, "speed_kmh")? / 3.6;
+        let least = minimum_speed_m_per_s(&vehicle, table, CYCLE_S / f64::from(substeps));
+        if speed_m_per_s < least {
+            return Err(file.speed_kmh.error(
+                source,
+                format!(
+                    "speed_kmh = {}, expected at least {:.0} at {substeps} substeps: creep grows stiff as 1/V",
+                    file.speed_kmh.value,
+                    libm::ceil(least * 3.6)
+                ),
+            ));
+        }
+        let start = equilibrium::running(&vehicle, table, speed_m_per_s)
+            .map_err(|error| vehicle_source.whole_error(error.to_string()))?;
+        let mut start = start;
+        start.state.distance_m.0[0] = START_M;
+        let end_m = START_M + speed_m_per_s * duration_s + 20.0;
+        let track = file.track.build(source, 0.0, end_m)?;
+        let slots = slots(&file, &vehicle_file, source)?;
+        let rig_file = RigFile { damper: file.rig.damper.over(&file.damper), ..file.rig.clone() };
+        let rig = rig_file.build(source)?;
+        let mut about: Vec<String> = vehicle_file.about.iter().cloned().collect();
+        if let Some(contact) = &contact {
+            for profile in &contact.profiles {
+                about.push(profile.line());
+            }
+        }
+        let effective = effective(&file, &vehicle_file);
+        Ok(Self {
+            title: file.title,
+            vehicle_name: vehicle_file.name,
+            about,
+            vehicle,
+            contact,
+            speed_m_per_s,
+            duration_s,
+            run_in_s,
+            substeps,
+            track,
+            slots,
+            rig,
+            start,
+            body_names: vehicle_file.body.into_iter().map(|body| body.name).collect(),
+            effective,
+        })
+    }
+
+    /// Number of control cycles.
+    pub fn cycles(&self) -> u64 {
+        libm::round(self.duration_s / CYCLE_S) as u64
+    }
+}
+
+/// The scenario with every default written out and the vehicle behind it.
+fn effective(file: &RunFile, vehicle: &VehicleFile) -> String {
+    let part = |name: &str, text: Result<String, toml::ser::Error>| match text {
+        Ok(text) => format!("# --- {name} ---\n{text}\n"),
+        Err(error) => format!("# {name} cannot be written: {error}\n"),
+    };
+    part("scenario", toml::to_string(file)) + &part("vehicle", toml::to_string(vehicle))
+}
+
+fn slots(
+    file: &RunFile,
+    vehicle: &VehicleFile,
+    source: &Source,
+) -> Result<Vec<Slot>, ScenarioError> {
+    let places: Vec<&str> = vehicle.damper_slot.iter().map(|slot| slot.place.as_str()).collect();
+    debug_assert!(places.len() <= DAMPER_SLOTS);
+    if let Some(unknown) = file.slot.iter().find(|slot| !places.contains(&slot.place.as_str())) {
+        return Err(source.whole_error(format!(
+            "slot place \"{}\" does not exist, expected one of {}",
+            unknown.place,
+            places.join(", ")
+        )));
+    }
+    let mut nodes = Vec::new();
+    let mut built = Vec::new();
+    for place in places {
+        let given = file.slot.iter().find(|slot| slot.place == place);
+        let force = match given {
+            Some(slot) if slot.on == On::Rig => slot.rig(source, &mut nodes)?,
+            given => {
+                let own = given.map(|slot| slot.damper.clone()).unwrap_or_default();
+                SlotForce::Modelled(own.over(&file.damper).build(source)?)
+            }
+        };
+        built.push(Slot { place: place.to_owned(), force });
+    }
+    Ok(built)
+}
+
+impl SlotFile {
+    fn rig(
+        &self,
+        source: &Source,
+        nodes: &mut Vec<(Option<String>, u8)>,
+    ) -> Result<SlotForce, ScenarioError> {
+        let node = self.node.unwrap_or(1);
+        let place = &self.place;
+        if !(1..=4).contains(&node) {
+            return Err(
+                source.whole_error(format!("slot \"{place}\": node = {node}, expected 1 to 4"))
+            );
+        }
+        let address = (self.bus.clone(), node);
+        if nodes.contains(&address) {
+            return Err(source
+                .whole_error(format!("slot \"{place}\": node {node} is taken by another slot")));
+        }
+        nodes.push(address);
+        if self.damper != DamperFile::default() {
+            return Err(source.whole_error(format!(
+                "slot \"{place}\" is on a rig: its damper stands under [rig.damper]"
+            )));
+        }
+        let (mut clearance, mut compliance) = (0.0, 0.0);
+        if let Some(wear) = &self.virtual_wear {
+            if let Some(given) = &wear.clearance_2a_m {
+                clearance = given.not_negative(source, "clearance_2a_m")?;
+            }
+            if let Some(given) = &wear.stiffness_n_per_m {
+                compliance = 1.0 / given.positive(source, "stiffness_n_per_m")?;
+            }
+        }
+        Ok(SlotForce::Rig {
+            node,
+            bus: self.bus.clone(),
+            virtual_clearance_2a_m: clearance,
+            virtual_compliance_m_per_n: compliance,
+        })
+    }
+}
