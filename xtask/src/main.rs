@@ -1,2 +1,100 @@
-//! The project's own tasks.
-fn main() {}
+//! The project's own tasks, so that one command checks what CI checks.
+//!
+//! ```text
+//! cargo xtask test       everything: format, lints, tests, docs, the firmware build, CAN
+//! cargo xtask ci         the same
+//! cargo xtask firmware   the no_std crates for a Cortex-M7
+//! cargo xtask vcan       the tests over SocketCAN
+//! cargo xtask bench      the benchmarks; what follows goes to criterion
+//! ```
+//!
+//! A task installs what it needs where it may: a compiler target through rustup, Debian packages
+//! as root, Python packages in a folder of their own. Whatever only has to be read is unpacked
+//! under the target folder and leaves the machine as it was. What could not be had is said in one
+//! line and skipped, unless the environment asks for it: `REQUIRE_VCAN`, `REQUIRE_THUMB`,
+//! `REQUIRE_CANTOOLS` and `REQUIRE_BROWSER`, each `=1`.
+
+mod debian;
+mod equipment;
+mod machine;
+mod modules;
+mod qemu;
+mod run;
+mod stream;
+mod thumb;
+mod uml;
+mod vcan;
+
+use std::process::ExitCode;
+
+use run::{Outcome, Run};
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let mut run = Run::new();
+    match words.as_slice() {
+        ["test" | "ci"] => test(&mut run),
+        ["firmware"] => run.step("firmware", |run| thumb::build(run, thumb::Compiler::Any)),
+        ["firmware", "--debian"] => {
+            run.step("firmware", |run| thumb::build(run, thumb::Compiler::Debian));
+        }
+        ["vcan", "--uml", rest @ ..] => {
+            run.step("vcan", |run| vcan::test(run, vcan::Place::Uml, rest));
+        }
+        ["vcan", "--qemu", rest @ ..] => {
+            run.step("vcan", |run| vcan::test(run, vcan::Place::Qemu, rest));
+        }
+        ["vcan", rest @ ..] => run.step("vcan", |run| vcan::test(run, vcan::Place::Any, rest)),
+        ["bench", rest @ ..] => run.step("bench", |run| bench(run, rest)),
+        _ => {
+            eprintln!(
+                "usage: cargo xtask test | ci | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
+                 | bench [BENCHMARK]"
+            );
+            return ExitCode::from(2);
+        }
+    }
+    run.finish()
+}
+
+/// Every check, cheapest first; one that fails does not keep the others from running.
+///
+/// Lints and docs share their metadata, the tests share one build: with other `--package` choices
+/// cargo would unify features anew and compile everything again.
+fn test(run: &mut Run) {
+    run.step("format", |run| {
+        let mut cargo = run.cargo();
+        run.checked(cargo.args(["fmt", "--all", "--check"]))
+    });
+    run.step("lints", |run| {
+        let mut cargo = run.cargo();
+        cargo.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
+        run.checked(&mut cargo)
+    });
+    run.step("docs", |run| {
+        let mut cargo = run.cargo();
+        cargo.args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings");
+        run.checked(&mut cargo)
+    });
+    run.step("firmware", |run| thumb::build(run, thumb::Compiler::Any));
+    run.step("cantools", equipment::cantools);
+    run.step("browser", equipment::browser);
+    run.step("tests", |run| {
+        let mut cargo = run.cargo();
+        cargo.args(["test", "--workspace"]).envs(run.equipment.clone());
+        // The step below runs these, on whatever has CAN; a skipped run here would look like a gap.
+        run.checked(cargo.env("VCAN_ELSEWHERE", "1"))
+    });
+    run.step("vcan", |run| vcan::test(run, vcan::Place::Any, &[]));
+}
+
+/// Only the criterion benches: the test harness of the libraries would refuse their arguments.
+fn bench(run: &mut Run, arguments: &[&str]) -> Outcome {
+    let mut cargo = run.cargo();
+    cargo.args(["bench", "--bench", "*"]);
+    if !arguments.is_empty() {
+        cargo.arg("--").args(arguments);
+    }
+    run.checked(&mut cargo)
+}

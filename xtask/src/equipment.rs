@@ -1,0 +1,60 @@
+//! What single tests need from outside: Python's cantools and a browser.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::debian;
+use crate::run::{Outcome, Run};
+use crate::stream::quiet;
+
+/// A Python of its own with cantools, the independent reader of the message database.
+///
+/// The tests find it as `PYTHON`.
+pub(crate) fn cantools(run: &mut Run) -> Outcome {
+    match virtual_environment(&run.target.join("cantools")) {
+        Ok(python) => {
+            run.equipment.push(("PYTHON".into(), python.into()));
+            run.equipment.push(("REQUIRE_CANTOOLS".into(), "1".into()));
+            Outcome::Passed
+        }
+        Err(reason) => Outcome::skipped_unless_required("REQUIRE_CANTOOLS", reason),
+    }
+}
+
+/// The interpreter of a virtual environment that has cantools.
+fn virtual_environment(folder: &Path) -> Result<PathBuf, String> {
+    let python = folder.join("bin/python3");
+    let has_cantools = || quiet(Command::new(&python).args(["-c", "import cantools"]));
+    if has_cantools().is_err() {
+        if quiet(Command::new("python3").args(["-c", "import ensurepip"])).is_err() {
+            debian::install(&["python3", "python3-venv"])?;
+        }
+        quiet(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))?;
+        quiet(
+            Command::new(&python)
+                .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"])
+                .arg("cantools>=40,<46"),
+        )?;
+        has_cantools()?;
+    }
+    let version = "import cantools; print('cantools', cantools.__version__)";
+    println!("{}", quiet(Command::new(&python).args(["-c", version]))?.trim());
+    Ok(python)
+}
+
+const BROWSERS: [&str; 4] =
+    ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+
+/// Chromium, for the test that opens a report as a reader does.
+pub(crate) fn browser(run: &mut Run) -> Outcome {
+    let mut found = BROWSERS.into_iter();
+    let found = found.find_map(debian::program);
+    match found.map_or_else(|| debian::ensure("chromium", &["chromium"]), Ok) {
+        Ok(path) => {
+            println!("{}", path.display());
+            run.equipment.push(("REQUIRE_BROWSER".into(), "1".into()));
+            Outcome::Passed
+        }
+        Err(reason) => Outcome::skipped_unless_required("REQUIRE_BROWSER", reason),
+    }
+}
