@@ -20,6 +20,7 @@ impl<const L: usize> Lanes<L> {
     }
 
     /// Applies a scalar function lane by lane.
+    #[must_use]
     #[inline(always)]
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self(self.0.map(f))
@@ -31,6 +32,7 @@ impl<const L: usize> Lanes<L> {
     /// use firmware_core::lanes::Lanes;
     /// assert_eq!(Lanes([1.5, -0.2]).beyond(0.5), Lanes([1.0, 0.0]));
     /// ```
+    #[must_use]
     #[inline(always)]
     pub fn beyond(self, half_width: f64) -> Self {
         self.map(|value| value - value.clamp(-half_width, half_width))

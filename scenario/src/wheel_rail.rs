@@ -5,9 +5,7 @@ use crate::profile::{self, Jm3Like, Part, Profile};
 use crate::quantity::Quantity;
 use crate::source::{ScenarioError, Source};
 use firmware_core::vehicle::RailSupport;
-use firmware_core::wheel_rail::creep::{
-    ConicalPrescribed, CreepLaw, Fastsim, LinearSaturated, Polach,
-};
+use firmware_core::wheel_rail::creep::{ConicalPrescribed, CreepLaw, Fastsim};
 use firmware_core::wheel_rail::hertz::Material;
 use firmware_core::wheel_rail::table::ContactTable;
 use firmware_core::wheel_rail::wheel::{Conical, Surface, Wheel};
@@ -60,6 +58,7 @@ pub enum CreepFile {
 /// What the wheels run on.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[expect(clippy::large_enum_variant, reason = "one per vehicle")]
 pub enum SurfaceFile {
     /// Two profiles by name or CSV file.
     Profiles {
@@ -282,8 +281,8 @@ fn from_csv(
 impl CreepFile {
     fn law(&self, source: &Source, near: &Quantity) -> Result<CreepLaw, ScenarioError> {
         Ok(match self {
-            Self::LinearSaturated => CreepLaw::LinearSaturated(LinearSaturated),
-            Self::Polach => CreepLaw::Polach(Polach),
+            Self::LinearSaturated => CreepLaw::LinearSaturated,
+            Self::Polach => CreepLaw::Polach,
             Self::Fastsim { cells_along, cells_across } => {
                 let grid = Fastsim::new(*cells_along, *cells_across).ok_or_else(|| {
                     near.error(

@@ -20,6 +20,18 @@ use crate::lanes::Lanes;
 use crate::track::{LayoutPoint, Track};
 use crate::wheel_rail::table::ContactTable;
 
+/// Where everything is and how fast it moves.
+struct Kinematics<const L: usize> {
+    /// Velocities in each body's own track frame.
+    velocity: [Pose<L>; BODIES_MAX],
+    /// The track under each body.
+    places: [[LayoutPoint; L]; BODIES_MAX],
+    /// Positions in the tangent frame of the vehicle's reference point.
+    common: [Pose<L>; BODIES_MAX],
+    /// Velocities in that frame.
+    common_velocity: [Pose<L>; BODIES_MAX],
+}
+
 /// How the vehicle runs during a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Running<'a, const L: usize = 1> {
@@ -106,24 +118,8 @@ impl Vehicle {
         dampers: &mut impl DamperForces,
     ) {
         let substep = running.substep_s;
-        // Velocities at the time of the positions, and positions in the common frame.
-        let mut velocity = [[Lanes::ZERO; 5]; BODIES_MAX];
-        for ((value, half), rate) in velocity
-            .iter_mut()
-            .zip(&state.half_velocity)
-            .zip(&state.acceleration)
-            .take(self.bodies.len())
-        {
-            for ((value, half), rate) in value.iter_mut().zip(half).zip(rate) {
-                *value = *half + *rate * (0.5 * substep);
-            }
-        }
-        let mut places = [[LayoutPoint::default(); L]; BODIES_MAX];
-        let mut common = state.position;
-        let mut common_velocity = velocity;
-        if !running.track.layout.is_tangent() {
-            self.into_common_frame(state, running, &mut places, &mut common, &mut common_velocity);
-        }
+        let Kinematics { velocity, places, common, common_velocity } =
+            self.kinematics(state, running);
         let motion = Motion { position: &common, velocity: &common_velocity };
 
         let mut forces: Forces<L> = [[Lanes::ZERO; 5]; BODIES_MAX];
@@ -160,8 +156,59 @@ impl Vehicle {
         self.accelerate(state, &forces);
     }
 
+    /// Extension (m) and its rate (m/s) of every damper slot at the time of the positions.
+    pub fn damper_motions<const L: usize>(
+        &self,
+        state: &VehicleState<L>,
+        running: &Running<'_, L>,
+    ) -> [(Lanes<L>, Lanes<L>); DAMPER_SLOTS] {
+        let moving = self.kinematics(state, running);
+        let mut motions = [(Lanes::ZERO, Lanes::ZERO); DAMPER_SLOTS];
+        for (motion, mount) in motions.iter_mut().zip(&self.dampers) {
+            *motion = (mount.extension(&moving.common), mount.extension(&moving.common_velocity));
+        }
+        motions
+    }
+
+    /// Velocities at the time of the positions, and both in the common frame of the vehicle.
+    #[inline(always)]
+    fn kinematics<const L: usize>(
+        &self,
+        state: &VehicleState<L>,
+        running: &Running<'_, L>,
+    ) -> Kinematics<L> {
+        let half = 0.5 * running.substep_s;
+        let mut velocity = [[Lanes::ZERO; 5]; BODIES_MAX];
+        for ((value, late), rate) in velocity
+            .iter_mut()
+            .zip(&state.half_velocity)
+            .zip(&state.acceleration)
+            .take(self.bodies.len())
+        {
+            for ((value, late), rate) in value.iter_mut().zip(late).zip(rate) {
+                *value = *late + *rate * half;
+            }
+        }
+        let mut moving = Kinematics {
+            velocity,
+            places: [[LayoutPoint::default(); L]; BODIES_MAX],
+            common: state.position,
+            common_velocity: velocity,
+        };
+        if !running.track.layout.is_tangent() {
+            self.shift_to_common_frame(
+                state,
+                running,
+                &mut moving.places,
+                &mut moving.common,
+                &mut moving.common_velocity,
+            );
+        }
+        moving
+    }
+
     /// Shifts every body from its own track frame into the tangent frame of the reference point.
-    fn into_common_frame<const L: usize>(
+    fn shift_to_common_frame<const L: usize>(
         &self,
         state: &VehicleState<L>,
         running: &Running<'_, L>,

@@ -16,7 +16,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// Wheel and rail steel: G = 82 GPa, nu = 0.28.
+    /// Wheel and rail steel: shear modulus 82e9 Pa, Poisson's ratio 0.28.
     pub const STEEL: Self = Self { shear_modulus_pa: 82.0e9, poisson: 0.28 };
 }
 

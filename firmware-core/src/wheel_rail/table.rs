@@ -71,6 +71,7 @@ impl ContactTable {
 }
 
 impl ZoneTable {
+    #[expect(clippy::large_stack_arrays, reason = "25 kB, off-line, and there is no heap")]
     fn new(geometry: &[ContactGeometry; TABLE_ROWS], radius_m: f64, material: Material) -> Self {
         let mut rows = [[0.0; COLUMNS]; TABLE_ROWS];
         for (row, point) in rows.iter_mut().zip(geometry) {

@@ -11,8 +11,6 @@ mod polach;
 
 pub use conical_prescribed::ConicalPrescribed;
 pub use fastsim::Fastsim;
-pub use linear_saturated::LinearSaturated;
-pub use polach::Polach;
 
 /// One contact patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,9 +59,9 @@ pub struct CreepForce {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CreepLaw {
     /// `linear_saturated`: Kalker's linear theory with cubic saturation.
-    LinearSaturated(LinearSaturated),
+    LinearSaturated,
     /// `polach`: Polach's closed form with spin.
-    Polach(Polach),
+    Polach,
     /// `fastsim`: Kalker's simplified theory on a grid.
     Fastsim(Fastsim),
     /// `conical_prescribed`: given coefficients, for classical bogie models.
@@ -75,8 +73,8 @@ impl CreepLaw {
     #[inline(always)]
     pub fn force(&self, patch: &Patch, creepage: Creepage) -> CreepForce {
         match self {
-            Self::LinearSaturated(law) => law.force(patch, creepage),
-            Self::Polach(law) => law.force(patch, creepage),
+            Self::LinearSaturated => linear_saturated::force(patch, creepage),
+            Self::Polach => polach::force(patch, creepage),
             Self::Fastsim(law) => law.force(patch, creepage),
             Self::ConicalPrescribed(law) => law.force(patch, creepage),
         }
@@ -113,8 +111,8 @@ mod tests {
 
     pub(super) fn laws() -> [CreepLaw; 3] {
         [
-            CreepLaw::LinearSaturated(LinearSaturated),
-            CreepLaw::Polach(Polach),
+            CreepLaw::LinearSaturated,
+            CreepLaw::Polach,
             CreepLaw::Fastsim(Fastsim::new(40, 40).unwrap()),
         ]
     }

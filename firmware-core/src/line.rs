@@ -1,0 +1,176 @@
+//! One control step, as one straight line: guard, vehicle step, compensation.
+//!
+//! ```text
+//! received forces -> guard -> vehicle step (modelled dampers inside) -> compensation -> commands
+//! ```
+//! The step of a cycle takes the forces that were received since the last one and holds them over
+//! the cycle; modelled dampers act at every substep. Forces are applied in slot order. What goes out
+//! is each rig's displacement and velocity at the end of the cycle.
+
+use crate::compensation::{VirtualWear, VirtualWearState};
+use crate::damper::{Damper, DamperState, Motion};
+use crate::guard::{Command, ForceInput, Guard, GuardState};
+use crate::lanes::Lanes;
+use crate::track::Track;
+use crate::vehicle::{DAMPER_SLOTS, DamperForces, Running, Vehicle, VehicleState};
+use crate::wheel_rail::table::ContactTable;
+
+/// Where the force of a slot comes from.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "four of them, made once, never moved in the loop")]
+pub enum Slot {
+    /// Nothing is mounted.
+    Empty,
+    /// The model, inside the vehicle step.
+    Modelled(Damper),
+    /// A rig.
+    Rig(VirtualWear),
+}
+
+/// Everything that does not change during a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line<'a> {
+    /// The vehicle.
+    pub vehicle: &'a Vehicle,
+    /// The track.
+    pub track: &'a Track<'a>,
+    /// The contact table of wheels that run on profiles.
+    pub contact: Option<&'a ContactTable>,
+    /// Running speed (m/s).
+    pub speed_m_per_s: f64,
+    /// Length of a cycle (s).
+    pub cycle_s: f64,
+    /// Substeps per cycle.
+    pub substeps: u32,
+    /// The damper slots.
+    pub slots: [Slot; DAMPER_SLOTS],
+    /// The guard of every rig.
+    pub guard: Guard,
+}
+
+/// What a slot remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SlotState {
+    /// The model's state.
+    pub damper: DamperState,
+    /// The guard's state.
+    pub guard: GuardState,
+    /// Where the injected play stands.
+    pub wear: VirtualWearState,
+    /// Extension at which the vehicle stands still: mid-stroke (m).
+    pub mid_stroke_m: f64,
+    /// Last command to a rig.
+    pub command: Command,
+}
+
+/// Everything that does change. Copying it is a snapshot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LineState {
+    /// The vehicle.
+    pub vehicle: VehicleState,
+    /// The slots.
+    pub slots: [SlotState; DAMPER_SLOTS],
+    /// Cycles done.
+    pub cycle: u64,
+    /// Whether a guard has tripped: the vehicle stands, rigs are brought to rest.
+    pub safe: bool,
+}
+
+impl<'a> Line<'a> {
+    fn running(&self) -> Running<'a> {
+        Running {
+            speed_m_per_s: Lanes([self.speed_m_per_s]),
+            track: self.track,
+            contact: self.contact,
+            substep_s: self.cycle_s / f64::from(self.substeps),
+        }
+    }
+
+    /// The state at the start of a run, from a vehicle in steady motion.
+    pub fn start(&self, vehicle: VehicleState) -> LineState {
+        let mut state = LineState {
+            vehicle,
+            slots: [SlotState::default(); DAMPER_SLOTS],
+            cycle: 0,
+            safe: false,
+        };
+        let running = self.running();
+        self.vehicle.start(&mut state.vehicle, &running);
+        let motions = self.vehicle.damper_motions(&state.vehicle, &running);
+        for (slot, (extension_m, _)) in state.slots.iter_mut().zip(motions) {
+            slot.mid_stroke_m = extension_m.lane(0);
+            slot.damper = DamperState::rest();
+        }
+        state
+    }
+
+    /// One cycle: takes what arrived, leaves the commands in the slots.
+    pub fn step(&self, state: &mut LineState, inputs: &[ForceInput; DAMPER_SLOTS]) {
+        let mut held_n = [0.0; DAMPER_SLOTS];
+        for (((slot, memory), input), force_n) in
+            self.slots.iter().zip(&mut state.slots).zip(inputs).zip(&mut held_n)
+        {
+            if let Slot::Rig(_) = slot {
+                *force_n = self.guard.take(&mut memory.guard, *input);
+                state.safe |= memory.guard.tripped;
+            }
+        }
+        state.cycle += 1;
+        if state.safe {
+            for slot in &mut state.slots {
+                slot.command = slot.command.stopping(self.cycle_s);
+            }
+            return;
+        }
+        let running = self.running();
+        let mut forces = SlotForces { line: self, slots: &mut state.slots, held_n };
+        self.vehicle.step(&mut state.vehicle, &running, &mut forces, self.substeps);
+        let motions = self.vehicle.damper_motions(&state.vehicle, &running);
+        for ((slot, memory), (extension, rate)) in
+            self.slots.iter().zip(&mut state.slots).zip(motions)
+        {
+            let Slot::Rig(wear) = slot else { continue };
+            let (displacement_m, moves) = wear.displacement_m(
+                &mut memory.wear,
+                extension.lane(0) - memory.mid_stroke_m,
+                memory.guard.force_n,
+            );
+            memory.command = Command {
+                displacement_m,
+                velocity_m_per_s: if moves { rate.lane(0) } else { 0.0 },
+            };
+        }
+    }
+}
+
+/// Forces of the four slots during one cycle.
+struct SlotForces<'a> {
+    line: &'a Line<'a>,
+    slots: &'a mut [SlotState; DAMPER_SLOTS],
+    held_n: [f64; DAMPER_SLOTS],
+}
+
+impl DamperForces for SlotForces<'_> {
+    #[inline]
+    fn force_n(
+        &mut self,
+        slot: usize,
+        _lane: usize,
+        extension_m: f64,
+        rate_m_per_s: f64,
+        substep_s: f64,
+    ) -> f64 {
+        let (Some(source), Some(state)) = (self.line.slots.get(slot), self.slots.get_mut(slot))
+        else {
+            return 0.0;
+        };
+        match source {
+            Slot::Empty => 0.0,
+            Slot::Rig(_) => self.held_n.get(slot).copied().unwrap_or(0.0),
+            Slot::Modelled(damper) => {
+                let motion = Motion::new(extension_m - state.mid_stroke_m, rate_m_per_s);
+                damper.advance(&mut state.damper, motion, substep_s)
+            }
+        }
+    }
+}
