@@ -325,3 +325,122 @@ fn push_end(segments: &mut Segments, at: &Point, body: &Curve, attachment: &Curv
         gains: Gains::NONE,
     });
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damper::nominal::Nominal;
+
+    fn joined(nominal: &Nominal, dry: Curve, factors: &Factors) -> Law {
+        let (hydraulic, attachment) = (nominal.hydraulic(), nominal.attachment());
+        let mut law = Law::EMPTY;
+        law.join(&Parts { hydraulic, dry, attachment }, factors);
+        law
+    }
+
+    /// Force and piston velocity at a deflection.
+    fn at(law: &Law, deflection_m: f64) -> (f64, f64) {
+        let segment = law.sliding.iter().find(|segment| deflection_m < segment.to_m).unwrap();
+        (segment.force(deflection_m), segment.velocity(deflection_m))
+    }
+
+    fn close(a: f64, b: f64) {
+        assert!((a - b).abs() <= 1e-9 * b.abs().max(1e-9), "{a} {b}");
+    }
+
+    #[test]
+    fn nominal_law_has_its_five_segments() {
+        let law = joined(&Nominal::NEW, Curve::ZERO, &Factors::NONE);
+        assert_eq!(law.sliding.len(), 5);
+        assert!(!law.breaks_away());
+        // In the clearance, at 9 kN, at 26 kN.
+        assert_eq!(at(&law, 0.05e-3), (0.0, 0.0));
+        let (force, velocity) = at(&law, 0.1e-3 + 9e3 / 12.5e6);
+        close(force, 9e3);
+        close(velocity, 9e-3);
+        let (force, velocity) = at(&law, -0.1e-3 - 26e3 / 12.5e6);
+        close(force, -26e3);
+        close(velocity, -0.118);
+    }
+
+    #[test]
+    fn segments_join_without_a_hole() {
+        let dry =
+            Curve::through(&[Knot { x: 0.0, y: -300.0 }, Knot { x: 0.0, y: 300.0 }], 0.0, 0.0);
+        for c2_n_s_per_m in [0.0, 80e3] {
+            let nominal = Nominal { c2_n_s_per_m, ..Nominal::NEW };
+            let law = joined(&nominal, dry.clone(), &Factors::NONE);
+            for pair in law.sliding.windows(2) {
+                assert_eq!(pair[0].to_m, pair[1].from_m);
+                assert!(pair[0].velocity_to <= pair[1].velocity_from);
+            }
+            assert_eq!(law.sliding[0].from_m.is_finite(), c2_n_s_per_m == 0.0);
+        }
+    }
+
+    #[test]
+    fn every_factor_does_what_it_says() {
+        let nominal = Nominal::NEW;
+        let with = |factors: Factors| joined(&nominal, Curve::ZERO, &factors);
+        let e = |force: f64| 0.1e-3 + force / 12.5e6;
+
+        let law = with(Factors { force_gain: 0.5, ..Factors::NONE });
+        close(at(&law, e(4.5e3)).1, 9e-3);
+        close(at(&law, e(13e3)).1, 0.118);
+
+        // Thinner oil: twice the velocity at the same force, the same relief force.
+        let law = with(Factors { velocity_gain: 2.0, ..Factors::NONE });
+        close(at(&law, e(9e3)).1, 18e-3);
+        close(at(&law, e(26e3)).1, 0.236);
+
+        let law = with(Factors { preload_n: 1e3, ..Factors::NONE });
+        close(at(&law, e(10e3)).1, 9e-3);
+        close(at(&law, e(1e3)).1, 0.0);
+        close(at(&law, -e(8e3)).1, -9e-3);
+
+        let law = with(Factors { compliance_gain: 2.0, ..Factors::NONE });
+        let (force, velocity) = at(&law, 0.1e-3 + 2.0 * 9e3 / 12.5e6);
+        close(force, 9e3);
+        close(velocity, 9e-3);
+        assert_eq!(at(&law, 0.09e-3).0, 0.0);
+
+        let worn = Factors { added_half_clearance_m: 1e-3, ..Factors::NONE };
+        let law = with(worn);
+        close(at(&law, e(9e3) + 1e-3).0, 9e3);
+        close(at(&law, -e(9e3) - 1e-3).0, -9e3);
+        assert_eq!(at(&law, 1.09e-3).0, 0.0);
+        let tight = Nominal { clearance_2a_m: 0.0, ..nominal };
+        let law = joined(&tight, Curve::ZERO, &worn);
+        assert_eq!(at(&law, 0.99e-3).0, 0.0);
+        close(at(&law, 1e-3 + 9e3 / 12.5e6).0, 9e3);
+    }
+
+    #[test]
+    fn force_is_read_from_the_attachment_as_it_is() {
+        let (hydraulic, attachment) = (Nominal::NEW.hydraulic(), Nominal::NEW.attachment());
+        let parts = Parts { hydraulic, dry: Curve::ZERO, attachment };
+        let stiff = Factors { compliance_gain: 0.5, ..Factors::NONE };
+        close(attachment_force_n(&parts, &Factors::NONE, 1.1e-3), 12.5e3);
+        close(attachment_force_n(&parts, &stiff, -1.1e-3), -25e3);
+        assert_eq!(attachment_force_n(&parts, &stiff, 0.05e-3), 0.0);
+    }
+
+    #[test]
+    fn too_many_knots_are_refused() {
+        let mut parts = Parts {
+            hydraulic: Nominal::NEW.hydraulic(),
+            dry: Curve::ZERO,
+            attachment: Nominal::NEW.attachment(),
+        };
+        assert_eq!(Law::check(&parts), Ok(()));
+        let mut soft = parts.clone();
+        soft.attachment.add_line(-1.0 / 12.5e6);
+        assert_eq!(Law::check(&soft), Err(DamperError::NotMonotone { law: "attachment" }));
+        for i in 0..40 {
+            let knot = Knot { x: f64::from(i), y: f64::from(i) };
+            parts.dry = parts.dry.plus(&Curve::through(&[knot], 0.0, 0.0));
+        }
+        let limit = CURVE_LIMIT;
+        assert_eq!(Law::check(&parts), Err(DamperError::TooManyKnots { limit }));
+    }
+}

@@ -13,7 +13,8 @@
 //! How a step is solved:
 //! - Attachment and body are joined into one rising piecewise-linear law ([`law`]), which is
 //!   followed exactly from knot to knot ([`series`]): clearance, relief, sticking, hard caps.
-//! - Factors from slow states (position, temperature, wear) are frozen at mid-step.
+//! - Factors from slow states (position, temperature, wear) are frozen in each step, at mid-step or,
+//!   where the chain answers faster than the step, towards its end ([`series::weight_of_step`]).
 //! - Attachments with a fast memory (rubber) are solved together with the chain by a bracketed,
 //!   second-order, L-stable step ([`implicit`]).
 //! - Parts beside the whole damper and the sensor act on the result.
@@ -78,10 +79,10 @@ impl Motion {
     }
 }
 
-/// What slow factors are computed from.
+/// The instant at which slow factors are taken and frozen for a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct MidStep {
+pub struct Instant {
     /// Motion between the eyes.
     pub motion: Motion,
     /// Position of the piston, m.
@@ -294,7 +295,8 @@ impl Damper {
         let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
         let creep = self.creep(state, start_force_n, step_s);
         let mut arrival = if self.slow {
-            let factors = self.factors(state, &mid_step(state, motion, drive, step_s));
+            let at = self.instant(state, stand, drive, step_s);
+            let factors = self.factors(state, &at);
             let mut law = Law::EMPTY;
             law.join(&self.parts, &factors);
             self.solve(&law, stand, drive, step_s, creep, start_force_n)
@@ -356,7 +358,23 @@ impl Damper {
         creep
     }
 
-    fn factors(&self, state: &DamperState, at: &MidStep) -> Factors {
+    /// The instant that stands for the step: its middle where the chain is slow, its end where the
+    /// chain has forgotten the beginning by then.
+    fn instant(&self, state: &DamperState, stand: Stand, drive: Drive, step_s: f64) -> Instant {
+        let time_s = series::weight_of_step(&self.law, stand, step_s);
+        let Drive { velocity_m_per_s: velocity, acceleration_m_per_s2: acceleration } = drive;
+        Instant {
+            motion: Motion {
+                displacement_m: state.motion.displacement_m
+                    + time_s * (velocity + 0.5 * acceleration * time_s),
+                velocity_m_per_s: velocity + acceleration * time_s,
+            },
+            piston_m: state.piston_m() + time_s * state.piston_velocity_m_per_s,
+            piston_velocity_m_per_s: state.piston_velocity_m_per_s,
+        }
+    }
+
+    fn factors(&self, state: &DamperState, at: &Instant) -> Factors {
         let mut factors = Factors::NONE;
         for (effect, memory) in self.effects.iter().zip(&state.memory) {
             effect.slow(at, memory, &mut factors);
@@ -364,11 +382,11 @@ impl Damper {
         factors
     }
 
-    /// Reads the force with the attachment as it is at the end of the step: frozen at mid-step, a
+    /// Reads the force with the attachment as it is at the end of the step: with the frozen one, a
     /// stiffness that changes would leave the force half a step behind.
     fn read_attachment(&self, state: &DamperState, arrival: &mut Arrival, motion: Motion) {
         let deflection_m = arrival.stand.deflection_m;
-        let at = MidStep {
+        let at = Instant {
             motion,
             piston_m: motion.displacement_m - deflection_m - state.creep_m,
             piston_velocity_m_per_s: arrival.piston_velocity_m_per_s,
@@ -389,21 +407,6 @@ impl DamperState {
         self.chain_force_n = arrival.force_n;
         self.piston_velocity_m_per_s = arrival.piston_velocity_m_per_s;
         self.fallbacks = self.fallbacks.saturating_add(u32::from(arrival.fell_back));
-    }
-}
-
-/// Where the damper will be at mid-step, near enough for a factor that changes slowly.
-fn mid_step(state: &DamperState, end: Motion, drive: Drive, step_s: f64) -> MidStep {
-    let half = 0.5 * step_s;
-    let velocity = state.piston_velocity_m_per_s;
-    let bend = 0.25 * half * step_s * drive.acceleration_m_per_s2;
-    MidStep {
-        motion: Motion {
-            displacement_m: 0.5 * (state.motion.displacement_m + end.displacement_m) - bend,
-            velocity_m_per_s: 0.5 * (state.motion.velocity_m_per_s + end.velocity_m_per_s),
-        },
-        piston_m: state.piston_m() + half * velocity,
-        piston_velocity_m_per_s: velocity,
     }
 }
 

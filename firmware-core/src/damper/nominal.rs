@@ -63,7 +63,7 @@ impl Nominal {
         Ok(())
     }
 
-    /// The velocity at which the relief opens, F_r / Ce, m/s.
+    /// The velocity at which the relief opens, relief force over Ce, m/s.
     pub fn v_relief_m_per_s(&self) -> f64 {
         self.f_relief_n / self.ce_n_s_per_m
     }

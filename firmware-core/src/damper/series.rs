@@ -128,6 +128,21 @@ fn within(law: &Law, on: &Segment, stand: Stand, drive: Drive, time_s: f64) -> O
     })
 }
 
+/// The instant within a step, from its beginning, at which a slow influence on the piston has the
+/// same effect on the deflection at the end as over the whole step:
+///
+/// ```text
+/// h f2(-s h) / f1(-s h)        h/2 for a slow chain, h for a fast one or at a hard cap
+/// ```
+pub fn weight_of_step(law: &Law, stand: Stand, step_s: f64) -> f64 {
+    let e = stand.deflection_m;
+    let Some(on) = law.sliding.iter().find(|segment| e < segment.to_m && e > segment.from_m) else {
+        return step_s;
+    };
+    let gains = gains_over(law, on, step_s);
+    gains.acceleration_s2 / gains.velocity_s
+}
+
 #[inline]
 fn gains_over(law: &Law, segment: &Segment, time_s: f64) -> Gains {
     if time_s == law.step_s { segment.gains } else { Gains::over(segment.rate_per_s, time_s) }
@@ -268,9 +283,11 @@ fn held(segments: &Segments, stand: Stand, velocity: f64) -> Arrival {
     let (below, above) = around(segments, e);
     let low = below.map_or(f64::NEG_INFINITY, |s| s.velocity(e).min(s.velocity_to));
     let high = above.map_or(f64::INFINITY, |s| s.velocity(e).max(s.velocity_from));
+    // The inner segment of the two, so that mirrored motion gives mirrored bits.
+    let inner = if e > 0.0 { below.or(above) } else { above.or(below) };
     Arrival {
         stand,
-        force_n: below.or(above).map_or(0.0, |segment| segment.force(e)),
+        force_n: inner.map_or(0.0, |segment| segment.force(e)),
         piston_velocity_m_per_s: velocity.max(low).min(high),
         sensitivity_n_s_per_m: 0.0,
         fell_back: false,
@@ -298,7 +315,7 @@ fn crossing_time(
     for _ in 0..MAX_CROSSING_ITERATIONS {
         let gains = Gains::over(on.rate_per_s, time);
         let miss = gains.velocity_s * excess + gains.acceleration_s2 * acceleration - target;
-        if (miss >= 0.0) == (target > 0.0) {
+        if miss * target >= 0.0 {
             late = time;
         } else {
             early = time;
@@ -312,4 +329,75 @@ fn crossing_time(
         time = if newton > early && newton < late { newton } else { 0.5 * (early + late) };
     }
     time
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damper::curve::Curve;
+    use crate::damper::law::{Factors, Parts};
+    use crate::damper::nominal::Nominal;
+
+    fn law_of(nominal: &Nominal) -> Law {
+        let (hydraulic, attachment) = (nominal.hydraulic(), nominal.attachment());
+        let mut law = Law::EMPTY;
+        law.join(&Parts { hydraulic, dry: Curve::ZERO, attachment }, &Factors::NONE);
+        law
+    }
+
+    #[test]
+    fn gains_follow_their_formula_across_both_branches() {
+        // At z = -0.2 by hand: f1 = 0.906346234610091, f2 = 0.468268826949546.
+        let gains = Gains::over(200.0, 1e-3);
+        assert!((gains.velocity_s / 1e-3 - 0.906_346_234_610_091).abs() < 1e-14);
+        assert!((gains.acceleration_s2 / 1e-6 - 0.468_268_826_949_546).abs() < 1e-13);
+        let (a, b) = (Gains::over(100.0 - 1e-12, 1e-3), Gains::over(100.0 + 1e-12, 1e-3));
+        assert!((a.velocity_s - b.velocity_s).abs() < 1e-17);
+        assert!((a.acceleration_s2 - b.acceleration_s2).abs() < 1e-19);
+        assert_eq!(Gains::over(0.0, 2.0), Gains { velocity_s: 2.0, acceleration_s2: 2.0 });
+    }
+
+    #[test]
+    fn one_long_step_is_many_short_ones() {
+        // The same parabola in one step and in 64: clearance, Ce and C2 crossed either way.
+        for c2_n_s_per_m in [0.0, 5e3, 80e3] {
+            let law = law_of(&Nominal { c2_n_s_per_m, ..Nominal::NEW });
+            for (velocity, acceleration) in [(0.1, 3.0), (0.3, -8.0), (-0.2, 5.0), (-0.05, -4.0)] {
+                let step_s = 0.02;
+                let begin = Stand { deflection_m: -0.3e-3, resting: false };
+                let drive =
+                    Drive { velocity_m_per_s: velocity, acceleration_m_per_s2: acceleration };
+                let once = advance(&law, begin, drive, step_s);
+                let (mut stand, short) = (begin, step_s / 64.0);
+                let mut force_n = 0.0;
+                for i in 0..64 {
+                    let then = velocity + acceleration * short * f64::from(i);
+                    let arrival =
+                        advance(&law, stand, Drive { velocity_m_per_s: then, ..drive }, short);
+                    stand = arrival.stand;
+                    force_n = arrival.force_n;
+                }
+                assert!(!once.fell_back);
+                let miss = (once.force_n - force_n).abs();
+                assert!(miss < 1e-6, "{c2_n_s_per_m} {velocity} {acceleration}: {miss} N");
+            }
+        }
+    }
+
+    #[test]
+    fn hard_cap_passes_all_motion_to_the_piston() {
+        let nominal = Nominal { c2_n_s_per_m: 0.0, ..Nominal::NEW };
+        let law = law_of(&nominal);
+        let stand = Stand { deflection_m: 0.0, resting: false };
+        let drive = Drive { velocity_m_per_s: 1.0, acceleration_m_per_s2: 0.0 };
+        let arrival = advance(&law, stand, drive, 10e-3);
+        assert!((arrival.force_n - nominal.f_relief_n).abs() < 1e-9);
+        assert_eq!(arrival.piston_velocity_m_per_s, 1.0);
+        // Turned round, the spring lets go at once.
+        let back = Drive { velocity_m_per_s: -0.1, acceleration_m_per_s2: 0.0 };
+        let arrival = advance(&law, arrival.stand, back, 1e-3);
+        // -0.1 m/s and the dashpot's 18 mm/s against 12.5 MN/m, almost straight within 1 ms.
+        let expected = 18e3 - 12.5e6 * 0.118e-3;
+        assert!((arrival.force_n - expected).abs() < 15.0, "{}", arrival.force_n);
+    }
 }

@@ -32,13 +32,13 @@ impl Excitation {
 
 /// The working point, a small fast one, a large slow one, two tones.
 pub(crate) const EXCITATIONS: [Excitation; 4] = [
-    Excitation { name: "3.5 Hz 3.46 mm", tones: &[(3.46e-3, 3.5, 0.0)], duration_s: 0.9 },
-    Excitation { name: "8 Hz 0.5 mm", tones: &[(0.5e-3, 8.0, 0.0)], duration_s: 0.5 },
-    Excitation { name: "0.3 Hz 20 mm", tones: &[(20e-3, 0.3, 0.0)], duration_s: 4.0 },
+    Excitation { name: "3.5 Hz 3.46 mm", tones: &[(3.46e-3, 3.5, 0.0)], duration_s: 0.7 },
+    Excitation { name: "8 Hz 0.5 mm", tones: &[(0.5e-3, 8.0, 0.0)], duration_s: 0.35 },
+    Excitation { name: "0.3 Hz 20 mm", tones: &[(20e-3, 0.3, 0.0)], duration_s: 3.5 },
     Excitation {
         name: "two tones",
         tones: &[(2.5e-3, 1.3, 0.4), (0.8e-3, 7.1, 1.9)],
-        duration_s: 1.6,
+        duration_s: 1.3,
     },
 ];
 

@@ -36,3 +36,44 @@ impl DamperEffect for AsymmetricDamping {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damper::{Damper, DamperState, Motion};
+
+    /// Force after a long stroke at constant velocity.
+    fn pulled(damper: &Damper, velocity_m_per_s: f64) -> f64 {
+        let mut state = DamperState::starting(Motion::new(0.0, velocity_m_per_s));
+        for i in 1..=4000 {
+            let x = velocity_m_per_s * 1e-3 * f64::from(i);
+            damper.advance(&mut state, Motion::new(x, velocity_m_per_s), 1e-3);
+        }
+        state.force_n()
+    }
+
+    #[test]
+    fn force_ratio_below_and_beyond_relief() {
+        let effect = AsymmetricDamping { damping_asymmetry: 0.1, relief_asymmetry: 0.05 };
+        let damper = Damper::new(Nominal::NEW, &[effect.into()]).unwrap();
+        for (sign, ce, relief, c2) in [(1.0, 1.1e6, 18.9e3, 88e3), (-1.0, 0.9e6, 17.1e3, 72e3)] {
+            let slow = pulled(&damper, sign * 0.01);
+            assert!((slow - sign * ce * 0.01).abs() < 1e-6, "{slow}");
+            let fast = pulled(&damper, sign * 0.1);
+            let expected = sign * (relief + c2 * (0.1 - relief / ce));
+            assert!((fast - expected).abs() < 1e-6, "{fast} {expected}");
+        }
+    }
+
+    #[test]
+    fn equal_shares_scale_the_whole_curve() {
+        let effect = AsymmetricDamping { damping_asymmetry: 0.2, relief_asymmetry: 0.2 };
+        let damper = Damper::new(Nominal::NEW, &[effect.into()]).unwrap();
+        let plain = Damper::new(Nominal::NEW, &[]).unwrap();
+        for velocity in [1e-3, 0.01, 0.018, 0.05, 0.3] {
+            let (up, down) = (damper.steady_force_n(velocity), damper.steady_force_n(-velocity));
+            let force = plain.steady_force_n(velocity);
+            assert!((up - 1.2 * force).abs() < 1e-9 && (down + 0.8 * force).abs() < 1e-9);
+        }
+    }
+}

@@ -7,7 +7,7 @@
 //! | method | for | when |
 //! | --- | --- | --- |
 //! | [`shape`](DamperEffect::shape) | a changed law: friction, asymmetry, valve stages, stiffening, a soft toe of air | once |
-//! | [`slow`](DamperEffect::slow) | a factor on a law from temperature, position, aeration, wear | each step, frozen at mid-step |
+//! | [`slow`](DamperEffect::slow) | a factor on a law from temperature, position, aeration, wear | each step, frozen for it |
 //! | [`creep`](DamperEffect::creep) | a deflection of the attachment with a fast memory | each step, solved with the chain |
 //! | [`remember`](DamperEffect::remember) | the effect's own memory | after each step |
 //! | [`output`](DamperEffect::output) | parts beside the chain, and the sensor | after each step, in list order |
@@ -24,7 +24,7 @@ use super::error::DamperError;
 use super::implicit::Creep;
 use super::law::{Factors, Parts};
 use super::nominal::Nominal;
-use super::{Done, MidStep};
+use super::{Done, Instant};
 
 /// Most parameters of one effect.
 pub const MAX_PARAMETERS: usize = 8;
@@ -116,9 +116,9 @@ pub trait DamperEffect: Table + Copy {
     /// Changes the laws of the parts, once, when the damper is built.
     fn shape(&self, _parts: &mut Parts, _nominal: &Nominal) {}
 
-    /// Multiplies the factors that hold during a step. `at` is mid-step for the motion of the
-    /// chain, and the end of the step when the force is read from the attachment.
-    fn slow(&self, _at: &MidStep, _memory: &Memory, _factors: &mut Factors) {}
+    /// Multiplies the factors that hold during a step. `at` is the instant that stands for the step,
+    /// and its end when the force is read from the attachment.
+    fn slow(&self, _at: &Instant, _memory: &Memory, _factors: &mut Factors) {}
 
     /// Creep of the attachment over a step, given the force at its beginning.
     fn creep(&self, _nominal: &Nominal, _memory: &Memory, _from_n: f64, _step_s: f64) -> Creep {
@@ -227,7 +227,7 @@ macro_rules! effects {
                 match self { $(Self::$effect(effect) => effect.shape(parts, nominal),)+ }
             }
 
-            pub(super) fn slow(&self, at: &MidStep, memory: &Memory, factors: &mut Factors) {
+            pub(super) fn slow(&self, at: &Instant, memory: &Memory, factors: &mut Factors) {
                 match self { $(Self::$effect(effect) => effect.slow(at, memory, factors),)+ }
             }
 

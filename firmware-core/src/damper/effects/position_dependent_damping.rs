@@ -4,13 +4,13 @@
 //! F_h(v) -> m(x_d) F_h(v)        m = 1 + b x_d + q x_d^2
 //! ```
 //!
-//! with the position x_d of the piston, not of the eye: the two differ by the deflection of the
-//! attachment. m is frozen at mid-step. It is held at 0.05 below and at 20 above, so that the law
+//! with the position `x_d` of the piston, not of the eye: the two differ by the deflection of the
+//! attachment. m is frozen in each step. It is held at 0.05 below and at 20 above, so that the law
 //! rises wherever the piston goes.
 
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place};
-use crate::damper::MidStep;
+use crate::damper::Instant;
 use crate::damper::law::Factors;
 
 effect_parameters! {
@@ -44,7 +44,53 @@ impl DamperEffect for PositionDependentDamping {
     const EQUATION: &'static str = "F_h -> F_h (1 + b x_d + q x_d^2)";
     const SLOW: bool = true;
 
-    fn slow(&self, at: &MidStep, _memory: &Memory, factors: &mut Factors) {
+    fn slow(&self, at: &Instant, _memory: &Memory, factors: &mut Factors) {
         factors.force_gain *= self.factor(at.piston_m);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damper::{Damper, DamperState, Motion, Nominal};
+
+    #[test]
+    fn force_follows_the_factor_along_the_stroke() {
+        // A stiff attachment: the piston is where the eye is.
+        let nominal = Nominal { ke_n_per_m: 1e9, clearance_2a_m: 0.0, ..Nominal::NEW };
+        let bore = PositionDependentDamping { gradient_per_m: 4.0, curvature_per_m2: 900.0 };
+        let damper = Damper::new(nominal, &[bore.into()]).unwrap();
+        for velocity in [5e-3, 0.05] {
+            let mut state = DamperState::starting(Motion::new(-20e-3, velocity));
+            let plain = damper.steady_force_n(velocity);
+            let steps = libm::round(40e-3 / (velocity * 1e-3)) as i32;
+            for i in 1..=steps {
+                let x = -20e-3 + velocity * 1e-3 * f64::from(i);
+                let force = damper.advance(&mut state, Motion::new(x, velocity), 1e-3);
+                let expected = plain * bore.factor(state.piston_m());
+                // The spring follows with a lag of Ce/Ke = 1 ms.
+                let lag = 2e-3 * velocity * plain * (4.0 + 1800.0 * x.abs());
+                assert!(i < 50 || (force - expected).abs() < lag, "{x}: {force} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn elastic_part_of_the_loop_knows_no_position() {
+        // Far from relief and fast: the attachment carries the motion, the bore does not matter.
+        let bore = PositionDependentDamping { gradient_per_m: 4.0, curvature_per_m2: 900.0 };
+        let at = |effects: &[crate::damper::Effect]| {
+            let nominal = Nominal { ce_n_s_per_m: 1e9, f_relief_n: 1e9, ..Nominal::NEW };
+            let damper = Damper::new(nominal, effects).unwrap();
+            damper.advance(&mut DamperState::rest(), Motion::new(1e-3, 0.0), 1e-3)
+        };
+        assert!((at(&[bore.into()]) / at(&[]) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn factor_stays_positive() {
+        let bore = PositionDependentDamping { gradient_per_m: 40.0, curvature_per_m2: 0.0 };
+        assert_eq!(bore.factor(-1.0), 0.05);
+        assert_eq!(bore.factor(1.0), 20.0);
     }
 }

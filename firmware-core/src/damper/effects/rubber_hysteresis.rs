@@ -73,3 +73,84 @@ impl DamperEffect for RubberHysteresis {
         memory[0] = creep.end_m(done.chain_force_n);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::damper::{Damper, DamperState, Motion};
+
+    const RUBBER: RubberHysteresis =
+        RubberHysteresis { dynamic_stiffening: 0.3, relaxation_time_s: 8e-3 };
+
+    /// A dashpot that hardly moves, so that the rubber takes all of the motion.
+    fn locked(clearance_2a_m: f64) -> Damper {
+        let nominal = Nominal {
+            ce_n_s_per_m: 1e14,
+            f_relief_n: f64::INFINITY,
+            clearance_2a_m,
+            ..Nominal::NEW
+        };
+        Damper::new(nominal, &[RUBBER.into()]).unwrap()
+    }
+
+    #[test]
+    fn held_deflection_relaxes_to_the_static_stiffness() {
+        let damper = locked(0.2e-3);
+        let mut state = DamperState::rest();
+        let stretched = Motion::new(1.1e-3, 0.0);
+        damper.advance(&mut state, stretched, 1e-9);
+        for i in 1..=500 {
+            let force = damper.advance(&mut state, stretched, 1e-4);
+            let decayed = libm::exp(-1e-4 * f64::from(i) / RUBBER.relaxation_time_s);
+            let expected = 12.5e6 * 1e-3 * (1.0 + 0.3 * decayed);
+            assert!((force / expected - 1.0).abs() < 2e-5, "{i}: {force} {expected}");
+        }
+    }
+
+    #[test]
+    fn unloaded_rubber_springs_back_slowly() {
+        // Held until relaxed, then let go by 1 mm: F = 0, and the rest of the deflection creeps back
+        // with tau (1 + r).
+        let damper = locked(1e-3);
+        let mut state = DamperState::rest();
+        for _ in 0..1000 {
+            damper.advance(&mut state, Motion::new(1.0e-3, 0.0), 1e-3);
+        }
+        let relaxed = 0.5e-3 * 0.3 / 1.3;
+        damper.advance(&mut state, Motion::new(0.0, 0.0), 1e-9);
+        for i in 1..=50 {
+            assert_eq!(damper.advance(&mut state, Motion::new(0.0, 0.0), 1e-3), 0.0);
+            let expected = relaxed * libm::exp(-1e-3 * f64::from(i) / (8e-3 * 1.3));
+            assert!((state.creep_m - expected).abs() < 1e-6 * relaxed, "{i}");
+        }
+    }
+
+    #[test]
+    fn complex_stiffness_is_that_of_the_standard_linear_solid() {
+        let damper = locked(0.0);
+        let amplitude_m = 0.5e-3;
+        for hz in [1.0, 5.0, 20.0, 80.0] {
+            let w = 2.0 * core::f64::consts::PI * hz;
+            let per_cycle = 400;
+            let step_s = 1.0 / (hz * f64::from(per_cycle));
+            let mut state = DamperState::starting(Motion::new(0.0, amplitude_m * w));
+            let (mut real, mut imaginary) = (0.0, 0.0);
+            let settle = 10 + (0.2 * hz) as i32;
+            for i in 1..=(settle + 1) * per_cycle {
+                let t = f64::from(i) * step_s;
+                let (sine, cosine) = (libm::sin(w * t), libm::cos(w * t));
+                let motion = Motion::new(amplitude_m * sine, amplitude_m * w * cosine);
+                let force = damper.advance(&mut state, motion, step_s);
+                if i > settle * per_cycle {
+                    real += force * sine * 2.0 / (f64::from(per_cycle) * amplitude_m);
+                    imaginary += force * cosine * 2.0 / (f64::from(per_cycle) * amplitude_m);
+                }
+            }
+            let wt = w * RUBBER.relaxation_time_s;
+            let share = 0.3 / (1.0 + wt * wt);
+            let expected = (12.5e6 * (1.0 + share * wt * wt), 12.5e6 * share * wt);
+            assert!((real / expected.0 - 1.0).abs() < 1e-4, "{hz} Hz: {real} {expected:?}");
+            assert!((imaginary / expected.1 - 1.0).abs() < 1e-3, "{hz} Hz: {imaginary}");
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Properties that hold for every damper: work is dissipated, the clearance carries no force, a
+//! symmetric damper is odd to the bit, a state can be kept and restored, nothing diverges.
+
+mod damper_reference;
+
+use damper_reference::{EXCITATIONS, effects_at, rms, simulate};
+use firmware_core::damper::effects::{PositionDependentDamping, RubberHysteresis, SealFriction};
+use firmware_core::damper::{Damper, DamperError, DamperState, Effect, Motion, Nominal};
+
+/// Numbers from 0 to 1 (xorshift64*), enough to scatter parameters.
+struct Scatter(u64);
+
+impl Scatter {
+    fn seeded(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15))
+    }
+
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Between `low` and `high`, evenly in the logarithm.
+    fn log(&mut self, low: f64, high: f64) -> f64 {
+        low * libm::pow(high / low, self.next())
+    }
+
+    /// A damper between 25 N and 2 MN.
+    fn nominal(&mut self) -> Nominal {
+        let f_relief_n = self.log(25.0, 2e6);
+        let ce_n_s_per_m = f_relief_n / self.log(2e-3, 0.2);
+        Nominal {
+            ce_n_s_per_m,
+            ke_n_per_m: f_relief_n / self.log(1e-5, 3e-3),
+            clearance_2a_m: if self.next() < 0.3 { 0.0 } else { self.log(1e-5, 3e-3) },
+            f_relief_n,
+            c2_n_s_per_m: if self.next() < 0.2 { 0.0 } else { ce_n_s_per_m * self.log(1e-3, 1.0) },
+        }
+    }
+}
+
+/// No effect, each, each pair, all.
+fn combinations(effects: &[Effect]) -> Vec<Vec<Effect>> {
+    let mut all = vec![vec![], effects.to_vec()];
+    for (i, &a) in effects.iter().enumerate() {
+        all.push(vec![a]);
+        all.extend(effects[i + 1..].iter().map(|&b| vec![a, b]));
+    }
+    all
+}
+
+#[test]
+fn work_is_dissipated_and_force_stays_bounded() {
+    for seed in 1..=25 {
+        let mut scatter = Scatter::seeded(seed);
+        let nominal = scatter.nominal();
+        let size = 3.0 * scatter.next();
+        let amplitude = scatter.log(1e-3, 20e-3);
+        let w = scatter.log(1.0, 60.0);
+        let per_cycle = (6.3 / w / 1e-3) as u32;
+        for effects in combinations(&effects_at(&nominal, size)) {
+            let damper = Damper::new(nominal, &effects).unwrap();
+            let mut state = DamperState::starting(Motion::new(0.0, amplitude * w));
+            let step_s = 2.0 * std::f64::consts::PI / w / f64::from(per_cycle);
+            let (mut work, mut last, mut largest) = (0.0, 0.0, 0.0_f64);
+            for i in 1..=6 * per_cycle {
+                let t = f64::from(i) * step_s;
+                let motion =
+                    Motion::new(amplitude * libm::sin(w * t), amplitude * w * libm::cos(w * t));
+                let before = state.motion().displacement_m;
+                let force = damper.advance(&mut state, motion, step_s);
+                assert!(force.is_finite());
+                if i > 4 * per_cycle {
+                    work += 0.5 * (force + last) * (motion.displacement_m - before);
+                }
+                largest = largest.max(force.abs());
+                last = force;
+            }
+            let names: Vec<_> = effects.iter().map(Effect::name).collect();
+            let context = format!("seed {seed}, {nominal:?}, {names:?}");
+            let steady = damper.steady_force_n(amplitude * w);
+            assert!(work >= -1e-9 * largest * amplitude, "{context}: {work} J");
+            assert!(largest <= 8.0 * steady, "{context}: {largest} N over {steady} N");
+            assert_eq!(state.fallbacks(), 0, "{context}");
+        }
+    }
+}
+
+#[test]
+fn symmetric_dampers_are_odd_to_the_bit() {
+    for seed in 1..=20 {
+        let mut scatter = Scatter::seeded(seed);
+        let nominal = scatter.nominal();
+        let [friction, _, _, rubber] = effects_at(&nominal, 1.0);
+        let folded: Effect = SealFriction {
+            coulomb_n: 0.03 * nominal.f_relief_n,
+            breakaway_ratio: 2.0,
+            stribeck_m_per_s: 1e-3 * nominal.v_relief_m_per_s(),
+        }
+        .into();
+        let bore: Effect =
+            PositionDependentDamping { gradient_per_m: 0.0, curvature_per_m2: 900.0 }.into();
+        let sets = [vec![], vec![friction], vec![rubber], vec![bore], vec![folded, rubber, bore]];
+        for effects in sets {
+            let damper = Damper::new(nominal, &effects).unwrap().prepared(1e-3);
+            let (mut left, mut right) = (DamperState::rest(), DamperState::rest());
+            let (mut x, mut v) = (0.0, 0.0);
+            for step in 0..2000 {
+                v += 0.02 * (scatter.next() - 0.5) - 0.01 * v - 0.5 * x;
+                x += 1e-3 * v;
+                let a = damper.advance(&mut left, Motion::new(x, v), 1e-3);
+                let b = damper.advance(&mut right, Motion::new(-x, -v), 1e-3);
+                assert!(a == -b, "seed {seed}, step {step}: {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn clearance_carries_no_force() {
+    let damper = Damper::new(Nominal { clearance_2a_m: 4e-3, ..Nominal::NEW }, &[]).unwrap();
+    let mut state = DamperState::rest();
+    for i in 0..5000 {
+        let t = f64::from(i) * 1e-3;
+        let motion = Motion::new(1.999e-3 * libm::sin(9.0 * t), 0.018 * libm::cos(9.0 * t));
+        assert_eq!(damper.advance(&mut state, motion, 1e-3), 0.0);
+        assert!(state.piston_m().abs() < 1e-15);
+    }
+}
+
+#[test]
+fn held_damper_relaxes_to_its_dry_friction() {
+    // Held after a stroke, the dashpot empties the spring with Ce/Ke = 80 ms; friction keeps a rest.
+    let friction = SealFriction { coulomb_n: 500.0, breakaway_ratio: 1.2, stribeck_m_per_s: 1e-3 };
+    for (effects, rest_n) in [(vec![], 0.0), (vec![friction.into()], 600.0)] {
+        let damper = Damper::new(Nominal::NEW, &effects).unwrap();
+        let mut state = DamperState::rest();
+        damper.advance(&mut state, Motion::new(1e-3, 0.0), 1e-2);
+        let mut force_n = 0.0;
+        for _ in 0..5000 {
+            force_n = damper.advance(&mut state, Motion::new(1e-3, 0.0), 1e-3);
+        }
+        assert!((force_n - rest_n).abs() < 1e-6, "{force_n}");
+    }
+}
+
+#[test]
+fn hard_cap_agrees_with_ever_smaller_steps() {
+    let nominal = Nominal { c2_n_s_per_m: 0.0, ..Nominal::NEW };
+    for effects in combinations(&effects_at(&nominal, 1.0)) {
+        let damper = Damper::new(nominal, &effects).unwrap();
+        for excitation in &EXCITATIONS {
+            let fine: Vec<f64> =
+                simulate(&damper, excitation, 20).into_iter().skip(49).step_by(50).collect();
+            let coarse = simulate(&damper, excitation, 1000);
+            let miss: Vec<f64> = fine.iter().zip(&coarse).map(|(a, b)| a - b).collect();
+            let error = rms(&miss) / rms(&fine);
+            let names: Vec<_> = effects.iter().map(Effect::name).collect();
+            assert!(error < 5e-4, "{} {names:?}: {error}", excitation.name);
+        }
+    }
+}
+
+#[test]
+fn state_is_kept_restored_and_split() {
+    let effects = effects_at(&Nominal::NEW, 1.0);
+    let damper = Damper::new(Nominal::NEW, &effects).unwrap();
+    let prepared = damper.clone().prepared(1e-3);
+    let at = |i: u32| EXCITATIONS[3].motion(f64::from(i) * 1e-3);
+    let mut state = DamperState::starting(at(0));
+    let mut other = state;
+    for i in 1..=400 {
+        damper.advance(&mut state, at(i), 1e-3);
+        prepared.advance(&mut other, at(i), 1e-3);
+        assert_eq!(state, other);
+    }
+    let kept = state;
+    let ahead: Vec<f64> = (401..800).map(|i| damper.advance(&mut state, at(i), 1e-3)).collect();
+    let mut restored = kept;
+    let again: Vec<f64> = (401..800).map(|i| damper.advance(&mut restored, at(i), 1e-3)).collect();
+    assert_eq!(ahead, again);
+}
+
+#[test]
+fn order_of_effects_does_not_matter() {
+    let mut effects = effects_at(&Nominal::NEW, 1.0);
+    let forward = Damper::new(Nominal::NEW, &effects).unwrap();
+    effects.reverse();
+    assert_eq!(forward, Damper::new(Nominal::NEW, &effects).unwrap());
+}
+
+#[test]
+fn senseless_steps_move_nothing() {
+    let damper = Damper::new(Nominal::NEW, &[]).unwrap();
+    let mut state = DamperState::rest();
+    let force_n = damper.advance(&mut state, Motion::new(1e-3, 0.0), 1e-3);
+    let before = state;
+    let bad =
+        [(f64::NAN, 0.0, 1e-3), (0.0, f64::INFINITY, 1e-3), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)];
+    for (x, v, step_s) in bad {
+        assert_eq!(damper.advance(&mut state, Motion::new(x, v), step_s), force_n);
+    }
+    assert_eq!(state.fallbacks(), 4);
+    assert_eq!(state.motion(), before.motion());
+    assert_eq!(state.piston_m(), before.piston_m());
+}
+
+#[test]
+fn absurd_motion_stays_bounded_and_finite() {
+    let effects = effects_at(&Nominal::NEW, 1.0);
+    for effects in combinations(&effects) {
+        let damper = Damper::new(Nominal::NEW, &effects).unwrap();
+        let mut state = DamperState::rest();
+        let mut scatter = Scatter::seeded(77);
+        for _ in 0..3000 {
+            let x = 2.0 * (scatter.next() - 0.5) * scatter.log(1e-9, 10.0);
+            let v = 2.0 * (scatter.next() - 0.5) * scatter.log(1e-9, 1e4);
+            let step_s = scatter.log(1e-6, 10.0);
+            assert!(damper.advance(&mut state, Motion::new(x, v), step_s).is_finite());
+        }
+    }
+}
+
+#[test]
+fn impossible_dampers_are_refused_by_name() {
+    let rubber: Effect =
+        RubberHysteresis { dynamic_stiffening: 0.2, relaxation_time_s: 5e-3 }.into();
+    assert_eq!(
+        Damper::new(Nominal::NEW, &[rubber, rubber]),
+        Err(DamperError::RepeatedEffect { effect: "rubber_hysteresis" })
+    );
+    let bad: Effect = RubberHysteresis { dynamic_stiffening: 0.2, relaxation_time_s: -1.0 }.into();
+    let error = Damper::new(Nominal::NEW, &[bad]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "rubber_hysteresis: relaxation_time_s = -1 is outside 0.00001 to 100"
+    );
+}
+
+#[test]
+fn endless_events_end_in_the_counted_fallback() {
+    // Stick-slip hundreds of times within one step of ten seconds.
+    let oil = Nominal { ce_n_s_per_m: 1e4, clearance_2a_m: 0.0, ..Nominal::NEW };
+    let seal = SealFriction { coulomb_n: 400.0, breakaway_ratio: 1.5, stribeck_m_per_s: 1e-3 };
+    let damper = Damper::new(oil, &[seal.into()]).unwrap();
+    let mut state = DamperState::starting(Motion::new(0.0, 1e-4));
+    let force_n = damper.advance(&mut state, Motion::new(1e-3, 1e-4), 10.0);
+    assert_eq!(state.fallbacks(), 1);
+    assert!((400.0..=600.0).contains(&force_n), "{force_n}");
+}
