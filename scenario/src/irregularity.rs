@@ -317,7 +317,7 @@ mod tests {
     #[test]
     fn the_closed_variance_agrees_with_a_sum_over_the_density() {
         let (from, to) = (0.1, 5.0);
-        let n = 200_000;
+        let n = 200_000_usize;
         let (mut vertical, mut cross) = (0.0, 0.0);
         for index in 0..n {
             let w = from + (index as f64 + 0.5) * (to - from) / n as f64;

@@ -18,8 +18,9 @@ pub struct ContactGeometry {
     pub lateral_m: f64,
     /// Relative curvature across the rolling direction, wheel plus rail, convex positive (1/m).
     pub curvature_lateral_per_m: f64,
-    /// Transverse radius of the rail head at the contact (m): a roll of the wheel by `phi` (outward
-    /// side down) acts like a further shift of `phi` times this.
+    /// Depth of the rail's centre of curvature below the wheel's tape circle (m), close to the
+    /// transverse radius of the head: a roll of the wheel by `phi` (outward side down) acts like
+    /// shifting it inward by `phi` times this.
     pub rail_radius_m: f64,
 }
 

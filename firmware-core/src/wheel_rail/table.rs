@@ -22,7 +22,7 @@ pub struct ContactShape {
     pub radius_deviation_m: f64,
     /// Outward distance from the tape circle (m).
     pub lateral_m: f64,
-    /// Transverse radius of the rail head (m).
+    /// Depth of the rail's centre of curvature below the tape circle (m).
     pub rail_radius_m: f64,
     /// Outward distance of the rail's centre of curvature from the tape circle (m).
     pub rail_centre_m: f64,
@@ -86,7 +86,7 @@ impl ZoneTable {
                 point.radius_deviation_m,
                 point.lateral_m,
                 point.rail_radius_m,
-                point.lateral_m + point.rail_radius_m * point.slope * cosine,
+                point.lateral_m + (point.rail_radius_m - point.radius_deviation_m) * point.slope,
                 patch.stiffness_n_per_m15,
                 patch.along_per_sqrt_m,
                 patch.across_per_sqrt_m,
@@ -119,7 +119,7 @@ impl ZoneTable {
         touch_between(low, high, fraction)
     }
 
-    /// Transverse radius of the rail head at a shift (m).
+    /// Depth of the rail's centre of curvature at a shift (m).
     #[inline(always)]
     pub fn rail_radius_m(&self, shift_m: f64) -> f64 {
         let (low, high, fraction) = self.bracket(shift_m);

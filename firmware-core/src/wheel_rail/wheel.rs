@@ -3,7 +3,7 @@
 //! Wheel-local axes: x forward, outward from the track centre, down; the left wheel is the mirror
 //! image of the right one. With shift `u` of the wheel outward against the rail, drop `w` of the
 //! wheel against the rail at the tape circle, and roll `phi` (outward side down), the table is read
-//! at `u - phi R` (R: transverse radius of the rail head; turning an arc moves its centre), the
+//! at `u - phi R` (R: depth of the rail's centre of curvature; turning an arc moves its centre), the
 //! touching height falls by `phi` times the distance of that centre, and the contact angle by `phi`:
 //! exact to first order for arcs. Then, per zone,
 //! ```text
