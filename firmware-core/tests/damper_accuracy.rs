@@ -23,7 +23,7 @@ fn combinations(effects: &[Effect]) -> Vec<Vec<Effect>> {
 fn check(label: &str, nominal: Nominal, effects: &[Effect]) {
     for effects in combinations(effects) {
         let names: Vec<_> = effects.iter().map(Effect::name).collect();
-        let damper = Damper::new(nominal, &effects).unwrap().prepared(1e-3);
+        let damper = Damper::new(nominal, &effects).expect("a possible damper").prepared(1e-3);
         for excitation in &EXCITATIONS {
             let reference = Reference::new(nominal, &effects).forces(excitation, 1000);
             let error = relative_error(&simulate(&damper, excitation, 1000), &reference);

@@ -22,7 +22,7 @@ fn nominal(clearance_2a_m: f64, c2_n_s_per_m: f64) -> Nominal {
 /// Error of the damper at one step size, in percent of rms force; with or without velocities.
 fn error_percent(nominal: Nominal, step_us: usize, with_velocity: bool) -> f64 {
     let reference = Reference::new(nominal, &[]).forces(&POINT, step_us);
-    let damper = Damper::new(nominal, &[]).unwrap();
+    let damper = Damper::new(nominal, &[]).expect("a possible damper");
     let step_s = step_us as f64 * 1e-6;
     let at = |i: usize| {
         let motion = POINT.motion(i as f64 * step_s);
@@ -111,7 +111,7 @@ fn first_harmonic_over_clearance_as_tabulated() {
         close(in_phase.hypot(in_quadrature) / 1e3, f1, 0.01, "|F1| kN");
         close(in_phase / amplitude / 1e6, stiffness, 0.01, "K' MN/m");
         close(in_quadrature / (amplitude * w) / 1e3, damping, 1.0, "Ceq kN s/m");
-        close(in_quadrature.atan2(in_phase).to_degrees(), phase, 0.1, "phase deg");
+        close(libm::atan2(in_quadrature, in_phase).to_degrees(), phase, 0.1, "phase deg");
         close(std::f64::consts::PI * amplitude * in_quadrature, work, 0.1, "J");
     }
 }
