@@ -1,1 +1,9 @@
-//! studies
+//! From recorded signals to figures: spectra, statistics, assessment quantities.
+//!
+//! [`spectrum`] is Welch's power spectral density with its peak; [`statistics`] are rms, extremes,
+//! percentiles and half cycles. Nothing here knows where a signal comes from; units are those of the
+//! caller.
+
+pub mod error;
+pub mod spectrum;
+pub mod statistics;
