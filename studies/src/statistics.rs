@@ -107,7 +107,7 @@ pub fn half_cycles(values: &[f64], dead_band: f64) -> Vec<HalfCycle> {
 /// ```
 /// use studies::statistics::mean_peak;
 /// // 3.46 mm at 3.5 Hz.
-/// let stroke: Vec<f64> = (0..5000)
+/// let stroke: Vec<f64> = (0..4000)
 ///     .map(|n| 3.46e-3 * libm::sin(std::f64::consts::TAU * 3.5e-3 * f64::from(n)))
 ///     .collect();
 /// assert!((mean_peak(&stroke, 0.1e-3).unwrap() - 3.46e-3).abs() < 1e-6);
