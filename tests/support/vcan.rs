@@ -13,12 +13,12 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use socketcan::CanAnyFrame;
 use socketcan::dump::Reader;
+use socketcan::{CanAnyFrame, CanDataFrame, CanSocket, EmbeddedFrame, ExtendedId, Socket};
 
 /// A CAN FD frame as the kernel hands it out, in bytes: the transfer unit that FD needs.
 const FD_MTU: &str = "72";
-/// For a program of can-utils to come up or to end; they take milliseconds.
+/// For candump to come up or to write its log; it takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(20);
 /// Tests of one program that share `VCAN_IFACE` take turns.
 static SHARED: Mutex<()> = Mutex::new(());
@@ -75,6 +75,7 @@ pub(crate) fn cansend(interface: &str, frame: &str) {
 
 /// `candump -l` on an interface, recording until [`Candump::stop`].
 pub(crate) struct Candump {
+    interface: String,
     process: Child,
     folder: PathBuf,
 }
@@ -91,22 +92,33 @@ impl Candump {
         command.stdout(Stdio::null()).stderr(Stdio::null());
         let process = command.spawn().expect("candump, from the package can-utils");
         wait_for("candump to listen", || listeners(interface) > before);
-        Self { process, folder }
+        Self { interface: interface.to_string(), process, folder }
     }
 
-    /// Ends the recording; the frames in the order of the log, with the name of its interface.
-    pub(crate) fn stop(mut self) -> Vec<(String, CanAnyFrame)> {
-        // Not `kill`: it writes the log to its end only when asked to terminate.
-        let process = self.process.id().to_string();
-        said(Command::new("sh").args(["-c", "kill -TERM $0", &process])).expect("candump runs");
-        wait_for("candump to end", || self.process.try_wait().expect("candump").is_some());
-        let log = fs::read_dir(&self.folder).expect("candump's folder").next();
-        let log = log.expect("candump wrote a log").expect("candump's log").path();
-        let records = Reader::from_file(log).expect("candump's log");
-        let frames = records.map(|record| record.expect("a line of candump's log"));
-        let frames = frames.map(|record| (record.device, record.frame)).collect();
-        fs::remove_dir_all(&self.folder).expect("candump's folder");
-        frames
+    /// Ends the recording; every frame sent before, in the order of the log.
+    ///
+    /// A signal would end candump with frames still in its queue. So marks are sent until the log
+    /// shows one: what came before it is then in the file too.
+    pub(crate) fn stop(self) -> Vec<CanAnyFrame> {
+        let socket = CanSocket::open(&self.interface).expect("a CAN socket");
+        let mark = CanDataFrame::new(ExtendedId::MAX, &[]).expect("an empty frame");
+        let text = format!("{mark:X}");
+        let mut log = String::new();
+        wait_for("candump to write its log", || {
+            // It writes in blocks of some hundred frames; a full queue only costs marks.
+            (0..50).for_each(|_| drop(socket.write_frame(&mark)));
+            log = self.log().unwrap_or_default();
+            log.contains(&text)
+        });
+        let records = Reader::from_reader(log.as_bytes());
+        let frames = records.map(|record| record.expect("a line of candump's log").frame);
+        frames.take_while(|frame| format!("{frame:X}") != text).collect()
+    }
+
+    /// What it has written so far; it opens its log after it began to listen.
+    fn log(&self) -> Option<String> {
+        let file = fs::read_dir(&self.folder).ok()?.next()?.ok()?;
+        fs::read_to_string(file.path()).ok()
     }
 }
 
@@ -114,6 +126,7 @@ impl Drop for Candump {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();
+        let _ = fs::remove_dir_all(&self.folder);
     }
 }
 
