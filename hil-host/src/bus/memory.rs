@@ -1,0 +1,83 @@
+//! The bus in memory: up to four emulated rigs in line with the host.
+//!
+//! A frame that the host sends is in every rig at once, in the order of the rigs; what they answer
+//! waits in a bounded queue. A command advances its rig by one cycle, whatever pace the host has
+//! announced, so wall time never enters a trajectory.
+
+use super::{Bus, BusCounters, Sent, WireFrame};
+use crate::rig::RigNode;
+use can_protocol::{Frame, MessageId, Pace};
+use heapless::{Deque, Vec};
+use std::time::Duration;
+
+/// Frames that wait for the host before the bus drops: more than four rigs send in two cycles.
+pub const QUEUE_FRAMES: usize = 64;
+
+/// Rigs on one bus.
+pub const MAX_RIGS: usize = 4;
+
+/// Emulated rigs and the frames on their way back. A clone is a snapshot.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MemoryBus {
+    rigs: Vec<RigNode, MAX_RIGS>,
+    queue: Deque<WireFrame, QUEUE_FRAMES>,
+    counters: BusCounters,
+}
+
+impl MemoryBus {
+    /// A bus with these rigs; a fifth and later ones are left out.
+    pub fn new(rigs: impl IntoIterator<Item = RigNode>) -> Self {
+        Self { rigs: rigs.into_iter().take(MAX_RIGS).collect(), ..Self::default() }
+    }
+
+    /// The rigs.
+    pub fn rigs(&self) -> &[RigNode] {
+        &self.rigs
+    }
+
+    /// The rigs, to cut one off or to look deeper.
+    pub fn rigs_mut(&mut self) -> &mut [RigNode] {
+        &mut self.rigs
+    }
+
+    /// Puts any frame on the bus, as `cansend` would: garbage, foreign ids, old frames.
+    pub fn inject(&mut self, frame: &WireFrame) {
+        let message = MessageId::from_raw(frame.id());
+        for rig in &mut self.rigs {
+            rig.on_frame(frame);
+            // In clock pace a rig has its own time; here a command, good or bad, stands for it.
+            let commanded =
+                matches!(message, Some(MessageId::Command(_, node)) if node == rig.node());
+            if commanded && rig.pace() == Pace::Clock {
+                rig.cycle();
+            }
+            while let Some(answer) = rig.take_frame() {
+                if self.queue.push_back(WireFrame::from(&answer)).is_err() {
+                    self.counters.receive_dropped += 1;
+                }
+            }
+        }
+    }
+}
+
+impl Bus for MemoryBus {
+    fn send(&mut self, frame: &Frame) -> Sent {
+        self.counters.sent += 1;
+        self.inject(&WireFrame::from(frame));
+        Sent::Away
+    }
+
+    fn receive(&mut self) -> Option<WireFrame> {
+        let frame = self.queue.pop_front();
+        self.counters.received += u64::from(frame.is_some());
+        frame
+    }
+
+    fn wait(&mut self, _timeout: Duration) -> bool {
+        !self.queue.is_empty()
+    }
+
+    fn counters(&self) -> BusCounters {
+        self.counters
+    }
+}

@@ -1,0 +1,209 @@
+//! The clock: absolute deadlines on a grid that never shifts.
+//!
+//! Slot `k` is at `start + k period`, on `CLOCK_MONOTONIC`. A slot whose time has passed when the
+//! cycle before it ends is skipped: counted, never caught up, and the grid stays where it is, since
+//! two steps in a row would tell a real damper a speed that the model never had.
+//!
+//! [`Grid`] is the arithmetic alone; [`Pacer`] adds the sleep by `clock_nanosleep` with an absolute
+//! time, or does without for a run that needs no wall time.
+
+use rustix::thread::{ClockId, clock_nanosleep_absolute};
+use rustix::time::{Timespec, clock_gettime};
+
+/// Slots in time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Grid {
+    period_ns: u64,
+    /// Time of the slot that was used last.
+    last_ns: u64,
+}
+
+/// The slot to wait for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Slot {
+    /// When it is (ns).
+    pub deadline_ns: u64,
+    /// Slots that passed unused since the last one.
+    pub skipped: u64,
+}
+
+impl Grid {
+    /// A grid whose slot 0, used already, is at `start_ns`. A period of zero counts as 1 ns.
+    pub fn new(start_ns: u64, period_ns: u64) -> Self {
+        Self { period_ns: period_ns.max(1), last_ns: start_ns }
+    }
+
+    /// The first slot after the last one that is not past, and how many were.
+    ///
+    /// ```
+    /// use hil_host::clock::{Grid, Slot};
+    /// let mut grid = Grid::new(0, 1000);
+    /// assert_eq!(grid.next(400), Slot { deadline_ns: 1000, skipped: 0 });
+    /// // The cycle of slot 1 took 2.5 periods: slots 2 and 3 are lost, 4 is kept.
+    /// assert_eq!(grid.next(3500), Slot { deadline_ns: 4000, skipped: 2 });
+    /// ```
+    pub fn next(&mut self, now_ns: u64) -> Slot {
+        let since_ns = now_ns.saturating_sub(self.last_ns);
+        // A slot that is just now is not past.
+        let skipped = since_ns.saturating_sub(1) / self.period_ns;
+        self.last_ns += (skipped + 1) * self.period_ns;
+        Slot { deadline_ns: self.last_ns, skipped }
+    }
+
+    /// Distance of two slots (ns).
+    pub fn period_ns(&self) -> u64 {
+        self.period_ns
+    }
+}
+
+/// Waits for one slot after the other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pacer {
+    grid: Grid,
+    time: Time,
+    skipped: u64,
+}
+
+/// How a wait ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wakeup {
+    /// Time of the slot (ns).
+    pub slot_ns: u64,
+    /// How long after the slot the caller went on (ns).
+    pub lateness_ns: u64,
+    /// Slots that were skipped before it.
+    pub skipped: u64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Time {
+    Monotonic,
+    Virtual,
+}
+
+impl Pacer {
+    /// A pacer on the monotonic clock; slot 0 is now, the first wait is for slot 1. `slow_down`
+    /// stretches the period for a machine that cannot hold it, 1 for real time.
+    pub fn new(period_ns: u64, slow_down: u32) -> Self {
+        let period_ns = period_ns.saturating_mul(u64::from(slow_down.max(1)));
+        Self { grid: Grid::new(now_ns(), period_ns), time: Time::Monotonic, skipped: 0 }
+    }
+
+    /// A pacer that never waits: every slot is met to the nanosecond, starting at time 0.
+    pub fn virtual_time(period_ns: u64) -> Self {
+        Self { grid: Grid::new(0, period_ns), time: Time::Virtual, skipped: 0 }
+    }
+
+    /// Puts slot 0 at the present, after a pause.
+    pub fn restart(&mut self) {
+        self.grid.last_ns = self.now_ns();
+    }
+
+    /// Waits for the next slot that is not past.
+    pub fn wait(&mut self) -> Wakeup {
+        let slot = self.grid.next(self.now_ns());
+        self.skipped += slot.skipped;
+        let woken_ns = match self.time {
+            Time::Monotonic => {
+                sleep_until(slot.deadline_ns);
+                now_ns()
+            }
+            Time::Virtual => slot.deadline_ns,
+        };
+        Wakeup {
+            slot_ns: slot.deadline_ns,
+            lateness_ns: woken_ns.saturating_sub(slot.deadline_ns),
+            skipped: slot.skipped,
+        }
+    }
+
+    /// Slots skipped so far.
+    pub fn skipped(&self) -> u64 {
+        self.skipped
+    }
+
+    /// Distance of two slots on the wall (ns).
+    pub fn period_ns(&self) -> u64 {
+        self.grid.period_ns
+    }
+
+    /// The present on this pacer's clock (ns).
+    pub fn now_ns(&self) -> u64 {
+        match self.time {
+            Time::Monotonic => now_ns(),
+            Time::Virtual => self.grid.last_ns,
+        }
+    }
+}
+
+/// The monotonic clock (ns).
+pub fn now_ns() -> u64 {
+    let now = clock_gettime(rustix::time::ClockId::Monotonic);
+    now.tv_sec as u64 * NS_PER_S + now.tv_nsec as u64
+}
+
+const NS_PER_S: u64 = 1_000_000_000;
+
+/// Sleeps until a time of the monotonic clock; a signal does not cut it short.
+fn sleep_until(deadline_ns: u64) {
+    let deadline = Timespec {
+        tv_sec: (deadline_ns / NS_PER_S) as i64,
+        tv_nsec: (deadline_ns % NS_PER_S) as _,
+    };
+    while clock_nanosleep_absolute(ClockId::Monotonic, &deadline) == Err(rustix::io::Errno::INTR) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_grid_keeps_its_phase_whatever_the_cycles_take() {
+        let mut grid = Grid::new(17, 1_000_000);
+        // Work of each cycle in units of the period, and the slots that it costs.
+        let cycles = [(0.1, 0), (0.999, 0), (1.0, 0), (1.001, 1), (0.5, 0), (7.3, 7), (0.0, 0)];
+        let mut now_ns = 17;
+        let mut slots = 0;
+        for (work, lost) in cycles {
+            now_ns += (work * 1e6) as u64;
+            let slot = grid.next(now_ns);
+            slots += lost + 1;
+            assert_eq!(slot, Slot { deadline_ns: 17 + slots * 1_000_000, skipped: lost }, "{work}");
+            assert!(slot.deadline_ns >= now_ns);
+            now_ns = slot.deadline_ns;
+        }
+    }
+
+    #[test]
+    fn late_wake_ups_do_not_shift_the_grid() {
+        let mut grid = Grid::new(0, 1000);
+        for slot in 1..=1000 {
+            // Each wake-up is 300 ns late and the work takes 600.
+            let now_ns = if slot == 1 { 0 } else { (slot - 1) * 1000 + 900 };
+            assert_eq!(grid.next(now_ns), Slot { deadline_ns: slot * 1000, skipped: 0 });
+        }
+    }
+
+    #[test]
+    fn virtual_time_is_exact_and_misses_nothing() {
+        let mut pacer = Pacer::virtual_time(500);
+        for slot in 1..=3 {
+            assert_eq!(pacer.wait(), Wakeup { slot_ns: 500 * slot, lateness_ns: 0, skipped: 0 });
+        }
+        assert_eq!((pacer.skipped(), pacer.now_ns()), (0, 1500));
+    }
+
+    #[test]
+    fn a_pacer_on_the_wall_never_wakes_early_and_counts_what_it_missed() {
+        let mut pacer = Pacer::new(1_000, 50);
+        let start_ns = pacer.grid.last_ns;
+        let mut expected = 0;
+        for _ in 0..20 {
+            let wakeup = pacer.wait();
+            expected += 1 + wakeup.skipped;
+            assert_eq!(wakeup.slot_ns, start_ns + 50_000 * expected);
+            assert!(now_ns() >= wakeup.slot_ns + wakeup.lateness_ns);
+        }
+        assert_eq!(pacer.skipped() + 20, expected);
+    }
+}
