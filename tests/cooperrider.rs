@@ -1,0 +1,108 @@
+//! Cooperrider's bogie from its data file meets the numbers of the literature.
+//!
+//! The eigenvalues of the seven-degree-of-freedom bogie, its Hopf point and its limit cycle are among
+//! the best known numbers of railway dynamics. They pass through the very elements, creep law and
+//! time step that the locomotive uses.
+
+#[path = "physics/modes.rs"]
+mod modes;
+
+use firmware_core::lanes::Lanes;
+use firmware_core::track::Track;
+use firmware_core::vehicle::{LATERAL, Running, Vehicle, VehicleState};
+use scenario::source::Source;
+use scenario::vehicle::VehicleFile;
+use std::path::Path;
+use studies::statistics;
+
+fn bogie() -> Vehicle {
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/vehicles/cooperrider-bogie.toml");
+    let source = Source::read(&path).unwrap();
+    source.parse::<VehicleFile>().unwrap().build(&source).unwrap()
+}
+
+/// Real and imaginary part of the least damped eigenvalue (1/s).
+fn least_damped(vehicle: &Vehicle, speed_m_per_s: f64) -> (f64, f64) {
+    let state = VehicleState::default();
+    let values = modes::eigenvalues(vehicle, None, &state, speed_m_per_s);
+    (values[0].re, values[0].im.abs())
+}
+
+#[test]
+fn the_file_describes_seven_degrees_of_freedom() {
+    assert_eq!(bogie().degrees_of_freedom(), 7);
+}
+
+#[test]
+fn the_least_damped_eigenvalues_meet_an_independent_solution() {
+    // Written out by hand from Kaas-Petersen's equations and solved apart from this code.
+    let anchors = [
+        (20.0, -1.254_563_37, 7.567_418_13),
+        (40.0, -1.813_920_27, 15.116_590_07),
+        (60.0, -0.964_091_81, 22.332_837_59),
+        (80.0, 1.682_577_31, 27.923_351_89),
+    ];
+    let vehicle = bogie();
+    for (speed, real, imaginary) in anchors {
+        let (re, im) = least_damped(&vehicle, speed);
+        println!("{speed} m/s: {re:.8} +- {im:.8} i");
+        assert!((re - real).abs() < 1e-5, "{speed} m/s: {re}");
+        assert!((im - imaginary).abs() < 1e-5, "{speed} m/s: {im}");
+    }
+}
+
+#[test]
+fn the_hopf_point_is_the_published_one() {
+    // Published: 68.66 m/s.
+    let vehicle = bogie();
+    let (mut stable, mut unstable) = (60.0, 80.0);
+    while unstable - stable > 1e-4 {
+        let middle = 0.5 * (stable + unstable);
+        if least_damped(&vehicle, middle).0 < 0.0 {
+            stable = middle;
+        } else {
+            unstable = middle;
+        }
+    }
+    let (_, im) = least_damped(&vehicle, stable);
+    println!("Hopf point {stable:.4} m/s, {:.4} Hz", im / std::f64::consts::TAU);
+    assert!((stable - 68.666).abs() < 1e-3, "{stable}");
+    assert!((stable - 68.66).abs() < 0.01, "{stable}");
+}
+
+/// Amplitude of the first wheelset (m) and frequency (Hz) of the limit cycle, by time steps.
+fn limit_cycle(vehicle: &Vehicle, speed_m_per_s: f64, substep_s: f64) -> (f64, f64) {
+    let track = Track::default();
+    let running =
+        Running { speed_m_per_s: Lanes([speed_m_per_s]), track: &track, contact: None, substep_s };
+    let mut state = VehicleState::<1>::default();
+    state.position[1][LATERAL] = Lanes([0.010]);
+    vehicle.start(&mut state, &running);
+    let steps = |seconds: f64| libm::round(seconds / substep_s) as u32;
+    for _ in 0..steps(60.0) {
+        vehicle.step(&mut state, &running, &mut (), 1);
+    }
+    let mut shift_m = Vec::new();
+    for _ in 0..steps(5.0) {
+        vehicle.step(&mut state, &running, &mut (), 1);
+        shift_m.push(state.position[1][LATERAL].0[0]);
+    }
+    let amplitude_m = statistics::mean_peak(&shift_m, 1e-3).unwrap();
+    let frequency_hz = statistics::zero_crossing_hz(&shift_m, 1.0 / substep_s, 1e-3).unwrap();
+    (amplitude_m, frequency_hz)
+}
+
+#[test]
+fn the_limit_cycle_has_the_known_amplitude_and_frequency() {
+    // At 70 m/s, by Runge-Kutta steps of 20 us apart from this code: 10.187 mm, 3.983 Hz.
+    let vehicle = bogie();
+    let (fine_m, fine_hz) = limit_cycle(&vehicle, 70.0, 0.25e-3);
+    let (coarse_m, coarse_hz) = limit_cycle(&vehicle, 70.0, 0.5e-3);
+    println!("0.25 ms: {:.4} mm, {fine_hz:.4} Hz", fine_m * 1e3);
+    println!("0.5 ms: {:.4} mm, {coarse_hz:.4} Hz", coarse_m * 1e3);
+    // Halving the step moves the amplitude by 0.8 um: a third of that is left in the finer run.
+    assert!((fine_m - coarse_m).abs() < 2e-6, "{fine_m} {coarse_m}");
+    assert!((fine_m - 10.187e-3).abs() < 3e-6, "{fine_m}");
+    assert!((fine_hz - 3.983).abs() < 1e-3, "{fine_hz}");
+}
