@@ -106,7 +106,8 @@ fn first_process(machine: &Machine, job: &Job, root: &Path) -> String {
         let _ = writeln!(text, "{busybox} insmod {}", quoted(&module.to_string_lossy()));
     }
     let _ = writeln!(text, "ip link set lo up");
-    let _ = writeln!(text, "ip link add probe type vcan && ip link del probe && echo '{READY}'");
+    let probe = "ip link add probe type vcan && ip link del probe";
+    let _ = writeln!(text, "{probe} && echo '{READY}' || {busybox} poweroff -f");
     let _ = writeln!(text, "cd {}", quoted(&root.to_string_lossy()));
     let _ = writeln!(text, "export VCAN_SLOW_DOWN={}", machine.slow_down);
     for (name, value) in &job.environment {

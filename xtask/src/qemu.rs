@@ -52,7 +52,7 @@ pub(crate) fn prepare(folder: &Path, script: &Path, busybox: &Path) -> Result<Ma
         start,
         modules: Vec::new(),
         slow_down: 20,
-        limit: Duration::from_secs(1200),
+        limit: Duration::from_secs(1500),
     })
 }
 
