@@ -5,6 +5,7 @@ use crate::quantity::Quantity;
 use crate::source::{ScenarioError, Source};
 use firmware_core::damper::Damper;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// A rig as it stands in its file. What is absent keeps its default, a good laboratory rig.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
@@ -62,6 +63,24 @@ pub struct RigSetup {
 pub const DELAY_CYCLES_MAX: u16 = 64;
 
 impl RigFile {
+    /// Reads a rig file.
+    ///
+    /// # Errors
+    /// The first thing that does not fit, with file and line.
+    pub fn load(path: &Path) -> Result<RigSetup, ScenarioError> {
+        let source = Source::read(path)?;
+        let file: Self = source.parse()?;
+        file.build(&source)
+    }
+
+    /// A laboratory rig with a new SS9 yaw damper.
+    ///
+    /// # Errors
+    /// Never: the defaults fit.
+    pub fn default_setup() -> Result<RigSetup, ScenarioError> {
+        Self::default().build(&Source::from_text(Path::new("built-in rig"), ""))
+    }
+
     /// Builds the rig.
     ///
     /// # Errors

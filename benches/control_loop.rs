@@ -1,0 +1,57 @@
+//! The in-process loop: one cycle with a rig on the memory bus, receive to send.
+
+use can_protocol::{Node, Profile};
+use criterion::{Criterion, criterion_group, criterion_main};
+use hil_host::bus::MemoryBus;
+use hil_host::control::{Pace, Port, Session, Slots};
+use hil_host::record::Queues;
+use hil_host::rig::RigNode;
+use scenario::run::{Overrides, Run};
+use std::num::NonZeroU8;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+fn cycle(criterion: &mut Criterion) {
+    let path = Path::new("scenarios/ss9-160kmh.toml");
+    let run = match Run::load(path, Overrides { duration_s: Some(60.0), speed_kmh: None }) {
+        Ok(run) => run,
+        Err(error) => panic!("{error}"),
+    };
+    let track = run.track.view();
+    let Ok(port) = Port::new(Node::ALL[0], 0, 0, Profile::Classical) else { return };
+    let Ok(ports) = heapless::Vec::from_slice(&[port]) else { return };
+    let session = Session {
+        line: hil_host::run::line(&run, &track),
+        ports,
+        profile: Profile::Classical,
+        slow_down: NonZeroU8::MIN,
+        watched: [Some(0), Some(1), Some(3)],
+    };
+    let bus = || MemoryBus::new([RigNode::new(&run.rig, Node::ALL[0], Profile::Classical)]);
+    let start = session.start(session.line.start(run.start.state.clone()));
+    let (mut state, mut buses) = (start.clone(), [bus()]);
+    let mut queues = Queues::default();
+    let (mut recorder, _drain) = queues.split();
+    let begin = Instant::now();
+    if session.greet(&state, &mut buses, &Pace::Fast, Duration::from_secs(1)).is_err() {
+        panic!("the rig in memory does not answer");
+    }
+    criterion.bench_function("control cycle, memory bus", |bencher| {
+        bencher.iter(|| {
+            if state.line.cycle > 55_000 {
+                (state, buses) = (start.clone(), [bus()]);
+            }
+            session.cycle(
+                &mut state,
+                &mut buses,
+                &Pace::Fast,
+                &mut recorder,
+                &begin,
+                Slots::default(),
+            )
+        });
+    });
+}
+
+criterion_group!(benches, cycle);
+criterion_main!(benches);

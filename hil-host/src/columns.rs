@@ -1,0 +1,92 @@
+//! The record as columns, for statistics and plots.
+
+use crate::record::Row;
+use firmware_core::vehicle::DAMPER_SLOTS;
+use hdrhistogram::Histogram;
+
+/// Rows kept for statistics and plots: twenty minutes at 1 kHz. The record itself has no such limit.
+pub const ROWS_MAX: usize = 1_200_000;
+
+/// Columns of a run.
+#[derive(Debug, Clone)]
+pub struct Columns {
+    /// Model time (s).
+    pub time_s: Vec<f64>,
+    /// Extension of each damper slot (m).
+    pub extension_m: [Vec<f64>; DAMPER_SLOTS],
+    /// Rate of it (m/s).
+    pub rate_m_per_s: [Vec<f64>; DAMPER_SLOTS],
+    /// Force of each slot (N).
+    pub force_n: [Vec<f64>; DAMPER_SLOTS],
+    /// Displacement that each rig measured (m).
+    pub measured_m: [Vec<f64>; DAMPER_SLOTS],
+    /// Force that each rig measured (N).
+    pub measured_n: [Vec<f64>; DAMPER_SLOTS],
+    /// Lateral and vertical acceleration of carbody, front bogie, first wheelset (m/s2).
+    pub acceleration: [Vec<f64>; 6],
+    /// Rows that came after the limit.
+    pub left_out: u64,
+    /// Time of one vehicle step (ns).
+    pub compute_ns: Histogram<u64>,
+    /// Time from receive to send (ns).
+    pub cycle_ns: Histogram<u64>,
+    /// Lateness of wake-ups (ns).
+    pub lateness_ns: Histogram<u64>,
+    /// Cycles in which nothing fresh arrived for a rig, after its first answer.
+    pub stale: [u64; DAMPER_SLOTS],
+}
+
+impl Default for Columns {
+    fn default() -> Self {
+        let histogram = || {
+            Histogram::new_with_bounds(1, 10_000_000_000, 3)
+                .unwrap_or_else(|error| unreachable!("constant bounds: {error}"))
+        };
+        Self {
+            time_s: Vec::new(),
+            extension_m: Default::default(),
+            rate_m_per_s: Default::default(),
+            force_n: Default::default(),
+            measured_m: Default::default(),
+            measured_n: Default::default(),
+            acceleration: Default::default(),
+            left_out: 0,
+            compute_ns: histogram(),
+            cycle_ns: histogram(),
+            lateness_ns: histogram(),
+            stale: [0; DAMPER_SLOTS],
+        }
+    }
+}
+
+impl Columns {
+    /// Takes in a row.
+    pub fn push(&mut self, row: &Row) {
+        self.compute_ns.saturating_record(u64::from(row.compute_ns));
+        self.cycle_ns.saturating_record(u64::from(row.cycle_ns));
+        self.lateness_ns.saturating_record(u64::from(row.lateness_ns));
+        for (stale, input) in self.stale.iter_mut().zip(row.input) {
+            *stale += u64::from(input > 1 && row.cycle > 1);
+        }
+        if self.time_s.len() >= ROWS_MAX {
+            self.left_out += 1;
+            return;
+        }
+        self.time_s.push(row.time_s);
+        for slot in 0..DAMPER_SLOTS {
+            self.extension_m[slot].push(row.extension_m[slot]);
+            self.rate_m_per_s[slot].push(row.extension_m_per_s[slot]);
+            self.force_n[slot].push(row.force_n[slot]);
+            self.measured_m[slot].push(row.measured_m[slot]);
+            self.measured_n[slot].push(row.measured_n[slot]);
+        }
+        for (column, value) in self.acceleration.iter_mut().zip(row.acceleration_m_per_s2) {
+            column.push(value);
+        }
+    }
+
+    /// Index of the first row that statistics count.
+    pub fn first_after(&self, run_in_s: f64) -> usize {
+        self.time_s.partition_point(|time| *time < run_in_s)
+    }
+}

@@ -1,0 +1,159 @@
+//! One row of the record per control cycle: everything a replay needs, in full precision.
+//!
+//! The fields, their types and their order are listed once, below; the record's header and the
+//! bytes of a row both follow that list.
+
+use firmware_core::vehicle::{AXLES_MAX, DAMPER_SLOTS};
+
+/// Bytes of a kept frame: payload, zero behind it.
+pub type FrameBytes = [u8; 16];
+
+/// A value that `NumPy` knows.
+pub(super) trait Field {
+    /// Its type string.
+    const KIND: &'static str;
+    /// Its shape, empty for a single value.
+    fn shape() -> Vec<usize> {
+        Vec::new()
+    }
+    /// Appends its bytes, little-endian.
+    fn put(&self, bytes: &mut Vec<u8>);
+}
+
+macro_rules! plain_field {
+    ($($kind:ty => $name:literal),*) => { $(
+        impl Field for $kind {
+            const KIND: &'static str = $name;
+            fn put(&self, bytes: &mut Vec<u8>) {
+                bytes.extend_from_slice(&self.to_le_bytes());
+            }
+        }
+    )* };
+}
+
+plain_field!(u8 => "|u1", u32 => "<u4", i32 => "<i4", u64 => "<u8", f64 => "<f8");
+
+impl<T: Field, const N: usize> Field for [T; N] {
+    const KIND: &'static str = T::KIND;
+    fn shape() -> Vec<usize> {
+        let mut shape = vec![N];
+        shape.extend(T::shape());
+        shape
+    }
+    fn put(&self, bytes: &mut Vec<u8>) {
+        for value in self {
+            value.put(bytes);
+        }
+    }
+}
+
+macro_rules! row {
+    ($($(#[$doc:meta])* $name:ident: $kind:ty,)*) => {
+        /// A row.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct Row { $($(#[$doc])* pub $name: $kind,)* }
+
+        impl Row {
+            /// Appends the row's bytes.
+            pub(super) fn put(&self, bytes: &mut Vec<u8>) {
+                $(self.$name.put(bytes);)*
+            }
+
+            /// Name, type and shape of every field, in order.
+            pub(super) fn fields() -> Vec<(&'static str, &'static str, Vec<usize>)> {
+                vec![$((stringify!($name), <$kind as Field>::KIND, <$kind as Field>::shape()),)*]
+            }
+        }
+
+        impl Default for Row {
+            fn default() -> Self {
+                Self { $($name: zero::<$kind>(),)* }
+            }
+        }
+    };
+}
+
+/// Zero of any field; arrays longer than 32 have no `Default`.
+fn zero<T: Zero>() -> T {
+    T::zero()
+}
+
+trait Zero {
+    fn zero() -> Self;
+}
+
+macro_rules! plain_zero {
+    ($($kind:ty),*) => { $(impl Zero for $kind { fn zero() -> Self { 0 as $kind } })* };
+}
+
+plain_zero!(u8, u32, i32, u64, f64);
+
+impl<T: Zero + Copy, const N: usize> Zero for [T; N] {
+    fn zero() -> Self {
+        [T::zero(); N]
+    }
+}
+
+row! {
+    /// Number of the cycle, from one.
+    cycle: u64,
+    /// Model time at the start of the cycle (s).
+    time_s: f64,
+    /// Extension of every damper slot at the end of the cycle, from mid-stroke (m).
+    extension_m: [f64; DAMPER_SLOTS],
+    /// Its rate (m/s).
+    extension_m_per_s: [f64; DAMPER_SLOTS],
+    /// Force of every slot as the vehicle felt it in the last substep (N).
+    force_n: [f64; DAMPER_SLOTS],
+    /// Displacement sent to the rig; zero for a modelled damper (m).
+    command_m: [f64; DAMPER_SLOTS],
+    /// Velocity sent to the rig (m/s).
+    command_m_per_s: [f64; DAMPER_SLOTS],
+    /// Displacement that the rig measured (m).
+    measured_m: [f64; DAMPER_SLOTS],
+    /// Force that the rig measured (N).
+    measured_n: [f64; DAMPER_SLOTS],
+    /// What arrived for the slot: 0 no rig, 1 fresh, 2 missing, 3 invalid.
+    input: [u8; DAMPER_SLOTS],
+    /// Payload of the frame that the input came from.
+    frame: [FrameBytes; DAMPER_SLOTS],
+    /// Lateral and vertical acceleration of carbody, front bogie and first wheelset (m/s2).
+    acceleration_m_per_s2: [f64; 6],
+    /// Lateral force of the first axle's wheels on the rail, left and right, to the right (N).
+    wheel_lateral_n: [f64; 2],
+    /// Vertical force of the first axle's wheels on the rail, left and right (N).
+    wheel_vertical_n: [f64; 2],
+    /// Lateral position of every wheelset against the track (m).
+    wheelset_lateral_m: [f64; AXLES_MAX],
+    /// Distance run (m).
+    distance_m: f64,
+    /// Time for one vehicle step: vehicle, contact, modelled dampers (ns).
+    compute_ns: u32,
+    /// Time from the first received frame to the last sent one (ns).
+    cycle_ns: u32,
+    /// How late the cycle began (ns); zero without a clock.
+    lateness_ns: u32,
+    /// Slots of the grid that were skipped before this cycle.
+    skipped: u32,
+    /// Trajectory hash after the cycle.
+    hash: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bytes_of_a_row_are_as_many_as_its_fields_say() {
+        let mut bytes = Vec::new();
+        Row::default().put(&mut bytes);
+        let expected: usize = Row::fields()
+            .iter()
+            .map(|(_, kind, shape)| {
+                let size = kind.chars().last().and_then(|c| c.to_digit(10)).unwrap() as usize;
+                size * shape.iter().product::<usize>()
+            })
+            .sum();
+        assert_eq!(bytes.len(), expected);
+    }
+}
