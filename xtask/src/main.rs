@@ -82,7 +82,7 @@ fn test(run: &mut Run) {
     run.step("browser", equipment::browser);
     run.step("tests", |run| {
         let mut cargo = run.cargo();
-        cargo.args(["test", "--workspace"]).envs(run.equipment.clone());
+        cargo.args(["test", "--workspace", "--no-fail-fast"]).envs(run.equipment.clone());
         // The step below runs these, on whatever has CAN; a skipped run here would look like a gap.
         run.checked(cargo.env("VCAN_ELSEWHERE", "1"))
     });
