@@ -1,15 +1,19 @@
 //! Buses: how a frame gets from the host to a rig and back.
 //!
 //! One trait, two kinds: [`MemoryBus`] holds emulated rigs in this process and needs nothing from
-//! the kernel; `SocketCanBus` is a CAN interface of Linux, real or virtual. Neither waits in
+//! the kernel; [`SocketCanBus`] is a CAN interface of Linux, real or virtual. Neither waits in
 //! [`Bus::send`] or [`Bus::receive`], and neither uses the heap there.
 //!
 //! A frame that cannot go out at once is dropped and counted: on a bus that runs a cycle per
 //! millisecond an old command is worth less than none.
 
 pub mod memory;
-use can_protocol::Frame;
+pub mod socketcan;
+
 pub use memory::MemoryBus;
+pub use socketcan::{BusError, SocketCanBus};
+
+use can_protocol::Frame;
 use std::fmt;
 use std::time::Duration;
 
