@@ -9,7 +9,7 @@
 //! Each channel is a sum of 600 cosines with random phase, one per band of equal ratio between the
 //! longest and the shortest wavelength; a band's variance is the closed integral of the density,
 //! so the variance is exact whatever the number of bands. The four channels are independent, from
-//! one seed.
+//! one seed. Either kind grows out of perfect track, on which the vehicle starts in equilibrium.
 
 use crate::quantity::Quantity;
 use crate::source::{ScenarioError, Source};
@@ -22,7 +22,10 @@ use std::path::Path;
 /// Distance between the samples made here (m).
 pub const SAMPLE_STEP_M: f64 = 0.1;
 
-/// Over this distance the irregularity fades in from perfect track (m).
+/// Up to here the track is perfect (m): there the vehicle starts, in equilibrium, on all its wheels.
+pub const PERFECT_M: f64 = 30.0;
+
+/// Over this distance behind it, or behind the first sample, the irregularity fades in (m).
 pub const FADE_IN_M: f64 = 30.0;
 
 /// Irregularity in a scenario file.
@@ -115,15 +118,25 @@ pub fn aar6(band: &Band, from_m: f64, to_m: f64) -> Samples {
             set(sample, value);
         }
     }
-    for (index, sample) in samples.iter_mut().enumerate() {
-        let t = (index as f64 * SAMPLE_STEP_M / FADE_IN_M).min(1.0);
-        let fade = t * t * t * (10.0 + t * (6.0 * t - 15.0));
-        sample.vertical_m *= fade;
-        sample.alignment_m *= fade;
-        sample.cross_level_m *= fade;
-        sample.gauge_m *= fade;
+    Samples { samples, first_m: from_m, step_m: SAMPLE_STEP_M }.faded_in()
+}
+
+impl Samples {
+    /// Lets the irregularity grow smoothly out of perfect track: a wheel that started on a rail some
+    /// millimetres off would be thrown by its contact.
+    fn faded_in(mut self) -> Self {
+        let from_m = self.first_m.max(PERFECT_M);
+        for (index, sample) in self.samples.iter_mut().enumerate() {
+            let distance_m = self.first_m + index as f64 * self.step_m;
+            let t = ((distance_m - from_m) / FADE_IN_M).clamp(0.0, 1.0);
+            let fade = t * t * t * (10.0 + t * (6.0 * t - 15.0));
+            sample.vertical_m *= fade;
+            sample.alignment_m *= fade;
+            sample.cross_level_m *= fade;
+            sample.gauge_m *= fade;
+        }
+        self
     }
-    Samples { samples, first_m: from_m, step_m: SAMPLE_STEP_M }
 }
 
 type Channel = (fn(f64, f64) -> f64, fn(&mut IrregularitySample, f64));
@@ -275,7 +288,7 @@ fn read_csv(path: &Path) -> Result<Samples, ScenarioError> {
             ));
         }
     }
-    Ok(Samples { samples, first_m, step_m })
+    Ok(Samples { samples, first_m, step_m }.faded_in())
 }
 
 #[cfg(test)]
@@ -299,6 +312,23 @@ mod tests {
         assert!((rms(|s| s.alignment_m) / vertical - 1.0).abs() < 0.02);
         assert!((rms(|s| s.cross_level_m) / cross - 1.0).abs() < 0.02);
         assert!((rms(|s| s.gauge_m) / cross - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn the_irregularity_grows_out_of_perfect_track() {
+        let track = aar6(&BAND, 0.0, 200.0);
+        let perfect = (PERFECT_M / SAMPLE_STEP_M) as usize;
+        assert!(track.samples[..=perfect].iter().all(|s| *s == IrregularitySample::default()));
+        // A measured record that begins far out fades in from its first sample on.
+        let far = Samples {
+            samples: vec![IrregularitySample { gauge_m: 1e-3, ..Default::default() }; 101],
+            first_m: 500.0,
+            step_m: 0.5,
+        }
+        .faded_in();
+        assert_eq!(far.samples[0].gauge_m, 0.0);
+        assert!((far.samples[30].gauge_m - 0.5e-3).abs() < 1e-15);
+        assert_eq!(far.samples[60].gauge_m, 1e-3);
     }
 
     #[test]
