@@ -11,7 +11,7 @@ use firmware_core::lanes::Lanes;
 use firmware_core::track::Track;
 use firmware_core::vehicle::{COORDINATES, Running, Vehicle, VehicleState};
 use firmware_core::wheel_rail::table::ContactTable;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, Schur};
 
 /// Half width of the narrower differences (m, m/s, rad, rad/s).
 const WIDTH: f64 = 1e-8;
@@ -75,7 +75,9 @@ pub(crate) fn eigenvalues(
     first_order.view_mut((0, count), (count, count)).fill_with_identity();
     first_order.view_mut((count, 0), (count, count)).copy_from(&-stiffness);
     first_order.view_mut((count, count), (count, count)).copy_from(&-damping);
-    let mut values: Vec<Complex<f64>> = first_order.complex_eigenvalues().iter().copied().collect();
+    // A bounded number of sweeps: the plain call does not end when one value refuses to settle.
+    let schur = Schur::try_new(first_order, 1e-14, 10_000).expect("eigenvalues settle");
+    let mut values: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
     values.sort_by(|a, b| b.re.total_cmp(&a.re));
     values
 }
