@@ -8,7 +8,8 @@
 //! 5. `/dev/cpu_dma_latency` is held open with 0: the processor sleeps only as deep as it wakes at once.
 //!
 //! Each is optional and answers with a line; none is fatal here. All of it applies to the calling
-//! thread (1, 3, 4) or the process (2, 5) and stays until they end. On a kernel without
+//! thread (1, 3, 4) or the process (2, 5) and stays until they end. Threads that the caller starts
+//! afterwards do not inherit its priority, but they do inherit its processor: start them before. On a kernel without
 //! `PREEMPT_RT`, or inside a virtual machine, all five can be granted and a cycle still be late by
 //! milliseconds: only the measured lateness tells.
 //!
@@ -140,9 +141,11 @@ pub fn set_up(options: &RealtimeOptions) -> RealtimeReport {
 #[allow(unsafe_code, reason = "no safe wrapper of sched_setscheduler is among the libraries")]
 fn fifo(priority: u8) -> std::io::Result<()> {
     let parameters = libc::sched_param { sched_priority: libc::c_int::from(priority) };
+    // A thread that this one starts is an ordinary one again.
+    let policy = libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK;
     // SAFETY: `parameters` is initialised and outlives the call, which only reads it; 0 names the
     // calling thread. The kernel checks policy and priority.
-    let result = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) };
+    let result = unsafe { libc::sched_setscheduler(0, policy, &raw const parameters) };
     if result == 0 { Ok(()) } else { Err(std::io::Error::last_os_error()) }
 }
 
@@ -217,6 +220,8 @@ mod tests {
             assert_eq!(granted("kept on"), set.count() == 1 && set.is_set(0));
             let policy = scheduling_policy();
             assert_eq!(granted("SCHED_FIFO"), policy == "1", "policy {policy}");
+            // A recorder or a printer that is started now must not run in front of the machine.
+            assert_eq!(std::thread::spawn(scheduling_policy).join().unwrap(), "0");
         })
         .join()
         .unwrap();

@@ -1,7 +1,7 @@
 //! The rig: the other end of the bus.
 //!
 //! [`RigNode`] is a rig as the bus sees it, around the physics of an [`Emulator`]. The same code
-//! serves in line on the memory bus and in its own process (`process`); given the same frames it
+//! serves in line on the memory bus and in its own process ([`process`]); given the same frames it
 //! gives the same answers, bit for bit.
 //!
 //! **States.** A rig starts in INIT. It takes on the state that the host commands, with one
@@ -21,15 +21,17 @@
 //! changes a counter and nothing else. A command that says RUN and follow without a displacement is
 //! a cycle (and is answered in lock-step), but does not feed the watchdog.
 //!
-//! **Handshake.** Every sync is answered at once with a heartbeat. A sync after a silence begins a
-//! new session: counters may start anywhere. It also sets period, slow-down, pace and profile,
-//! unless the rig is coupled; then, or when its version is foreign, it is refused with a fault. A
-//! host that starts sends sync until it has the heartbeat, then ARMED until it has the echo, then
-//! RUN.
+//! **Handshake.** Every sync is answered at once with a heartbeat. A sync begins a new session when no
+//! command came since the one before, or when its time does not follow on: counters may then start
+//! anywhere, and a lock-step rig that was still coupled to an earlier host lets go (INIT). A sync
+//! also sets period, slow-down, pace and profile, unless the rig is coupled; then, or when its
+//! version is foreign, it is refused with a fault and without a heartbeat.
 
 pub mod actuator;
 pub mod emulator;
 pub mod noise;
+mod outbox;
+pub mod process;
 mod session;
 
 pub use emulator::{Emulator, EmulatorState, Reading, Target};
@@ -38,10 +40,10 @@ pub use session::{FrameCounts, Timing};
 use crate::bus::WireFrame;
 use actuator::Reference;
 use can_protocol::{
-    Command, Fault, FaultCode, Frame, Heartbeat, Measurement, MeasurementFlags, MessageId, Mode,
-    Node, PROTOCOL_VERSION, Pace, Pressure, Profile, RunState, Sender, Sync, Telemetry, Trips,
+    Command, FaultCode, Frame, MeasurementFlags, MessageId, Mode, Node, PROTOCOL_VERSION, Pace,
+    Profile, RunState, Sync, Trips,
 };
-use heapless::Deque;
+use outbox::Outbox;
 use scenario::rig::RigSetup;
 use session::Session;
 
@@ -50,9 +52,6 @@ pub const WATCHDOG_CYCLES: u32 = 5;
 
 /// Distance between command and ram at which the rig says that it lags (m).
 pub const LAGGING_M: f64 = 2e-3;
-
-/// Frames that wait to be taken: one cycle has at most five.
-const OUTBOX: usize = 8;
 
 /// A rig on the bus. A clone is a snapshot; comparing two compares everything they remember.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,11 +72,8 @@ pub struct RigNode {
     safe_events: u64,
     refused: bool,
     trips: Trips,
-    counter: u8,
-    fault_counter: u8,
-    telemetry_counter: u8,
     last: Option<Reading>,
-    outbox: Deque<Frame, OUTBOX>,
+    outbox: Outbox,
 }
 
 impl RigNode {
@@ -102,11 +98,8 @@ impl RigNode {
             safe_events: 0,
             refused: false,
             trips: Trips::empty(),
-            counter: 0,
-            fault_counter: 0,
-            telemetry_counter: 0,
             last: None,
-            outbox: Deque::new(),
+            outbox: Outbox::new(node),
         }
     }
 
@@ -155,7 +148,6 @@ impl RigNode {
         self.cycles += 1;
         self.last = Some(reading);
         self.answer(&reading);
-        self.send_slow_messages();
     }
 
     /// The host has said nothing for so long that the owner gives it up: how a lock-step rig, which
@@ -168,7 +160,7 @@ impl RigNode {
 
     /// The next frame to send.
     pub fn take_frame(&mut self) -> Option<Frame> {
-        self.outbox.pop_front()
+        self.outbox.take()
     }
 
     fn obey(&mut self, command: &Command) {
@@ -213,6 +205,14 @@ impl RigNode {
     }
 
     fn on_sync(&mut self, sync: &Sync) {
+        // In clock pace a host cannot come back before the watchdog: there its time proves nothing.
+        let follows = self.timing.pace == Pace::Clock && self.is_coupled();
+        if self.session.on_sync(sync.time_us) && !follows {
+            self.session.restart();
+            if self.is_coupled() {
+                self.run_state = RunState::Init;
+            }
+        }
         let offered = Timing::from(sync);
         let foreign = sync.version != PROTOCOL_VERSION;
         let refused = foreign || (self.is_coupled() && offered != self.timing);
@@ -228,89 +228,36 @@ impl RigNode {
         }
         if offered.profile != self.timing.profile {
             self.session.change_profile(offered.profile);
-            self.counter = 0;
+            self.outbox.change_profile();
         }
         self.timing = offered;
-        self.session.on_sync();
-        self.send_heartbeat();
+        self.outbox.heartbeat(self.run_state);
     }
 
     fn answer(&mut self, reading: &Reading) {
-        self.trips.set(
-            Trips::STROKE_LIMIT,
-            self.trips.contains(Trips::STROKE_LIMIT) || reading.limits.stroke,
-        );
-        self.trips.set(
-            Trips::VELOCITY_LIMIT,
-            self.trips.contains(Trips::VELOCITY_LIMIT) || reading.limits.rate,
-        );
         let mut flags = MeasurementFlags::empty();
         flags.set(MeasurementFlags::LIMIT_REACHED, reading.limits.any());
-        if reading.behind_m.abs() > LAGGING_M {
-            flags |= MeasurementFlags::ACTUATOR_LAGGING;
-            self.trips |= Trips::TRACKING;
+        flags.set(MeasurementFlags::ACTUATOR_LAGGING, reading.behind_m.abs() > LAGGING_M);
+        let tripped = [
+            (reading.limits.stroke, Trips::STROKE_LIMIT),
+            (reading.limits.rate, Trips::VELOCITY_LIMIT),
+            (reading.behind_m.abs() > LAGGING_M, Trips::TRACKING),
+        ];
+        for (_, trip) in tripped.into_iter().filter(|(tripped, _)| *tripped) {
+            self.trips |= trip;
         }
         let idle = matches!(self.run_state, RunState::Init | RunState::Standby);
         let recent = self.heard && self.silent_cycles < WATCHDOG_CYCLES;
-        if idle && !recent {
-            return;
+        if recent || !idle {
+            let (profile, echo) = (self.timing.profile, self.session.echo());
+            let time_us = self.cycles.wrapping_mul(u64::from(self.timing.period_us)) as u32;
+            self.outbox.measurement(profile, self.run_state, flags, echo, reading, time_us);
         }
-        let measurement = Measurement {
-            node: self.node,
-            counter: self.counter,
-            state: self.run_state,
-            flags,
-            echo: self.session.echo(),
-            force_n: Some(reading.force_n),
-            displacement_m: Some(reading.displacement_m),
-            time_us: Some(self.cycles.wrapping_mul(u64::from(self.timing.period_us)) as u32),
-        };
-        let profile = self.timing.profile;
-        self.put(measurement.encode(profile).0);
-        self.counter = profile.next_counter(self.counter);
-    }
-
-    fn send_slow_messages(&mut self) {
-        let sender = Sender::Rig(self.node);
-        if self.is_due(MessageId::Telemetry(self.node)) {
-            let telemetry = Telemetry {
-                node: self.node,
-                counter: self.telemetry_counter,
-                state: self.run_state,
-                temperature_degc: None,
-                pressure: Pressure::Unknown,
-                trips: self.trips,
-            };
-            self.put(telemetry.encode().0);
-            self.telemetry_counter = Profile::Classical.next_counter(self.telemetry_counter);
-        }
-        if self.is_due(MessageId::Heartbeat(sender)) {
-            self.send_heartbeat();
-        }
-    }
-
-    /// Whether a slow message is due in this cycle, by its period in the protocol.
-    fn is_due(&self, message: MessageId) -> bool {
-        let period_us = u64::from(message.nominal_period_us().unwrap_or(u32::MAX));
-        let cycles = (period_us / u64::from(self.timing.period_us.max(1))).max(1);
-        self.cycles.is_multiple_of(cycles)
-    }
-
-    fn send_heartbeat(&mut self) {
-        let sender = Sender::Rig(self.node);
-        self.put(Heartbeat { sender, state: self.run_state }.encode());
+        self.outbox.slow_messages(self.cycles, self.timing, self.run_state, self.trips);
     }
 
     fn report(&mut self, code: FaultCode, detail: u16) {
-        let (counter, state) = (self.fault_counter, self.run_state);
-        let fault = Fault { sender: Sender::Rig(self.node), counter, state, code, detail };
-        self.put(fault.encode().0);
-        self.fault_counter = Profile::Classical.next_counter(counter);
-    }
-
-    /// An owner that takes nothing out loses frames, the newest first, and no more than frames.
-    fn put(&mut self, frame: Frame) {
-        let _full = self.outbox.push_back(frame);
+        self.outbox.fault(self.run_state, code, detail);
     }
 }
 

@@ -7,6 +7,9 @@ use serde::Serialize;
 /// Commands that may be missing in a row before a newer one is out of sequence.
 const MAX_DELTA: u8 = 5;
 
+/// Time from one sync to the next beyond which it is another host's: ten are lost (us).
+const SYNC_GAP_US: u32 = 1_000_000;
+
 /// How time runs, as the host's sync says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timing {
@@ -86,6 +89,7 @@ pub(super) struct Session {
     earlier: FrameCounts,
     pending: Option<Command>,
     accepted_since_sync: bool,
+    sync_time_us: u32,
 }
 
 impl Session {
@@ -97,6 +101,7 @@ impl Session {
             earlier: FrameCounts::default(),
             pending: None,
             accepted_since_sync: false,
+            sync_time_us: 0,
         }
     }
 
@@ -114,12 +119,14 @@ impl Session {
         self.pending.take()
     }
 
-    /// A sync came: after a silence a new session begins.
-    pub(super) fn on_sync(&mut self) {
-        if !self.accepted_since_sync {
-            self.restart();
-        }
+    /// A sync came. True when a new session begins with it: no command came since the last sync, or
+    /// its time does not follow on.
+    pub(super) fn on_sync(&mut self, time_us: u32) -> bool {
+        let advance_us = time_us.wrapping_sub(self.sync_time_us) & Sync::TIME.ones();
+        let follows = self.accepted_since_sync && advance_us <= SYNC_GAP_US;
+        self.sync_time_us = time_us;
         self.accepted_since_sync = false;
+        !follows
     }
 
     pub(super) fn change_profile(&mut self, profile: Profile) {
@@ -139,7 +146,8 @@ impl Session {
         self.earlier.plus(self.state.counts())
     }
 
-    fn restart(&mut self) {
+    /// Forgets the counters of an earlier session, not what was counted.
+    pub(super) fn restart(&mut self) {
         self.earlier = self.counts();
         self.state = ReceiverState::default();
         self.pending = None;

@@ -1,0 +1,347 @@
+//! `yawbench rig`: a rig in its own process and time.
+//!
+//! In clock pace it runs by its own clock, once per period as the host's sync set it, with the
+//! newest valid command; in lock-step it waits for the next command, and gives the host up after
+//! [`SILENCE`] of wall time. Gone safe, it brings the ram to rest by its own clock in either pace.
+//!
+//! The clock-paced loop neither prints nor allocates: once per second it hands a small status to an
+//! ordinary thread, which prints it.
+
+use super::{FrameCounts, RigNode, Timing};
+use crate::bus::{Bus, BusCounters, Sent, SocketCanBus};
+use crate::clock::Pacer;
+use crate::realtime::{self, RealtimeOptions};
+use can_protocol::{MessageId, Node, Pace, Profile, RunState};
+use heapless::spsc::{Consumer, Producer, Queue};
+use scenario::rig::RigSetup;
+use serde::Serialize;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Wall time after which a lock-step host is given up.
+pub const SILENCE: Duration = Duration::from_secs(1);
+
+/// Wall time after which a rig that went safe ends, when it is to end with the run.
+pub const LINGER: Duration = Duration::from_secs(2);
+
+/// Longest wait for a frame, so that a stop is seen.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// Exit code of a rig that ended in the safe state.
+const SAFE_STATE: u8 = 3;
+
+/// How a rig runs and ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// End when the host has ended its run, or some time after going safe.
+    pub exit_after_run: bool,
+    /// Print the summary as JSON, and nothing else on standard output.
+    pub json: bool,
+    /// Real-time set-up.
+    pub realtime: RealtimeOptions,
+}
+
+/// What a rig did.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RigSummary {
+    /// Its number.
+    pub node: u8,
+    /// Its run state at the end, as in the DBC.
+    pub state: &'static str,
+    /// Cycles it computed.
+    pub cycles: u64,
+    /// Slots of its own clock that it missed.
+    pub skipped: u64,
+    /// How often it was set running.
+    pub runs: u64,
+    /// How often it went safe by itself.
+    pub safe_events: u64,
+    /// What became of the commands.
+    pub frames: FrameCounts,
+    /// Frames that the bus took from it.
+    pub sent: u64,
+    /// Frames that the bus did not take.
+    pub send_dropped: u64,
+    /// Frames that the kernel lost on the way in.
+    pub receive_dropped: u64,
+    /// Error frames of the controller.
+    pub error_frames: u64,
+}
+
+impl RigSummary {
+    fn new(rig: &RigNode, bus: BusCounters, skipped: u64) -> Self {
+        Self {
+            node: rig.node().number(),
+            state: rig.run_state().name(),
+            cycles: rig.cycles(),
+            skipped,
+            runs: rig.runs(),
+            safe_events: rig.safe_events(),
+            frames: rig.frames(),
+            sent: bus.sent,
+            send_dropped: bus.send_dropped,
+            receive_dropped: bus.receive_dropped,
+            error_frames: bus.error_frames,
+        }
+    }
+
+    /// Whether it ended in the safe state.
+    pub fn is_safe(&self) -> bool {
+        self.state == RunState::Safe.name()
+    }
+}
+
+/// Runs a rig on a CAN interface until it is told to stop, and prints what it did.
+///
+/// # Errors
+/// The interface cannot be used, or real time is required and was not granted.
+pub fn command(
+    setup: &RigSetup,
+    interface: &str,
+    node: Node,
+    profile: Profile,
+    options: &Options,
+    stop: &AtomicBool,
+) -> anyhow::Result<ExitCode> {
+    // Either profile: the host's sync says which one it speaks.
+    let accept = [
+        MessageId::Sync,
+        MessageId::Command(Profile::Classical, node),
+        MessageId::Command(Profile::Fd, node),
+    ];
+    let mut bus = SocketCanBus::open(interface, &accept, profile)?;
+    eprintln!("rig node {node}, {}, on {interface}: waiting for a host", setup.name);
+    let mut rig = RigNode::new(setup, node, profile);
+    let summary = serve(&mut rig, &mut bus, options, stop)?;
+    if options.json {
+        println!("{}", serde_json::to_string_pretty(&summary)?);
+    } else {
+        print_summary(&summary);
+    }
+    Ok(if summary.is_safe() { ExitCode::from(SAFE_STATE) } else { ExitCode::SUCCESS })
+}
+
+/// Serves a rig on a bus until `stop`, or until the run is over when asked to end with it.
+///
+/// # Errors
+/// Real time is required and was not granted.
+pub fn serve<B: Bus>(
+    rig: &mut RigNode,
+    bus: &mut B,
+    options: &Options,
+    stop: &AtomicBool,
+) -> anyhow::Result<RigSummary> {
+    let mut queue = Queue::<Status, 4>::new();
+    let (to_printer, printer) = queue.split();
+    let done = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        // Before the real-time set-up, so that it shares neither priority nor processor.
+        scope.spawn(|| print_statuses(printer, &done));
+        let report = realtime::set_up(&options.realtime);
+        for line in report.lines() {
+            eprintln!("real-time: {line}");
+        }
+        let granted = report.complete() || !options.realtime.require;
+        let skipped =
+            if granted { run(rig, bus, options.exit_after_run, stop, to_printer) } else { 0 };
+        done.store(true, Ordering::Release);
+        anyhow::ensure!(granted, "--require-realtime: not everything was granted");
+        Ok(RigSummary::new(rig, bus.counters(), skipped))
+    })
+}
+
+/// The loop; returns the slots that its clock missed.
+fn run<B: Bus>(
+    rig: &mut RigNode,
+    bus: &mut B,
+    exit_after_run: bool,
+    stop: &AtomicBool,
+    mut statuses: Producer<'_, Status>,
+) -> u64 {
+    let mut watch = Watch::new();
+    let mut timing = rig.timing();
+    let mut pacer = Pacer::new(timing.wall_period_ns(), 1);
+    let mut skipped = 0;
+    let runs_before = rig.runs();
+    while !stop.load(Ordering::Relaxed) {
+        if rig.timing() != timing {
+            timing = rig.timing();
+            skipped += pacer.skipped();
+            pacer = Pacer::new(timing.wall_period_ns(), 1);
+        }
+        if timing.pace == Pace::Clock {
+            pacer.wait();
+            take_in(rig, bus);
+            // The sync that sets another pace ends this one's cycles.
+            if rig.pace() == Pace::Clock {
+                rig.cycle();
+            }
+            send_out(rig, bus);
+        } else {
+            bus.wait(GLANCE);
+            take_in(rig, bus);
+            if watch.silence(rig) >= SILENCE && rig.is_coupled() {
+                rig.host_is_silent(silent_cycles(timing));
+                send_out(rig, bus);
+                come_to_rest(rig, bus, &mut pacer);
+            }
+        }
+        if watch.second_is_over() {
+            // A printer that is stuck loses lines, and nothing waits for it.
+            let _full = statuses.enqueue(Status::of(rig, bus.counters()));
+        }
+        let over = rig.runs() > runs_before && rig.run_state() == RunState::Standby;
+        if exit_after_run && (over || watch.safe_for(rig) >= LINGER) {
+            break;
+        }
+    }
+    skipped + pacer.skipped()
+}
+
+/// Every frame that has arrived; in lock-step the answer to one goes out before the next is taken.
+fn take_in<B: Bus>(rig: &mut RigNode, bus: &mut B) {
+    while let Some(frame) = bus.receive() {
+        rig.on_frame(&frame);
+        if rig.pace() == Pace::LockStep {
+            send_out(rig, bus);
+        }
+    }
+}
+
+fn send_out<B: Bus>(rig: &mut RigNode, bus: &mut B) {
+    while let Some(frame) = rig.take_frame() {
+        // Dropped and down are counted by the bus; a host that hears nothing acts by itself.
+        let (Sent::Away | Sent::Dropped | Sent::Down) = bus.send(&frame);
+    }
+}
+
+/// A lock-step rig has no time of its own: now that its host is gone, its clock stops the ram.
+fn come_to_rest<B: Bus>(rig: &mut RigNode, bus: &mut B, pacer: &mut Pacer) {
+    pacer.restart();
+    // From the highest speed that a command can name this takes a second at most.
+    for _ in 0..1000 {
+        if rig.is_at_rest() {
+            break;
+        }
+        pacer.wait();
+        rig.cycle();
+        send_out(rig, bus);
+    }
+}
+
+fn silent_cycles(timing: Timing) -> u32 {
+    let cycles = SILENCE.as_nanos() / u128::from(timing.wall_period_ns().max(1));
+    u32::try_from(cycles).unwrap_or(u32::MAX)
+}
+
+/// Wall times that the loop looks at.
+struct Watch {
+    accepted: u64,
+    heard: Instant,
+    safe_since: Option<Instant>,
+    printed: Instant,
+}
+
+impl Watch {
+    fn new() -> Self {
+        let now = Instant::now();
+        Self { accepted: 0, heard: now, safe_since: None, printed: now }
+    }
+
+    /// How long no new valid command has come.
+    fn silence(&mut self, rig: &RigNode) -> Duration {
+        let accepted = rig.frames().received;
+        if accepted != self.accepted {
+            self.accepted = accepted;
+            self.heard = Instant::now();
+        }
+        self.heard.elapsed()
+    }
+
+    fn safe_for(&mut self, rig: &RigNode) -> Duration {
+        if rig.run_state() != RunState::Safe {
+            self.safe_since = None;
+            return Duration::ZERO;
+        }
+        self.safe_since.get_or_insert_with(Instant::now).elapsed()
+    }
+
+    fn second_is_over(&mut self) -> bool {
+        let over = self.printed.elapsed() >= Duration::from_secs(1);
+        if over {
+            self.printed = Instant::now();
+        }
+        over
+    }
+}
+
+/// What the printer tells once per second.
+#[derive(Debug, Clone, Copy)]
+struct Status {
+    state: RunState,
+    cycles: u64,
+    frames: FrameCounts,
+    force_n: f64,
+    displacement_m: f64,
+    bus: BusCounters,
+}
+
+impl Status {
+    fn of(rig: &RigNode, bus: BusCounters) -> Self {
+        let (force_n, displacement_m) =
+            rig.last().map_or((0.0, 0.0), |reading| (reading.force_n, reading.displacement_m));
+        Self {
+            state: rig.run_state(),
+            cycles: rig.cycles(),
+            frames: rig.frames(),
+            force_n,
+            displacement_m,
+            bus,
+        }
+    }
+}
+
+fn print_statuses(mut statuses: Consumer<'_, Status>, done: &AtomicBool) {
+    while !done.load(Ordering::Acquire) {
+        while let Some(Status { state, cycles, frames, force_n, displacement_m, bus }) =
+            statuses.dequeue()
+        {
+            eprintln!(
+                "{state} cycle {cycles} received {} lost {} bad {} force {force_n:+.0} N \
+                 displacement {:+.3} mm send-dropped {}",
+                frames.received,
+                frames.lost,
+                frames.crc_errors + frames.wrong_sequence + frames.repeated,
+                displacement_m * 1e3,
+                bus.send_dropped,
+            );
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+fn print_summary(summary: &RigSummary) {
+    let frames = &summary.frames;
+    println!(
+        "rig node {}: {} after {} cycles in {} runs, {} slots missed, {} times safe by itself",
+        summary.node,
+        summary.state,
+        summary.cycles,
+        summary.runs,
+        summary.skipped,
+        summary.safe_events
+    );
+    println!(
+        "commands received {} lost {} wrong checksum {} repeated {} out of sequence {}; sent {}, \
+         dropped {} out and {} in",
+        frames.received,
+        frames.lost,
+        frames.crc_errors,
+        frames.repeated,
+        frames.wrong_sequence,
+        summary.sent,
+        summary.send_dropped,
+        summary.receive_dropped
+    );
+}
