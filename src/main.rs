@@ -1,2 +1,5 @@
 //! The `yawbench` command.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    hil_host::cli::main()
+}

@@ -191,11 +191,15 @@ fn run_command(args: &RunArgs) -> anyhow::Result<ExitCode> {
         println!("{}", serde_json::to_string_pretty(&finished.summary)?);
     } else {
         print_summary(&finished.summary);
-        println!("files in {}: report.html, summary.json, record.npy, bus.log, scenario.toml",
-            finished.folder.display());
+        println!(
+            "files in {}: report.html, summary.json, record.npy, bus.log, scenario.toml",
+            finished.folder.display()
+        );
     }
     Ok(if finished.summary.state == "safe" {
-        eprintln!("ended in the safe state: no valid force for 5 cycles, rigs were brought to rest");
+        eprintln!(
+            "ended in the safe state: no valid force for 5 cycles, rigs were brought to rest"
+        );
         ExitCode::from(SAFE_STATE)
     } else {
         ExitCode::SUCCESS
@@ -260,8 +264,8 @@ fn rig_command(args: &RigArgs) -> anyhow::Result<ExitCode> {
     let BusChoice::SocketCan(interface) = &args.bus else {
         anyhow::bail!("--bus memory: a rig of its own needs socketcan:INTERFACE");
     };
-    let node = Node::new(args.node)
-        .map_err(|error| anyhow::anyhow!("--node {}: {error}", args.node))?;
+    let node =
+        Node::new(args.node).map_err(|error| anyhow::anyhow!("--node {}: {error}", args.node))?;
     let setup = match &args.rig {
         Some(path) => scenario::rig::RigFile::load(path)?,
         None => scenario::rig::RigFile::default_setup()?,

@@ -140,7 +140,8 @@ fn forces(run: &Run, columns: &Columns, first: usize) -> Section {
     // Left and right of a bogie together: one pushes while the other drags.
     for pair in run.slots.chunks(2).enumerate() {
         let (number, slots) = pair;
-        let mut plot = Plot::new(&format!("Force of {}", names(slots))).x("time", "s").y("force", "kN");
+        let mut plot =
+            Plot::new(&format!("Force of {}", names(slots))).x("time", "s").y("force", "kN");
         for (side, slot) in slots.iter().enumerate() {
             let force = kilo(&columns.force_n[2 * number + side][first..]);
             plot = plot.line(&slot.place, time, &force);
@@ -227,16 +228,17 @@ fn spectra(run: &Run, columns: &Columns, first: usize) -> Section {
         let (frequency, density) = spectrum(&columns.acceleration[index][first..]);
         lateral = lateral.line(name, &frequency, &density);
     }
-    let mut strokes =
-        Plot::new("Damper stroke").x("frequency", "Hz").y("power spectral density", "m²/Hz").log_x().log_y();
+    let mut strokes = Plot::new("Damper stroke")
+        .x("frequency", "Hz")
+        .y("power spectral density", "m²/Hz")
+        .log_x()
+        .log_y();
     for (slot, place) in run.slots.iter().enumerate().take(DAMPER_SLOTS) {
         let (frequency, density) = spectrum(&columns.extension_m[slot][first..]);
         strokes = strokes.line(&place.place, &frequency, &density);
     }
     Section::new("Spectra")
-        .text(&format!(
-            "Welch's method, Hann window, segments of {SEGMENT_S} s with half overlap."
-        ))
+        .text(&format!("Welch's method, Hann window, segments of {SEGMENT_S} s with half overlap."))
         .plot(lateral)
         .plot(strokes)
 }

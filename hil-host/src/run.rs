@@ -178,8 +178,7 @@ fn rigs_of(run: &Run, default: &BusChoice) -> anyhow::Result<(Vec<BusChoice>, Ve
 /// Bad input, before anything is written; or a bus or disk that fails.
 pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result<Finished> {
     let (choices, rigs) = rigs_of(run, &options.bus)?;
-    if options.pace == PaceChoice::Fast
-        && choices.iter().any(|choice| *choice != BusChoice::Memory)
+    if options.pace == PaceChoice::Fast && choices.iter().any(|choice| *choice != BusChoice::Memory)
     {
         bail!("pace fast runs on the memory bus only: on a CAN bus take lockstep or realtime");
     }
@@ -207,7 +206,9 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
 
     let period_ns = (CYCLE_S * 1e9) as u64;
     let mut pace = match options.pace {
-        PaceChoice::Realtime => Pace::Realtime(Pacer::new(period_ns, u32::from(options.slow_down.get()))),
+        PaceChoice::Realtime => {
+            Pace::Realtime(Pacer::new(period_ns, u32::from(options.slow_down.get())))
+        }
         PaceChoice::Lockstep => Pace::LockStep,
         PaceChoice::Fast => Pace::Fast,
     };
@@ -231,7 +232,7 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
     let folder = RunFolder::choose(options.out.as_deref(), &options.name);
     folder.create().with_context(|| format!("cannot make {}", folder.path().display()))?;
     let recording =
-        record(&session, &mut state, &mut buses, &mut pace, run, options, &folder, &choices, stop)?;
+        record(&session, &mut state, &mut buses, &mut pace, run, &folder, &choices, stop)?;
     let counters = buses.iter().map(AnyBus::counters).fold(BusCounters::default(), sum);
     let outcome = Outcome {
         run,
@@ -381,7 +382,6 @@ fn record(
     buses: &mut [AnyBus],
     pace: &mut Pace,
     run: &Run,
-    options: &RunOptions,
     folder: &RunFolder,
     choices: &[BusChoice],
     stop: &AtomicBool,

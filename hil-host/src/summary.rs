@@ -258,8 +258,15 @@ impl Summary {
 }
 
 fn frames(outcome: &Outcome<'_>) -> Frames {
-    let mut frames =
-        Frames { sent: 0, received: 0, lost: 0, crc_errors: 0, repeated: 0, wrong_sequence: 0, late: outcome.state.late };
+    let mut frames = Frames {
+        sent: 0,
+        received: 0,
+        lost: 0,
+        crc_errors: 0,
+        repeated: 0,
+        wrong_sequence: 0,
+        late: outcome.state.late,
+    };
     for (port, state) in outcome.ports.iter().zip(&outcome.state.ports) {
         let counts = port.counts(state);
         frames.sent += state.commands;

@@ -413,8 +413,7 @@ impl Session<'_> {
             row.wheel_vertical_n[side] = -wheel.vertical_n;
         }
         for (number, axle) in self.line.vehicle.axles.iter().enumerate().take(AXLES_MAX) {
-            row.wheelset_lateral_m[number] =
-                vehicle.position[axle.body.index()][LATERAL].lane(0);
+            row.wheelset_lateral_m[number] = vehicle.position[axle.body.index()][LATERAL].lane(0);
         }
         row.distance_m = vehicle.distance_m.lane(0);
         row.hash = state.hash;

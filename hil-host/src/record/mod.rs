@@ -104,7 +104,12 @@ pub struct Drain<'a> {
 
 impl Drain<'_> {
     /// Empties both queues until `done` is set and they are empty, sending on what it finds.
-    pub fn run(mut self, done: &AtomicBool, rows: &[Sender<Batch>], events: &Sender<Vec<BusEvent>>) {
+    pub fn run(
+        mut self,
+        done: &AtomicBool,
+        rows: &[Sender<Batch>],
+        events: &Sender<Vec<BusEvent>>,
+    ) {
         loop {
             // Read before draining: what came before `done` is drained after it.
             let last = done.load(Ordering::Acquire);

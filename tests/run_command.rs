@@ -1,0 +1,186 @@
+//! `yawbench run` on the memory bus, as a person runs it, and everything it leaves behind.
+
+#[path = "support/command.rs"]
+#[allow(dead_code, reason = "shared by several tests")]
+mod command;
+#[path = "support/record.rs"]
+#[allow(dead_code, reason = "shared by several tests")]
+mod record;
+#[path = "support/schema.rs"]
+mod schema;
+
+use can_protocol::{Message, MessageId, Node, Profile};
+use command::{folder, output, repository, yawbench};
+use record::Record;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Runs a scenario for some seconds of model time; gives the folder and the summary.
+fn run(scenario: &str, seconds: &str) -> (PathBuf, Value) {
+    static RUNS: AtomicU32 = AtomicU32::new(0);
+    let out = folder(&format!("run-{}", RUNS.fetch_add(1, Ordering::Relaxed)));
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(repository().join("scenarios").join(scenario))
+            .args(["--pace", "fast", "--duration", seconds, "--json", "--out"])
+            .arg(&out),
+    );
+    let errors = String::from_utf8_lossy(&result.stderr);
+    assert_eq!(result.status.code(), Some(0), "{errors}");
+    let printed: Value = serde_json::from_slice(&result.stdout).unwrap();
+    let kept: Value = read_json(&out.join("summary.json"));
+    assert_eq!(printed, kept);
+    (out, kept)
+}
+
+fn read_json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+#[test]
+fn a_run_leaves_a_summary_that_its_schema_knows() {
+    let (out, summary) = run("ss9-160kmh.toml", "4");
+    let schema = read_json(&repository().join("docs/schema/summary.schema.json"));
+    assert_eq!(schema::misfits(&schema, &summary), Vec::<String>::new());
+    assert_eq!(summary["steps"], 4000);
+    assert_eq!(summary["frames"]["sent"], 4000);
+    assert_eq!(summary["frames"]["received"], 4000);
+    assert_eq!(summary["frames"]["lost"], 0);
+    assert_eq!(summary["damper"][0]["place"], "rig");
+    assert_eq!(summary["damper"][0]["name"], "front left");
+    assert_eq!(summary["damper"][3]["name"], "rear right");
+    let order =
+        |body: &str| summary["accelerations"][body]["lateral_rms_m_per_s2"].as_f64().unwrap();
+    assert!(order("wheelset_1") > order("bogie_front"));
+    assert!(order("bogie_front") > order("carbody"));
+    // A schema that nothing can violate protects nothing.
+    let mut wrong = summary.clone();
+    wrong["steps"] = Value::String("many".to_owned());
+    assert_eq!(schema::misfits(&schema, &wrong).len(), 1);
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn the_record_is_lossless_and_its_frames_are_the_forces() {
+    let (out, summary) = run("ss9-160kmh.toml", "2");
+    let record = Record::read(&out.join("record.npy"));
+    assert_eq!(record.rows(), 2000);
+    let mut last_hash = 0;
+    for row in 0..record.rows() {
+        assert_eq!(record.integer(row, "cycle", 0), row as u64 + 1);
+        let bytes = record.bytes(row, "frame", 0);
+        if row > 0 {
+            // What the vehicle felt is what the frame says, to the last bit.
+            let id = MessageId::Measurement(Profile::Classical, Node::ALL[0]).raw();
+            let Ok(Message::Measurement(measurement)) = Message::decode(id, &bytes[..8]) else {
+                panic!("row {row}: {bytes:?}");
+            };
+            assert_eq!(measurement.force_n, Some(record.number(row, "force_n", 0)), "row {row}");
+            assert_eq!(record.integer(row, "input", 0), 1);
+        }
+        last_hash = record.integer(row, "hash", 0);
+    }
+    assert_eq!(format!("{last_hash:016x}"), summary["trajectory_hash"]);
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn the_bus_log_is_candump_and_accounts_for_every_frame() {
+    let (out, summary) = run("ss9-160kmh.toml", "2");
+    let log = std::fs::read_to_string(out.join("bus.log")).unwrap();
+    let (mut commands, mut measurements) = (0, 0);
+    for line in log.lines() {
+        let frame = line.rsplit(' ').next().unwrap();
+        let (id, data) = frame.split_once('#').unwrap();
+        let bytes: Vec<u8> = (0..data.len() / 2)
+            .map(|byte| u8::from_str_radix(&data[2 * byte..2 * byte + 2], 16).unwrap())
+            .collect();
+        match Message::decode(u16::from_str_radix(id, 16).unwrap(), &bytes).unwrap() {
+            Message::Command(_) => commands += 1,
+            Message::Measurement(_) => measurements += 1,
+            _ => {}
+        }
+        assert!(line.starts_with('(') && line.contains(") memory "), "{line}");
+    }
+    // The last command ends the run and is no cycle.
+    assert_eq!(commands, summary["frames"]["sent"].as_u64().unwrap() + 1);
+    assert_eq!(measurements, summary["frames"]["received"].as_u64().unwrap());
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn worn_dampers_show_a_dead_zone_and_do_less_work() {
+    let (new_out, new) = run("ss9-160kmh.toml", "12");
+    let (worn_out, worn) = run("ss9-worn-2a-4mm.toml", "12");
+    for damper in 0..4 {
+        let work = |summary: &Value| summary["damper"][damper]["work_per_s_j"].as_f64().unwrap();
+        let ratio = work(&worn) / work(&new);
+        assert!(ratio > 0.0 && ratio < 0.8, "damper {damper}: work falls to {ratio}");
+    }
+    // Share of cycles without force, of a modelled damper and of the one on the rig (whose load
+    // cell has noise).
+    let idle = |out: &Path, slot: usize| {
+        let record = Record::read(&out.join("record.npy"));
+        let rows = 2000..record.rows();
+        let count = rows.len() as f64;
+        rows.filter(|row| record.number(*row, "force_n", slot).abs() < 30.0).count() as f64 / count
+    };
+    for slot in [0, 1] {
+        let (new, worn) = (idle(&new_out, slot), idle(&worn_out, slot));
+        assert!(new < 0.1 && worn > 0.3, "slot {slot}: without force new {new} worn {worn}");
+    }
+    std::fs::remove_dir_all(new_out).unwrap();
+    std::fs::remove_dir_all(worn_out).unwrap();
+}
+
+#[test]
+fn wear_in_software_acts_like_wear_on_the_damper() {
+    let (out, one) = run("ss9-one-worn-of-four.toml", "12");
+    let (new_out, new) = run("ss9-160kmh.toml", "12");
+    let work = |summary: &Value, damper: usize| {
+        summary["damper"][damper]["work_per_s_j"].as_f64().unwrap()
+    };
+    assert!(work(&one, 0) < 0.8 * work(&new, 0));
+    assert!(work(&one, 1) > 0.8 * work(&new, 1));
+    std::fs::remove_dir_all(out).unwrap();
+    std::fs::remove_dir_all(new_out).unwrap();
+}
+
+#[test]
+fn the_report_opens_in_a_browser_with_all_its_plots() {
+    let (out, _) = run("ss9-curve-400m.toml", "6");
+    let html = out.join("report.html");
+    let text = std::fs::read_to_string(&html).unwrap();
+    for part in ["Damper forces", "Loops", "Spectra", "Timing", "CALIBRATED", "no safety function"]
+    {
+        assert!(text.contains(part), "{part}");
+    }
+    if let Some(page) = report::browser::open(&html).unwrap_or_else(|error| panic!("{error}")) {
+        page.assert_complete();
+    }
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn a_vehicle_without_yaw_dampers_runs_as_well() {
+    let place = folder("coach");
+    let coach = repository().join("scenarios/vehicles/manchester-coach.toml");
+    let scenario = format!(
+        "title = \"coach\"\nvehicle = {coach:?}\nspeed_kmh = 160.0\nduration_s = 2.0\n\
+         [track.irregularity.aar6]\nseed = 3\nshortest_m = 1.0\nlongest_m = 100.0\n"
+    );
+    std::fs::write(place.join("coach.toml"), scenario).unwrap();
+    let out = place.join("out");
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(place.join("coach.toml"))
+            .args(["--pace", "fast", "--out"])
+            .arg(&out),
+    );
+    assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
+    assert_eq!(read_json(&out.join("summary.json"))["damper"], Value::Array(Vec::new()));
+    std::fs::remove_dir_all(place).unwrap();
+}

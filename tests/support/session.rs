@@ -1,0 +1,99 @@
+//! A scenario in this process: the control loop with its rig on the memory bus.
+
+use can_protocol::{Node, Profile};
+use firmware_core::line::Slot;
+use firmware_core::track::Track;
+use hil_host::bus::MemoryBus;
+use hil_host::control::{End, Pace, Port, Session, SessionState, Slots};
+use hil_host::record::{Queues, Recorder};
+use hil_host::rig::RigNode;
+use scenario::run::{Overrides, Run};
+use std::num::NonZeroU8;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// A scenario of the repository, cut to a duration.
+pub(crate) fn scenario(name: &str, duration_s: f64) -> Run {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name);
+    let overrides = Overrides { duration_s: Some(duration_s), speed_kmh: None };
+    Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The session of a scenario; every rig slot gets its own node.
+pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>) -> Session<'a> {
+    let line = hil_host::run::line(run, track);
+    let ports = line
+        .slots
+        .iter()
+        .enumerate()
+        .filter(|(_, slot)| matches!(slot, Slot::Rig(_)))
+        .zip(Node::ALL)
+        .map(|((slot, _), node)| Port::new(node, 0, slot, Profile::Classical).unwrap())
+        .collect();
+    Session {
+        line,
+        ports,
+        profile: Profile::Classical,
+        slow_down: NonZeroU8::MIN,
+        watched: [Some(0), Some(1), Some(3)],
+    }
+}
+
+/// The bus of a session, with its rigs.
+pub(crate) fn bus(run: &Run, session: &Session<'_>) -> MemoryBus {
+    MemoryBus::new(
+        session.ports.iter().map(|port| RigNode::new(&run.rig, port.node, session.profile)),
+    )
+}
+
+/// A session that has greeted its rigs and can cycle.
+pub(crate) fn ready(run: &Run, session: &Session<'_>) -> (SessionState, [MemoryBus; 1]) {
+    let state = session.start(session.line.start(run.start.state.clone()));
+    let mut buses = [bus(run, session)];
+    session
+        .greet(&state, &mut buses, &Pace::Fast, Duration::from_secs(1))
+        .unwrap_or_else(|nodes| panic!("silent nodes {nodes:?}"));
+    (state, buses)
+}
+
+/// Runs a number of cycles, dropping what would be recorded.
+pub(crate) fn cycles(
+    session: &Session<'_>,
+    state: &mut SessionState,
+    buses: &mut [MemoryBus],
+    recorder: &mut Recorder<'_>,
+    count: u64,
+) {
+    let begin = Instant::now();
+    for _ in 0..count {
+        session.cycle(state, buses, &Pace::Fast, recorder, &begin, Slots::default());
+    }
+}
+
+/// Runs a whole scenario and gives its end and hash.
+pub(crate) fn run_through(run: &Run) -> (End, u64) {
+    let track = run.track.view();
+    let session = session(run, &track);
+    let (mut state, mut buses) = ready(run, &session);
+    let mut queues = Queues::default();
+    let (mut recorder, drain) = queues.split();
+    let done = AtomicBool::new(false);
+    let end = std::thread::scope(|scope| {
+        let (events, _kept) = crossbeam_channel::unbounded();
+        let done = &done;
+        scope.spawn(move || drain.run(done, &[], &events));
+        let stop = AtomicBool::new(false);
+        let end = session.run(
+            &mut state,
+            &mut buses,
+            &mut Pace::Fast,
+            run.cycles(),
+            &mut recorder,
+            &stop,
+        );
+        done.store(true, std::sync::atomic::Ordering::Release);
+        end
+    });
+    (end, state.hash)
+}
