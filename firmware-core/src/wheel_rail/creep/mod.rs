@@ -152,6 +152,22 @@ mod tests {
     }
 
     #[test]
+    fn no_law_gives_a_force_without_friction_or_load() {
+        let creepage = Creepage { longitudinal: 3e-4, lateral: -7e-4, spin_per_m: 0.13 };
+        for law in laws() {
+            for patch in [
+                Patch { friction: 0.0, ..eurosprinter() },
+                Patch { normal_n: 0.0, along_m: 0.0, across_m: 0.0, ..eurosprinter() },
+            ] {
+                let force = law.force(&patch, creepage);
+                for value in [force.longitudinal_n, force.lateral_n, force.spin_moment_n_m] {
+                    assert!(value.abs() < 1e-9, "{law:?} {patch:?} {force:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn every_law_is_mirror_symmetric_to_the_bit() {
         let patch = eurosprinter();
         for law in laws() {

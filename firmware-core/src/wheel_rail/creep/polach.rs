@@ -12,7 +12,11 @@ const PI: f64 = core::f64::consts::PI;
 
 #[inline(always)]
 pub(super) fn force(patch: &Patch, creepage: Creepage) -> CreepForce {
-    let limit_n = (patch.friction * patch.normal_n).max(f64::MIN_POSITIVE);
+    let limit_n = patch.friction * patch.normal_n;
+    // Without friction or load there is no force, and the quotients below would not be numbers.
+    if limit_n < 1e-6 {
+        return CreepForce::default();
+    }
     let (a, b) = (patch.along_m, patch.across_m);
     let Creepage { longitudinal, lateral, spin_per_m } = creepage;
     let with_spin = lateral + spin_per_m * a;
