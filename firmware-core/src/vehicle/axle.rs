@@ -80,17 +80,18 @@ pub(super) struct Place {
     pub(super) irregularity: IrregularitySample,
 }
 
-/// Adds a wheel's force to its wheelset.
+/// Adds the forces of both wheels to their wheelset, as one sum, so that a mirrored vehicle gets the
+/// mirrored force to the last bit.
 #[inline(always)]
-pub(super) fn add_wheel<const L: usize>(
+pub(super) fn add_wheels<const L: usize>(
     forces: &mut Pose<L>,
     lane: usize,
-    side: f64,
-    force: &WheelForce,
+    left: &WheelForce,
+    right: &WheelForce,
 ) {
-    forces[LATERAL].add_lane(lane, side * force.lateral_n);
-    forces[VERTICAL].add_lane(lane, force.vertical_n);
-    forces[ROLL].add_lane(lane, side * force.roll_n_m);
-    forces[PITCH].add_lane(lane, force.pitch_n_m);
-    forces[YAW].add_lane(lane, side * force.yaw_n_m);
+    forces[LATERAL].add_lane(lane, right.lateral_n - left.lateral_n);
+    forces[VERTICAL].add_lane(lane, right.vertical_n + left.vertical_n);
+    forces[ROLL].add_lane(lane, right.roll_n_m - left.roll_n_m);
+    forces[PITCH].add_lane(lane, right.pitch_n_m + left.pitch_n_m);
+    forces[YAW].add_lane(lane, right.yaw_n_m - left.yaw_n_m);
 }

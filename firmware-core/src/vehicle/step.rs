@@ -11,7 +11,7 @@
 //! lowest running speed because creep grows like `1/V`. Every evaluation is at the time of the
 //! positions, so an event-exact damper and a real one see one sample per substep.
 
-use super::axle::{Place, RailSupport, add_wheel};
+use super::axle::{Place, RailSupport, add_wheels};
 use super::body::{BODIES_MAX, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
 use super::links::{Forces, Motion};
 use super::state::VehicleState;
@@ -324,7 +324,6 @@ impl Vehicle {
                         [at, speed],
                         &place,
                     );
-                    add_wheel(&mut forces[index], lane, side, &force);
                     if let Some(rail) = axle.rail {
                         let [lateral, vertical] = rail_acceleration(
                             &rail,
@@ -342,6 +341,10 @@ impl Vehicle {
                     if let Some(kept) = state.wheels[number][which].get_mut(lane) {
                         *kept = force;
                     }
+                }
+                let [left, right] = &state.wheels[number];
+                if let (Some(left), Some(right)) = (left.get(lane), right.get(lane)) {
+                    add_wheels(&mut forces[index], lane, left, right);
                 }
             }
         }
