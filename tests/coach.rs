@@ -3,6 +3,8 @@
 //! Its equilibrium, its rigid-body frequencies against a calculation by hand, and a run over
 //! irregular track.
 
+#![expect(clippy::unwrap_used, reason = "a test stops where it fails")]
+
 #[path = "physics/modes.rs"]
 mod modes;
 

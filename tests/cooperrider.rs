@@ -4,6 +4,8 @@
 //! the best known numbers of railway dynamics. They pass through the very elements, creep law and
 //! time step that the locomotive uses.
 
+#![expect(clippy::unwrap_used, reason = "a test stops where it fails")]
+
 #[path = "physics/modes.rs"]
 mod modes;
 

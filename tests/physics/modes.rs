@@ -16,6 +16,9 @@ use nalgebra::{Complex, DMatrix, Schur};
 /// Half width of the narrower differences (m, m/s, rad, rad/s).
 const WIDTH: f64 = 1e-8;
 
+/// Changes a coordinate, or its velocity, of a body.
+type Change<'a> = &'a dyn Fn(&mut VehicleState, (usize, usize), f64);
+
 /// Body and coordinate of every free coordinate.
 pub(crate) fn free_coordinates(vehicle: &Vehicle) -> Vec<(usize, usize)> {
     let all = |body| (0..COORDINATES).map(move |coordinate| (body, coordinate));
@@ -38,7 +41,7 @@ pub(crate) fn jacobians(
         vehicle.evaluate(trial, &running, &mut ());
         list.iter().map(|(body, coordinate)| trial.acceleration[*body][*coordinate].0[0]).collect()
     };
-    let matrix = |change: &dyn Fn(&mut VehicleState, (usize, usize), f64)| {
+    let matrix = |change: Change<'_>| {
         let mut result = DMatrix::zeros(list.len(), list.len());
         for (column, place) in list.iter().enumerate() {
             let moved = |by: f64| {
