@@ -1,5 +1,6 @@
 //! A host in a few lines, for tests of the rig in virtual time.
 #![allow(dead_code, reason = "every test program takes what it needs")]
+#![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
 
 use can_protocol::{
     Command, Frame, Measurement, Message, Mode, Node, PROTOCOL_VERSION, Pace, Profile, RunState,

@@ -1,0 +1,249 @@
+//! The `SocketCAN` bus against a real kernel: filters, FD, counters, and a rig at the other end.
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
+
+mod support;
+
+use can_protocol::{
+    Frame, Heartbeat, Measurement, Message, MessageId, Node, Pace, Profile, RunState, Sender,
+};
+use hil_host::bus::{Bus, BusCounters, BusError, MemoryBus, Sent, SocketCanBus, WireFrame};
+use hil_host::realtime::RealtimeOptions;
+use hil_host::rig::RigNode;
+use hil_host::rig::process::{Options, RigSummary, serve};
+use socketcan::{CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Socket, StandardId};
+use std::io::Write;
+use std::process::Command;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::time::Duration;
+use support::{Host, setup};
+
+const NODE: Node = Node::ALL[0];
+const OPTIONS: Options =
+    Options { exit_after_run: true, json: false, realtime: RealtimeOptions::NONE };
+
+/// Longer than anything here takes: only a failure waits for it.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A virtual interface of this test's own; it goes with the value.
+struct Vcan(String);
+
+impl Vcan {
+    /// An interface, or `None` with a word on standard error; a failure where one is required.
+    fn new() -> Option<Self> {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        if std::env::var_os("VCAN_ELSEWHERE").is_some_and(|value| value == "1") {
+            return None;
+        }
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let name = format!("yb{}x{number}", std::process::id());
+        let made = ip(&["link", "add", "dev", &name, "type", "vcan"])
+            && ip(&["link", "set", &name, "mtu", "72"])
+            && ip(&["link", "set", &name, "up"]);
+        if made {
+            return Some(Self(name));
+        }
+        let required = std::env::var_os("REQUIRE_VCAN").is_some_and(|value| value == "1");
+        assert!(!required, "REQUIRE_VCAN=1, but no vcan interface can be made");
+        let word = "SKIPPED: no vcan interface; `cargo xtask vcan` brings a kernel with CAN";
+        // Past the capture of the test's output.
+        let _unheard = writeln!(std::io::stderr(), "{word}");
+        None
+    }
+
+    fn bus(&self, accept: &[MessageId], profile: Profile) -> SocketCanBus {
+        SocketCanBus::open(&self.0, accept, profile).unwrap()
+    }
+}
+
+impl Drop for Vcan {
+    fn drop(&mut self) {
+        ip(&["link", "del", "dev", &self.0]);
+    }
+}
+
+fn ip(arguments: &[&str]) -> bool {
+    Command::new("ip").args(arguments).output().is_ok_and(|output| output.status.success())
+}
+
+fn for_host(profile: Profile) -> [MessageId; 2] {
+    [MessageId::Measurement(profile, NODE), MessageId::Heartbeat(Sender::Rig(NODE))]
+}
+
+fn for_rig() -> [MessageId; 3] {
+    [
+        MessageId::Sync,
+        MessageId::Command(Profile::Classical, NODE),
+        MessageId::Command(Profile::Fd, NODE),
+    ]
+}
+
+#[test]
+fn both_kinds_arrive_as_sent_and_not_at_the_sender() {
+    let Some(vcan) = Vcan::new() else { return };
+    for profile in [Profile::Classical, Profile::Fd] {
+        let mut host = vcan.bus(&for_rig(), profile);
+        let mut rig = vcan.bus(&for_rig(), profile);
+        let mut commands = Host::new(profile);
+        assert!(!rig.wait(Duration::ZERO));
+        for _ in 0..100 {
+            let frame = commands.run();
+            assert_eq!(host.send(&frame), Sent::Away);
+            assert!(rig.wait(PATIENCE));
+            assert_eq!(rig.receive(), Some(WireFrame::from(&frame)));
+            assert_eq!((rig.receive(), host.receive()), (None, None));
+        }
+        assert_eq!(host.counters(), BusCounters { sent: 100, ..BusCounters::default() });
+        assert_eq!(rig.counters(), BusCounters { received: 100, ..BusCounters::default() });
+    }
+}
+
+#[test]
+fn the_kernel_lets_through_exactly_what_is_wanted() {
+    let Some(vcan) = Vcan::new() else { return };
+    let mut bus = vcan.bus(&[MessageId::Heartbeat(Sender::Host)], Profile::Classical);
+    let socket = CanSocket::open(&vcan.0).unwrap();
+    let id = |id| StandardId::new(id).unwrap();
+    let wanted = Heartbeat { sender: Sender::Host, state: RunState::Run }.encode();
+    socket.write_frame(&CanFrame::new(id(0x701), &[1]).unwrap()).unwrap();
+    socket.write_frame(&CanFrame::new(id(0x080), &[0; 8]).unwrap()).unwrap();
+    socket.write_frame(&CanFrame::new(ExtendedId::new(0x700).unwrap(), &[4]).unwrap()).unwrap();
+    socket.write_frame(&CanFrame::new_remote(id(0x700), 1).unwrap()).unwrap();
+    socket.write_frame(&CanFrame::new(id(0x700), wanted.data()).unwrap()).unwrap();
+    assert!(bus.wait(PATIENCE));
+    assert_eq!(bus.receive(), Some(WireFrame::from(&wanted)));
+    assert_eq!(bus.receive(), None);
+}
+
+#[test]
+fn what_the_kernel_drops_on_the_way_in_is_counted_to_the_frame() {
+    let Some(vcan) = Vcan::new() else { return };
+    let mut sender = vcan.bus(&[], Profile::Classical);
+    let mut receiver = vcan.bus(&for_rig(), Profile::Classical);
+    let mut commands = Host::new(Profile::Classical);
+    for _ in 0..20_000 {
+        sender.send(&commands.run());
+    }
+    let kept = std::iter::from_fn(|| receiver.receive()).count() as u64;
+    // The count travels with the frames that are queued after the loss.
+    assert_eq!(sender.send(&commands.run()), Sent::Away);
+    assert!(receiver.wait(PATIENCE));
+    assert!(receiver.receive().is_some());
+    let (sent, seen) = (sender.counters(), receiver.counters());
+    assert_eq!(sent.sent + sent.send_dropped, 20_001);
+    assert!(kept < sent.sent - 1, "20,000 frames fit no receive queue");
+    assert_eq!(seen.received, kept + 1);
+    assert_eq!(seen.received + seen.receive_dropped, sent.sent);
+}
+
+#[test]
+fn an_interface_that_is_missing_down_or_classical_is_named() {
+    let Some(vcan) = Vcan::new() else { return };
+    let open = |profile| SocketCanBus::open(&vcan.0, &[], profile);
+    let missing = SocketCanBus::open("no-such-can", &[], Profile::Classical);
+    assert!(matches!(missing, Err(BusError::NoInterface { .. })), "{missing:?}");
+    let mut bus = open(Profile::Fd).unwrap();
+    assert!(ip(&["link", "set", &vcan.0, "down"]));
+    assert_eq!(bus.send(&Host::new(Profile::Classical).run()), Sent::Down);
+    assert_eq!(bus.counters().send_dropped, 1);
+    assert!(matches!(open(Profile::Classical), Err(BusError::Down { .. })));
+    assert!(ip(&["link", "set", &vcan.0, "mtu", "16", "up"]));
+    assert!(matches!(open(Profile::Fd), Err(BusError::NotFd { .. })));
+    assert!(open(Profile::Classical).is_ok());
+}
+
+/// A host that fails must not leave its rig waiting for the next one.
+struct StopOnPanic<'a>(&'a AtomicBool);
+
+impl Drop for StopOnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// A rig served on the interface while `host` talks to it.
+fn with_rig<T>(vcan: &Vcan, host: impl FnOnce(SocketCanBus) -> T) -> (T, RigSummary) {
+    let mut bus = vcan.bus(&for_rig(), Profile::Classical);
+    let mut rig = RigNode::new(&setup(), NODE, Profile::Classical);
+    let stop = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let served = scope.spawn(|| serve(&mut rig, &mut bus, &OPTIONS, &stop).unwrap());
+        let _guard = StopOnPanic(&stop);
+        let told = host(vcan.bus(&for_host(Profile::Classical), Profile::Classical));
+        (told, served.join().unwrap())
+    })
+}
+
+/// The next message of this rig.
+fn next(bus: &mut impl Bus) -> Message {
+    loop {
+        if let Some(frame) = bus.receive() {
+            return Message::decode(frame.id(), frame.data()).unwrap();
+        }
+        assert!(bus.wait(PATIENCE), "the rig is silent");
+    }
+}
+
+fn greet(bus: &mut impl Bus, sync: &Frame) {
+    bus.send(sync);
+    // A rig in clock pace sends heartbeats of its own accord: any will do.
+    while !matches!(next(bus), Message::Heartbeat(_)) {}
+}
+
+fn ask(bus: &mut impl Bus, command: &Frame) -> Measurement {
+    bus.send(command);
+    loop {
+        if let Message::Measurement(measurement) = next(bus) {
+            return measurement;
+        }
+    }
+}
+
+#[test]
+fn in_lock_step_the_rig_answers_as_it_does_in_line() {
+    const CYCLES: u64 = 2000;
+    let Some(vcan) = Vcan::new() else { return };
+    let run = |bus: &mut dyn FnMut(&Frame) -> Measurement| -> Vec<Measurement> {
+        let mut host = Host::new(Profile::Classical);
+        let mut answers: Vec<_> = (0..CYCLES).map(|_| bus(&host.run())).collect();
+        answers.push(bus(&host.state(RunState::Standby)));
+        answers
+    };
+    let sync = Host::new(Profile::Classical).sync(Pace::LockStep);
+    let mut memory = MemoryBus::new([RigNode::new(&setup(), NODE, Profile::Classical)]);
+    greet(&mut memory, &sync);
+    let in_line = run(&mut |frame| ask(&mut memory, frame));
+    let (over_can, summary) = with_rig(&vcan, |mut bus| {
+        greet(&mut bus, &sync);
+        let answers = run(&mut |frame| ask(&mut bus, frame));
+        assert_eq!(bus.counters().receive_dropped, 0);
+        answers
+    });
+    assert_eq!(over_can, in_line);
+    assert_eq!((summary.frames.received, summary.frames.lost), (CYCLES + 1, 0));
+    assert_eq!((summary.state, summary.safe_events), ("STANDBY", 0));
+}
+
+#[test]
+fn a_rig_whose_lock_step_host_dies_goes_safe_and_comes_to_rest() {
+    let Some(vcan) = Vcan::new() else { return };
+    let (last, summary) = with_rig(&vcan, |mut bus| {
+        let mut host = Host::new(Profile::Classical);
+        greet(&mut bus, &host.sync(Pace::LockStep));
+        for _ in 0..100 {
+            assert_eq!(ask(&mut bus, &host.run()).state, RunState::Run);
+        }
+        // Silence from here on. By its own clock the ram is brought to rest from 76 mm/s or less.
+        loop {
+            if let Message::Measurement(measurement) = next(&mut bus) {
+                break measurement;
+            }
+        }
+    });
+    assert_eq!(last.state, RunState::Safe);
+    assert_eq!((summary.state, summary.safe_events, summary.frames.received), ("SAFE", 1, 100));
+    assert!(summary.is_safe());
+    assert!((101..=109).contains(&summary.cycles), "{} cycles", summary.cycles);
+}
