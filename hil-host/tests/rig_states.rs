@@ -235,13 +235,22 @@ fn a_foreign_version_is_refused_with_one_fault_and_never_runs() {
 
 #[test]
 fn the_timing_of_a_coupled_rig_stays_as_it_is() {
-    let (mut rig, host) = running();
+    let (mut rig, mut host) = running();
+    let mut untold = rig.clone();
     let before = rig.timing();
     let mut other = host.sync_message(Pace::LockStep);
     other.period_us = NonZeroU16::new(500).unwrap();
     give(&mut rig, &other.encode());
     assert_eq!(faults(&answers(&mut rig)).len(), 1);
     assert_eq!((rig.timing(), rig.run_state()), (before, RunState::Run));
+    for _ in 0..300 {
+        let frame = host.run();
+        for rig in [&mut rig, &mut untold] {
+            give(rig, &frame);
+            rig.cycle();
+        }
+        assert_eq!(answers(&mut rig), answers(&mut untold), "it follows as if nothing had come");
+    }
 }
 
 #[test]

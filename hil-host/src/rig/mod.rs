@@ -27,6 +27,7 @@
 //! also sets period, slow-down, pace and profile, unless the rig is coupled; then, or when its
 //! version is foreign, it is refused with a fault and without a heartbeat.
 
+mod account;
 pub mod actuator;
 pub mod emulator;
 pub mod noise;
@@ -169,7 +170,8 @@ impl RigNode {
             state => state,
         };
         if commanded == RunState::Run {
-            if self.latched || self.refused {
+            // What is refused is arming; a rig that runs keeps to its own timing.
+            if self.latched || (self.refused && self.run_state != RunState::Run) {
                 return;
             }
             if self.run_state != RunState::Run {

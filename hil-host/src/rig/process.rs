@@ -7,14 +7,16 @@
 //! The clock-paced loop neither prints nor allocates: once per second it hands a small status to an
 //! ordinary thread, which prints it.
 
-use super::{FrameCounts, RigNode, Timing};
-use crate::bus::{Bus, BusCounters, Sent, SocketCanBus};
+pub use super::account::RigSummary;
+
+use super::account::{Status, print_statuses, print_summary};
+use super::{RigNode, Timing};
+use crate::bus::{Bus, Sent, SocketCanBus};
 use crate::clock::Pacer;
 use crate::realtime::{self, RealtimeOptions};
 use can_protocol::{MessageId, Node, Pace, Profile, RunState};
-use heapless::spsc::{Consumer, Producer, Queue};
+use heapless::spsc::{Producer, Queue};
 use scenario::rig::RigSetup;
-use serde::Serialize;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -40,56 +42,6 @@ pub struct Options {
     pub json: bool,
     /// Real-time set-up.
     pub realtime: RealtimeOptions,
-}
-
-/// What a rig did.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RigSummary {
-    /// Its number.
-    pub node: u8,
-    /// Its run state at the end, as in the DBC.
-    pub state: &'static str,
-    /// Cycles it computed.
-    pub cycles: u64,
-    /// Slots of its own clock that it missed.
-    pub skipped: u64,
-    /// How often it was set running.
-    pub runs: u64,
-    /// How often it went safe by itself.
-    pub safe_events: u64,
-    /// What became of the commands.
-    pub frames: FrameCounts,
-    /// Frames that the bus took from it.
-    pub sent: u64,
-    /// Frames that the bus did not take.
-    pub send_dropped: u64,
-    /// Frames that the kernel lost on the way in.
-    pub receive_dropped: u64,
-    /// Error frames of the controller.
-    pub error_frames: u64,
-}
-
-impl RigSummary {
-    fn new(rig: &RigNode, bus: BusCounters, skipped: u64) -> Self {
-        Self {
-            node: rig.node().number(),
-            state: rig.run_state().name(),
-            cycles: rig.cycles(),
-            skipped,
-            runs: rig.runs(),
-            safe_events: rig.safe_events(),
-            frames: rig.frames(),
-            sent: bus.sent,
-            send_dropped: bus.send_dropped,
-            receive_dropped: bus.receive_dropped,
-            error_frames: bus.error_frames,
-        }
-    }
-
-    /// Whether it ended in the safe state.
-    pub fn is_safe(&self) -> bool {
-        self.state == RunState::Safe.name()
-    }
 }
 
 /// Runs a rig on a CAN interface until it is told to stop, and prints what it did.
@@ -274,74 +226,4 @@ impl Watch {
         }
         over
     }
-}
-
-/// What the printer tells once per second.
-#[derive(Debug, Clone, Copy)]
-struct Status {
-    state: RunState,
-    cycles: u64,
-    frames: FrameCounts,
-    force_n: f64,
-    displacement_m: f64,
-    bus: BusCounters,
-}
-
-impl Status {
-    fn of(rig: &RigNode, bus: BusCounters) -> Self {
-        let (force_n, displacement_m) =
-            rig.last().map_or((0.0, 0.0), |reading| (reading.force_n, reading.displacement_m));
-        Self {
-            state: rig.run_state(),
-            cycles: rig.cycles(),
-            frames: rig.frames(),
-            force_n,
-            displacement_m,
-            bus,
-        }
-    }
-}
-
-fn print_statuses(mut statuses: Consumer<'_, Status>, done: &AtomicBool) {
-    while !done.load(Ordering::Acquire) {
-        while let Some(Status { state, cycles, frames, force_n, displacement_m, bus }) =
-            statuses.dequeue()
-        {
-            eprintln!(
-                "{state} cycle {cycles} received {} lost {} bad {} force {force_n:+.0} N \
-                 displacement {:+.3} mm send-dropped {}",
-                frames.received,
-                frames.lost,
-                frames.crc_errors + frames.wrong_sequence + frames.repeated,
-                displacement_m * 1e3,
-                bus.send_dropped,
-            );
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
-}
-
-fn print_summary(summary: &RigSummary) {
-    let frames = &summary.frames;
-    println!(
-        "rig node {}: {} after {} cycles in {} runs, {} slots missed, {} times safe by itself",
-        summary.node,
-        summary.state,
-        summary.cycles,
-        summary.runs,
-        summary.skipped,
-        summary.safe_events
-    );
-    println!(
-        "commands received {} lost {} wrong checksum {} repeated {} out of sequence {}; sent {}, \
-         dropped {} out and {} in",
-        frames.received,
-        frames.lost,
-        frames.crc_errors,
-        frames.repeated,
-        frames.wrong_sequence,
-        summary.sent,
-        summary.send_dropped,
-        summary.receive_dropped
-    );
 }
