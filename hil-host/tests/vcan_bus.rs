@@ -7,6 +7,7 @@ mod support;
 use can_protocol::{
     Frame, Heartbeat, Measurement, Message, MessageId, Node, Pace, Profile, RunState, Sender,
 };
+use core::num::NonZeroU8;
 use hil_host::bus::{Bus, BusCounters, BusError, MemoryBus, Sent, SocketCanBus, WireFrame};
 use hil_host::realtime::RealtimeOptions;
 use hil_host::rig::RigNode;
@@ -246,4 +247,32 @@ fn a_rig_whose_lock_step_host_dies_goes_safe_and_comes_to_rest() {
     assert_eq!((summary.state, summary.safe_events, summary.frames.received), ("SAFE", 1, 100));
     assert!(summary.is_safe());
     assert!((101..=109).contains(&summary.cycles), "{} cycles", summary.cycles);
+}
+
+#[test]
+fn a_rig_whose_paced_host_dies_goes_safe_in_the_fifth_cycle() {
+    let Some(vcan) = Vcan::new() else { return };
+    let (runs, summary) = with_rig(&vcan, |mut bus| {
+        let mut host = Host::new(Profile::Classical);
+        let mut sync = host.sync_message(Pace::Clock);
+        // 20 ms per cycle: no machine that runs tests delays a host by five of them.
+        sync.slow_down = NonZeroU8::new(20).unwrap();
+        greet(&mut bus, &sync.encode());
+        let mut last = 0;
+        for _ in 0..30 {
+            last = host.counter;
+            assert_eq!(ask(&mut bus, &host.run()).state, RunState::Run);
+        }
+        let mut runs = 0;
+        loop {
+            let Message::Measurement(measurement) = next(&mut bus) else { continue };
+            if measurement.state == RunState::Safe {
+                break runs;
+            }
+            runs += u32::from(measurement.echo == Some(last));
+        }
+    });
+    // The answer to the last command was taken by `ask`; four silent cycles are forgiven.
+    assert_eq!(runs, 4);
+    assert_eq!((summary.state, summary.safe_events, summary.frames.received), ("SAFE", 1, 30));
 }
