@@ -120,9 +120,10 @@ impl WireArgs {
 
 #[derive(Debug, Args)]
 struct RealtimeArgs {
-    /// SCHED_FIFO priority of the loop.
-    #[arg(long, value_name = "1..99", value_parser = clap::value_parser!(u8).range(1..=99))]
-    fifo_priority: Option<u8>,
+    /// SCHED_FIFO priority of the loop; 0 leaves the scheduler alone.
+    #[arg(long, value_name = "0..99", default_value_t = 80,
+        value_parser = clap::value_parser!(u8).range(0..=99))]
+    fifo_priority: u8,
     /// Processor for the loop.
     #[arg(long, value_name = "N")]
     cpu: Option<usize>,
@@ -134,7 +135,7 @@ struct RealtimeArgs {
 impl RealtimeArgs {
     fn options(&self) -> RealtimeOptions {
         RealtimeOptions {
-            fifo_priority: Some(self.fifo_priority.unwrap_or(80)),
+            fifo_priority: (self.fifo_priority > 0).then_some(self.fifo_priority),
             cpu: self.cpu,
             require: self.require_realtime,
             ..RealtimeOptions::default()

@@ -86,7 +86,7 @@ pub struct Frames {
     pub sent: u64,
     /// Valid, new measurements.
     pub received: u64,
-    /// Commands without a measurement.
+    /// Measurements that the counters say are missing, or commands without one.
     pub lost: u64,
     /// Frames whose protection failed.
     pub crc_errors: u64,
@@ -274,9 +274,14 @@ fn frames(outcome: &Outcome<'_>) -> Frames {
         frames.crc_errors += counts.wrong_crc;
         frames.repeated += counts.repeated;
         frames.wrong_sequence += counts.wrong_sequence;
+        frames.lost += counts.lost_frames;
     }
     frames.sent -= outcome.state.late.min(frames.sent);
-    frames.lost = frames.sent.saturating_sub(frames.received);
+    // On its own clock a rig measures more or less often than it is commanded; otherwise every
+    // command has its measurement.
+    if outcome.pace != "realtime" {
+        frames.lost = frames.lost.max(frames.sent.saturating_sub(frames.received));
+    }
     frames
 }
 

@@ -88,7 +88,8 @@ impl Candump {
         let before = listeners(interface);
         // It names the log by the second and takes no other name: hence a folder of its own.
         let mut command = Command::new("candump");
-        command.args(["-l", interface]).current_dir(&folder);
+        // A large receive buffer: on one processor it may wait its turn for long.
+        command.args(["-r", "16777216", "-l", interface]).current_dir(&folder);
         command.stdout(Stdio::null()).stderr(Stdio::null());
         let process = command.spawn().expect("candump, from the package can-utils");
         wait_for("candump to listen", || listeners(interface) > before);
