@@ -31,11 +31,16 @@ impl<const L: usize> Lanes<L> {
     /// ```
     /// use firmware_core::lanes::Lanes;
     /// assert_eq!(Lanes([1.5, -0.2]).beyond(0.5), Lanes([1.0, 0.0]));
+    /// // A width that is no number shows in the result; `f64::clamp` would panic on it.
+    /// assert!(Lanes([1.5]).beyond(f64::NAN).lane(0).is_nan());
     /// ```
     #[must_use]
     #[inline(always)]
     pub fn beyond(self, half_width: f64) -> Self {
-        self.map(|value| value - value.clamp(-half_width, half_width))
+        self.map(|value| {
+            let raised = if value >= -half_width { value } else { -half_width };
+            value - if raised > half_width { half_width } else { raised }
+        })
     }
 
     /// The value in one lane; zero in a lane that does not exist.

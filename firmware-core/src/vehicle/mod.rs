@@ -108,6 +108,7 @@ impl Vehicle {
                 .stiffness_n_per_m
                 .iter()
                 .chain(&element.damping_n_s_per_m)
+                .chain(&element.play_m)
                 .all(|v| v.is_finite())
             {
                 return Err(VehicleError::NotFinite("suspension"));
