@@ -18,6 +18,11 @@ pub(crate) enum Outcome {
 }
 
 impl Outcome {
+    /// This one unless it passed, else the other.
+    pub(crate) fn and(self, other: Self) -> Self {
+        if matches!(self, Outcome::Passed) { other } else { self }
+    }
+
     /// Skipped, or failed where the environment has `variable=1`.
     pub(crate) fn skipped_unless_required(variable: &str, reason: String) -> Self {
         if required(variable) {

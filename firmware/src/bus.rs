@@ -1,0 +1,151 @@
+//! Every entry point of `can-protocol`.
+
+use core::hint::black_box;
+use core::num::{NonZeroU8, NonZeroU16};
+
+use can_protocol::{
+    BusPlan, Command, Cyclic, Fault, FaultCode, Frame, Heartbeat, Measurement, MeasurementFlags,
+    Message, Mode, Node, Pace, Pressure, Profile, Receiver, ReceiverState, RunState, Sender, Sync,
+    Telemetry, Trips, from_embedded, to_embedded,
+};
+use embedded_can::Id;
+
+/// All of it once.
+pub(crate) fn run() {
+    let Ok(node) = Node::new(black_box(1)) else { return };
+    let Ok(sender) = Sender::new(black_box(1)) else { return };
+    let profile = black_box(Profile::Classical);
+    let state = black_box(RunState::Run);
+    for message in black_box(messages(node, sender, state)) {
+        let (frame, saturated) = message.encode(profile);
+        black_box(saturated);
+        decode(&frame);
+    }
+    receive::<Command>(profile, node);
+    receive::<Measurement>(profile, node);
+    let plan = BusPlan {
+        profile,
+        rigs: black_box(4),
+        rate_hz: black_box(1e3),
+        nominal_bits_per_s: black_box(1e6),
+        data_bits_per_s: black_box(5e6),
+    };
+    black_box((plan.verdict(), plan.background_load()));
+}
+
+/// A frame on its way to a driver and back, and its content.
+fn decode(frame: &Frame) {
+    if let Some(driver) = to_embedded::<Driver>(frame)
+        && let Some((id, data)) = from_embedded(black_box(&driver))
+    {
+        black_box(Message::decode(id, data).is_ok());
+    }
+    // Whatever a bus may bring, of any length.
+    let bytes = black_box([0; 64]);
+    let length = black_box(8).min(bytes.len());
+    let received = bytes.get(..length).unwrap_or(&bytes);
+    if let Ok(message) = Message::decode(black_box(0x101), received) {
+        black_box(message);
+    }
+}
+
+/// A receiver with a frame, and without one.
+fn receive<M: Cyclic>(profile: Profile, node: Node) {
+    let Ok(follower) = Receiver::<M>::new(profile, node, black_box(5)) else { return };
+    let mut state = ReceiverState::default();
+    black_box(&mut state);
+    let bytes = black_box([0; 16]);
+    let length = black_box(8).min(bytes.len());
+    let received = bytes.get(..length).unwrap_or(&bytes);
+    if let Some(reception) = follower.accept(&mut state, black_box(0x101), received) {
+        black_box(reception);
+    }
+    black_box((follower.no_frame(&mut state), state.echo()));
+    let sent = profile.next_counter(black_box(0));
+    black_box(profile.counter_steps(black_box(0), sent));
+}
+
+/// One of each message.
+fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 6] {
+    [
+        Message::Sync(Sync {
+            version: 1,
+            profile: Profile::Classical,
+            pace: Pace::Clock,
+            period_us: NonZeroU16::MIN,
+            slow_down: NonZeroU8::MIN,
+            time_us: 0,
+        }),
+        Message::Command(Command {
+            node,
+            counter: 0,
+            state,
+            mode: Mode::Follow,
+            echo: None,
+            displacement_m: Some(0.0),
+            velocity_m_per_s: Some(0.0),
+            time_us: None,
+        }),
+        Message::Measurement(Measurement {
+            node,
+            counter: 0,
+            state,
+            flags: MeasurementFlags::empty(),
+            echo: None,
+            force_n: Some(0.0),
+            displacement_m: Some(0.0),
+            time_us: None,
+        }),
+        Message::Fault(Fault { sender, counter: 0, state, code: FaultCode::PeerSilent, detail: 0 }),
+        Message::Telemetry(Telemetry {
+            node,
+            counter: 0,
+            state,
+            temperature_degc: Some(0.0),
+            pressure: Pressure::Ready,
+            trips: Trips::empty(),
+        }),
+        Message::Heartbeat(Heartbeat { sender, state }),
+    ]
+}
+
+/// A driver's frame, as small as the trait allows.
+struct Driver {
+    id: Id,
+    remote: bool,
+    length: usize,
+    data: [u8; 64],
+}
+
+impl embedded_can::Frame for Driver {
+    fn new(id: impl Into<Id>, data: &[u8]) -> Option<Self> {
+        let mut frame = Self::new_remote(id, data.len())?;
+        frame.remote = false;
+        frame.data.iter_mut().zip(data).for_each(|(to, from)| *to = *from);
+        Some(frame)
+    }
+
+    fn new_remote(id: impl Into<Id>, length: usize) -> Option<Self> {
+        (length <= 64).then_some(Self { id: id.into(), remote: true, length, data: [0; 64] })
+    }
+
+    fn is_extended(&self) -> bool {
+        matches!(self.id, Id::Extended(_))
+    }
+
+    fn is_remote_frame(&self) -> bool {
+        self.remote
+    }
+
+    fn id(&self) -> Id {
+        self.id
+    }
+
+    fn dlc(&self) -> usize {
+        self.length
+    }
+
+    fn data(&self) -> &[u8] {
+        self.data.get(..self.length).unwrap_or(&self.data)
+    }
+}

@@ -1,0 +1,155 @@
+//! Every entry point of `firmware-core`.
+//!
+//! A value whose address has gone through `black_box` holds whatever its type allows: any number of
+//! bodies, any creep law, any effect, NaN anywhere. So one call stands for all of them, and an effect
+//! or a law that is added later is covered without a line here.
+//!
+//! Nothing is inlined into its caller, so that the map of the image shows what each costs.
+
+use core::hint::black_box;
+
+use firmware_core::damper::effects::CATALOGUE;
+use firmware_core::damper::{Damper, DamperState, Effect, Motion, Nominal};
+use firmware_core::guard::{ForceInput, Guard, GuardState};
+use firmware_core::lanes::Lanes;
+use firmware_core::line::{Line, Slot};
+use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
+use firmware_core::vehicle::{DAMPER_SLOTS, Running, Vehicle, VehicleState};
+use firmware_core::wheel_rail::creep::{ConicalPrescribed, CreepLaw, Creepage, Fastsim, Patch};
+use firmware_core::wheel_rail::geometry::{ContactGeometry, ContactZones, TABLE_ROWS};
+use firmware_core::wheel_rail::hertz::Material;
+use firmware_core::wheel_rail::table::ContactTable;
+
+/// Vehicles side by side, to have more than the one lane of the line.
+const LANES: usize = 4;
+
+/// All of it once.
+pub(crate) fn run() {
+    let samples = black_box([IrregularitySample::default(); 8]);
+    let mut track = Track {
+        layout: Layout::tangent(),
+        irregularity: Irregularity { samples: black_box(&samples), first_m: 0.0, step_m: 1.0 },
+    };
+    curve(&mut track);
+    let table = table();
+    let mut vehicle = Vehicle::default();
+    black_box(&mut vehicle);
+    if vehicle.check().is_ok() {
+        line(&vehicle, &track, &table);
+        lanes(&vehicle, &track, &table);
+    }
+    damper();
+    laws();
+}
+
+/// The control cycle with every kind of slot and of input.
+#[expect(clippy::large_stack_arrays, reason = "dampers are kept in a static where they are run")]
+#[inline(never)]
+fn line(vehicle: &Vehicle, track: &Track<'_>, table: &ContactTable) {
+    let mut line = Line {
+        vehicle,
+        track,
+        contact: Some(table),
+        speed_m_per_s: 0.0,
+        cycle_s: 0.0,
+        substeps: 0,
+        slots: [const { Slot::Empty }; DAMPER_SLOTS],
+        guard: Guard::default(),
+    };
+    black_box(&mut line);
+    let mut state = line.start(black_box(VehicleState::default()));
+    black_box(&mut state);
+    line.step(&mut state, &black_box([ForceInput::Missing; DAMPER_SLOTS]));
+    let snapshot = state.clone();
+    black_box((snapshot == state, state.vehicle.is_finite()));
+    black_box(&state);
+    let mut guard = black_box(GuardState::default());
+    black_box(line.guard.take(&mut guard, black_box(ForceInput::Missing)));
+}
+
+/// Several vehicles side by side.
+#[inline(never)]
+fn lanes(vehicle: &Vehicle, track: &Track<'_>, table: &ContactTable) {
+    let mut state = VehicleState::<LANES>::default();
+    black_box(&mut state);
+    let running = black_box(Running {
+        speed_m_per_s: Lanes([0.0; LANES]),
+        track,
+        contact: Some(table),
+        substep_s: 0.0,
+    });
+    vehicle.start(&mut state, &running);
+    vehicle.step(&mut state, &running, &mut (), black_box(4));
+    black_box(vehicle.damper_motions(&state, &running));
+    black_box(state.velocity(black_box(0), black_box(0), running.substep_s));
+    black_box(state.kinetic_energy_j(&vehicle.bodies, black_box(0)));
+}
+
+/// A damper made from names and numbers, then one with whatever effects there are.
+#[inline(never)]
+fn damper() {
+    let row = black_box(0);
+    let name = CATALOGUE.get(row).map_or("", |info| info.name);
+    let Ok(effect) = Effect::from_values(black_box(name), black_box(&[0.0; 4])) else { return };
+    let given = [effect; 2];
+    let Ok(damper) = Damper::new(black_box(Nominal::NEW), black_box(&given)) else { return };
+    let mut damper = damper.prepared(black_box(1e-3));
+    black_box(&mut damper);
+    let mut state = black_box(DamperState::starting(Motion::default()));
+    black_box(damper.advance(&mut state, black_box(Motion::default()), black_box(1e-3)));
+    black_box(damper.steady_force_n(black_box(0.0)));
+    black_box(&state);
+}
+
+/// The creep laws by themselves.
+#[inline(never)]
+fn laws() {
+    let patch = black_box(Patch {
+        normal_n: 0.0,
+        along_m: 0.0,
+        across_m: 0.0,
+        c11: 0.0,
+        c22: 0.0,
+        c23: 0.0,
+        shear_modulus_pa: 0.0,
+        friction: 0.0,
+    });
+    let prescribed = ConicalPrescribed { shear_force_n: 0.0, psi: 0.0, phi: 0.0 };
+    let mut laws =
+        [CreepLaw::LinearSaturated, CreepLaw::Polach, CreepLaw::ConicalPrescribed(prescribed)];
+    if let (Some(grid), Some(law)) = (Fastsim::new(black_box(10), black_box(10)), laws.first_mut())
+    {
+        *law = CreepLaw::Fastsim(grid);
+    }
+    for law in black_box(laws) {
+        black_box(law.force(&patch, black_box(Creepage::default())));
+    }
+}
+
+/// Look-ups on a track with a curve.
+#[inline(never)]
+fn curve(track: &mut Track<'_>) {
+    black_box(track.layout.hold(black_box(50.0)).is_ok());
+    black_box(track.layout.ramp(black_box(60.0), 0.0025, 0.08, 6.0).is_ok());
+    black_box(&mut *track);
+    black_box(track.layout.at(black_box(0.0)));
+    black_box(track.irregularity.at(black_box(0.0)));
+}
+
+/// A contact table from geometry.
+#[inline(never)]
+fn table() -> ContactTable {
+    let point = ContactGeometry {
+        touch_m: 0.0,
+        slope: 0.0,
+        radius_deviation_m: 0.0,
+        lateral_m: 0.0,
+        curvature_lateral_per_m: 0.0,
+        rail_radius_m: 0.0,
+    };
+    let mut zones = ContactZones { tread: [point; TABLE_ROWS], flange: [point; TABLE_ROWS] };
+    black_box(&mut zones);
+    let mut table = ContactTable::new(&zones, black_box(0.625), Material::STEEL);
+    black_box(&mut table);
+    table
+}
