@@ -212,12 +212,14 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
         PaceChoice::Lockstep => Pace::LockStep,
         PaceChoice::Fast => Pace::Fast,
     };
-    if options.pace == PaceChoice::Realtime {
-        let report = realtime::set_up(&options.realtime);
-        for line in report.lines() {
-            eprintln!("real-time: {line}");
-        }
-        if options.realtime.require && !report.complete() {
+    if options.realtime.require && options.pace == PaceChoice::Realtime {
+        // Asked in a thread of its own, before anything is written.
+        let wanted = options.realtime;
+        let granted = std::thread::spawn(move || realtime::set_up(&wanted).complete()).join();
+        if !granted.unwrap_or(false) {
+            for line in realtime::set_up(&options.realtime).lines() {
+                eprintln!("real-time: {line}");
+            }
             bail!("--require-realtime: not everything was granted");
         }
     }
@@ -231,8 +233,17 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
 
     let folder = RunFolder::choose(options.out.as_deref(), &options.name);
     folder.create().with_context(|| format!("cannot make {}", folder.path().display()))?;
-    let recording =
-        record(&session, &mut state, &mut buses, &mut pace, run, &folder, &choices, stop)?;
+    let recording = record(
+        &session,
+        &mut state,
+        &mut buses,
+        &mut pace,
+        run,
+        &options.realtime,
+        &folder,
+        &choices,
+        stop,
+    )?;
     let counters = buses.iter().map(AnyBus::counters).fold(BusCounters::default(), sum);
     let outcome = Outcome {
         run,
@@ -382,6 +393,7 @@ fn record(
     buses: &mut [AnyBus],
     pace: &mut Pace,
     run: &Run,
+    realtime_options: &RealtimeOptions,
     folder: &RunFolder,
     choices: &[BusChoice],
     stop: &AtomicBool,
@@ -422,6 +434,12 @@ fn record(
         });
         let watch = scope.spawn(move || watch(&watch_rows, cycles));
 
+        // After the other threads have started: they must not inherit the loop's processor.
+        if let Pace::Realtime(_) = pace {
+            for line in realtime::set_up(realtime_options).lines() {
+                eprintln!("real-time: {line}");
+            }
+        }
         let end = session.run(state, buses, pace, cycles, &mut recorder, stop);
         let wall_s = begin.elapsed().as_secs_f64();
         let dropped = recorder.dropped_rows + recorder.dropped_events;

@@ -129,7 +129,7 @@ impl Wheel {
     fn zone(&self, zone: &ZoneTable, motion: &WheelMotion, sum: &mut WheelForce) -> f64 {
         // Where the rolled wheel meets the rail.
         let shift = motion.shift_m - motion.roll_rad * zone.rail_radius_m(motion.shift_m);
-        // Cheap refusal: a tenth of a millimetre covers what roll can add.
+        // Cheap refusal: a millimetre covers what roll can add.
         if motion.drop_m + 1e-3 < zone.touch_m(shift) {
             return 0.0;
         }

@@ -114,7 +114,8 @@ impl Session<'_> {
     }
 
     fn time_us(&self, state: &SessionState) -> u32 {
-        (state.line.cycle as f64 * self.line.cycle_s * 1e6) as u32
+        // Wraps after 71.6 minutes, as the field on the wire does.
+        (state.line.cycle as f64 * self.line.cycle_s * 1e6) as u64 as u32
     }
 
     /// Announces the session until every rig has sent its heartbeat.
