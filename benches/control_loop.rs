@@ -27,19 +27,18 @@ fn cycle(criterion: &mut Criterion) {
         slow_down: NonZeroU8::MIN,
         watched: [Some(0), Some(1), Some(3)],
     };
-    let bus = || MemoryBus::new([RigNode::new(&run.rig, Node::ALL[0], Profile::Classical)]);
+    let bus = || vec![MemoryBus::new([RigNode::new(&run.rig, Node::ALL[0], Profile::Classical)])];
     let start = session.start(session.line.start(run.start.state.clone()));
-    let (mut state, mut buses) = (start.clone(), [bus()]);
+    let (mut state, mut buses) = (start.clone(), bus());
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
     let begin = Instant::now();
-    if session.greet(&state, &mut buses, &Pace::Fast, Duration::from_secs(1)).is_err() {
-        panic!("the rig in memory does not answer");
-    }
+    let greeted = session.greet(&state, &mut buses, &Pace::Fast, Duration::from_secs(1));
+    assert_eq!(greeted, Ok(()), "the rig in memory does not answer");
     criterion.bench_function("control cycle, memory bus", |bencher| {
         bencher.iter(|| {
             if state.line.cycle > 55_000 {
-                (state, buses) = (start.clone(), [bus()]);
+                (state, buses) = (start.clone(), bus());
             }
             session.cycle(
                 &mut state,

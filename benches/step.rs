@@ -2,10 +2,10 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use firmware_core::damper::Damper;
-use firmware_core::guard::{ForceInput, Guard};
-use firmware_core::line::{Line, Slot};
+use firmware_core::guard::ForceInput;
+use firmware_core::line::Slot;
 use firmware_core::wheel_rail::creep::{CreepLaw, Fastsim};
-use scenario::run::{CYCLE_S, Overrides, Run, SlotForce};
+use scenario::run::{CYCLE_S, Overrides, Run};
 use std::hint::black_box;
 use std::path::Path;
 
@@ -28,24 +28,14 @@ fn step(criterion: &mut Criterion) {
         for axle in &mut vehicle.axles {
             axle.wheel.creep = law;
         }
-        let modelled = |place: &scenario::run::Slot| match &place.force {
-            SlotForce::Modelled(damper) => Slot::Modelled(damper.clone().prepared(substep_s)),
-            SlotForce::Rig { .. } => Slot::Modelled(damper.clone()),
-        };
-        let mut slots = [const { Slot::Empty }; 4];
-        for (slot, place) in slots.iter_mut().zip(&run.slots) {
-            *slot = modelled(place);
+        let mut line = hil_host::run::line(&run, &track);
+        line.vehicle = &vehicle;
+        // All four modelled: the rig's slot gets the rig's damper.
+        for slot in &mut line.slots {
+            if let Slot::Rig(_) = slot {
+                *slot = Slot::Modelled(damper.clone());
+            }
         }
-        let line = Line {
-            vehicle: &vehicle,
-            track: &track,
-            contact: run.contact.as_ref().map(|contact| &*contact.table),
-            speed_m_per_s: run.speed_m_per_s,
-            cycle_s: CYCLE_S,
-            substeps: run.substeps,
-            slots,
-            guard: Guard::default(),
-        };
         let start = line.start(run.start.state.clone());
         let mut state = start.clone();
         for _ in 0..3000 {

@@ -1,5 +1,7 @@
 //! Bad input gets one clear line, exit code 2, and nothing is written.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
 #[path = "support/command.rs"]
 #[allow(dead_code, reason = "shared by several tests")]
 mod support;

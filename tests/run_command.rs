@@ -1,5 +1,7 @@
 //! `yawbench run` on the memory bus, as a person runs it, and everything it leaves behind.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
 #[path = "support/command.rs"]
 #[allow(dead_code, reason = "shared by several tests")]
 mod command;

@@ -232,7 +232,7 @@ fn hear(socket: &CanFdSocket, id: MessageId, enough: usize) -> Vec<Vec<u8>> {
 }
 
 fn hex(data: &[u8]) -> String {
-    data.iter().map(|byte| format!("{byte:02X}")).collect()
+    data.iter().fold(String::new(), |text, byte| text + &format!("{byte:02X}"))
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Reads `record.npy` by its own header, as `NumPy` does.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
 use std::collections::HashMap;
 use std::path::Path;
 

@@ -1,5 +1,11 @@
 //! A scenario in this process: the control loop with its rig on the memory bus.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::large_stack_arrays,
+    reason = "a test may fail loudly and has a large stack"
+)]
+
 use can_protocol::{Node, Profile};
 use firmware_core::line::Slot;
 use firmware_core::track::Track;

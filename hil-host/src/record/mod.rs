@@ -19,10 +19,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Rows that fit between loop and recorder: four seconds at 1 kHz.
-pub const ROWS: usize = 4096;
-/// Frames that fit.
-pub const EVENTS: usize = 16_384;
+/// Rows that fit between loop and recorder: a second at 1 kHz.
+pub const ROWS: usize = 1024;
+/// Frames that fit: a second with two rigs.
+pub const EVENTS: usize = 4096;
 
 /// The queues between the loop and the recorder.
 #[derive(Debug)]
