@@ -111,11 +111,11 @@ fn a_missing_file_is_named() {
 
 #[test]
 fn too_much_load_on_a_bus_is_refused_before_the_run() {
-    let mut slots = String::new();
+    let mut slots: Vec<String> = Vec::new();
     for (node, place) in ["front left", "front right", "rear left", "rear right"].iter().enumerate()
     {
-        slots += &format!("[[slot]]\nplace = \"{place}\"\non = \"rig\"\nnode = {}\n", node + 1);
+        slots.push(format!("[[slot]]\nplace = \"{place}\"\non = \"rig\"\nnode = {}\n", node + 1));
     }
-    let text = refused("load", &format!("{GOOD}{slots}"), None, &[]);
+    let text = refused("load", &format!("{GOOD}{}", slots.concat()), None, &[]);
     has(&text, &["108 %", "80 %", "fd"]);
 }

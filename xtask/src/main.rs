@@ -20,12 +20,14 @@ mod machine;
 mod modules;
 mod no_panic;
 mod qemu;
+mod release;
 mod run;
 mod stream;
 mod thumb;
 mod uml;
 mod vcan;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use run::{Outcome, Run};
@@ -72,7 +74,11 @@ fn test(run: &mut Run) {
             cargo.args(["fmt", "--all", "--check", "--manifest-path", manifest]);
             all = all.and(run.checked(&mut cargo));
         }
-        all
+        // A macro declares the effects' modules, which hides them from cargo fmt.
+        let mut rustfmt = std::process::Command::new("rustfmt");
+        rustfmt.args(["--check", "--edition", "2024"]).current_dir(&run.root);
+        rustfmt.args(rust_files(&run.root.join("firmware-core/src/damper/effects")));
+        all.and(run.checked(&mut rustfmt))
     });
     run.step("lints", |run| {
         let mut cargo = run.cargo();
@@ -93,7 +99,15 @@ fn test(run: &mut Run) {
         // The step below runs these, on whatever has CAN; a skipped run here would look like a gap.
         run.checked(cargo.env("VCAN_ELSEWHERE", "1"))
     });
+    run.step("release", release::same_bits);
     run.step("vcan", |run| vcan::test(run, vcan::Place::Any, &[]));
+}
+
+/// The Rust files of a folder.
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let files = entries.map(|entry| entry.path());
+    files.filter(|path| path.extension().is_some_and(|ending| ending == "rs")).collect()
 }
 
 /// Only the criterion benches: the test harness of the libraries would refuse their arguments.
