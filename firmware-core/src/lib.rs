@@ -2,7 +2,7 @@
 //!
 //! `no_std`, no heap, no unsafe, no panic path, bounded work, and the same bits on every processor:
 //! all of it runs on a Linux host and on a microcontroller. The line that a control cycle follows is
-//! in [`line`]; it joins
+//! in [`mod@line`]; it joins
 //!
 //! - [`vehicle`]: bodies and force elements from data, stepped by leapfrog,
 //! - [`wheel_rail`]: contact tables, Hertz, Kalker, the creep laws,
