@@ -186,3 +186,84 @@ fn a_vehicle_without_yaw_dampers_runs_as_well() {
     assert_eq!(read_json(&out.join("summary.json"))["damper"], Value::Array(Vec::new()));
     std::fs::remove_dir_all(place).unwrap();
 }
+
+#[test]
+fn four_rigs_share_an_fd_bus() {
+    let place = folder("four-rigs");
+    let vehicle = repository().join("scenarios/vehicles/ss9.toml");
+    let mut scenario = format!(
+        "title = \"four rigs\"\nvehicle = {vehicle:?}\nspeed_kmh = 160.0\nduration_s = 2.0\n\
+         [track.irregularity.aar6]\nseed = 3\nshortest_m = 1.0\nlongest_m = 100.0\n"
+    );
+    for (node, slot) in ["front left", "front right", "rear left", "rear right"].iter().enumerate()
+    {
+        let text = format!("[[slot]]\nplace = \"{slot}\"\non = \"rig\"\nnode = {}\n", node + 1);
+        scenario.push_str(&text);
+    }
+    std::fs::write(place.join("four.toml"), scenario).unwrap();
+    let out = place.join("out");
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(place.join("four.toml"))
+            .args(["--pace", "fast", "--profile", "fd", "--out"])
+            .arg(&out),
+    );
+    let errors = String::from_utf8_lossy(&result.stderr);
+    assert_eq!(result.status.code(), Some(0), "{errors}");
+    assert!(errors.contains("warning"), "58 % of the bus is worth a warning: {errors}");
+    let summary = read_json(&out.join("summary.json"));
+    assert_eq!(summary["frames"]["received"], 8000);
+    for damper in summary["damper"].as_array().unwrap() {
+        assert_eq!(damper["place"], "rig");
+        assert!(damper["force_n"]["rms"].as_f64().unwrap() > 100.0, "{damper}");
+    }
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
+fn measured_irregularity_comes_from_a_file() {
+    let place = folder("measured-track");
+    let vehicle = repository().join("scenarios/vehicles/ss9.toml");
+    let mut csv = String::from(
+        "# a dip of 4 mm every 25 m on the right rail\ndistance_m,vertical_m,cross_level_m\n",
+    );
+    for index in 0..2000 {
+        let distance = f64::from(index) * 0.25;
+        let dip = 2e-3 * (1.0 - libm::cos(core::f64::consts::TAU * distance / 25.0));
+        let row = format!("{distance},{},{dip}\n", 0.5 * dip);
+        csv.push_str(&row);
+    }
+    std::fs::write(place.join("track.csv"), &csv).unwrap();
+    let scenario = format!(
+        "title = \"measured\"\nvehicle = {vehicle:?}\nspeed_kmh = 160.0\nduration_s = 4.0\n\
+         [track.irregularity.csv]\npath = \"track.csv\"\n"
+    );
+    std::fs::write(place.join("measured.toml"), scenario).unwrap();
+    let run = |out: &Path| {
+        output(
+            yawbench()
+                .arg("run")
+                .arg(place.join("measured.toml"))
+                .args(["--pace", "fast", "--out"])
+                .arg(out),
+        )
+    };
+    let out = place.join("out");
+    let result = run(&out);
+    assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
+    let summary = read_json(&out.join("summary.json"));
+    let vertical =
+        summary["accelerations"]["wheelset_1"]["vertical_rms_m_per_s2"].as_f64().unwrap();
+    // 1 mm of mean dip at 160 km/h / 25 m = 1.78 Hz: 1e-3 (2 pi 1.78)^2 / sqrt(2) = 0.088 m/s2.
+    assert!((vertical - 0.088).abs() < 0.02, "{vertical}");
+    // A gap in the distance is named.
+    std::fs::write(place.join("track.csv"), csv.replacen("\n10.25,", "\n10.5,", 1)).unwrap();
+    let result = run(&place.join("other"));
+    let text = String::from_utf8_lossy(&result.stderr).into_owned();
+    assert_eq!(result.status.code(), Some(2), "{text}");
+    for part in ["track.csv:44", "distance_m", "10.5", "10.25"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    std::fs::remove_dir_all(place).unwrap();
+}

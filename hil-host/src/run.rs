@@ -412,7 +412,7 @@ fn record(
     let (mut recorder, drain) = queues.split();
     let done = AtomicBool::new(false);
     let begin = Instant::now();
-    let cycles = run.cycles();
+    let (cycles, speed_kmh) = (run.cycles(), run.speed_m_per_s * 3.6);
     std::thread::scope(|scope| {
         let (to_file, file_rows) = bounded::<Batch>(64);
         let (to_watch, watch_rows) = bounded::<Batch>(64);
@@ -432,7 +432,7 @@ fn record(
             }
             log.finish()
         });
-        let watch = scope.spawn(move || watch(&watch_rows, cycles));
+        let watch = scope.spawn(move || watch(&watch_rows, cycles, speed_kmh));
 
         // After the other threads have started: they must not inherit the loop's processor.
         if let Pace::Realtime(_) = pace {
@@ -453,7 +453,7 @@ fn record(
 }
 
 /// Collects the columns and shows progress.
-fn watch(rows: &Receiver<Batch>, cycles: u64) -> Columns {
+fn watch(rows: &Receiver<Batch>, cycles: u64, speed_kmh: f64) -> Columns {
     let mut columns = Columns::default();
     let bar = ProgressBar::with_draw_target(Some(cycles), ProgressDrawTarget::stderr_with_hz(10));
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}") {
@@ -470,7 +470,7 @@ fn watch(rows: &Receiver<Batch>, cycles: u64) -> Columns {
             bar.set_position(row.cycle);
             let stale: u64 = columns.stale.iter().sum();
             bar.set_message(format!(
-                "{:6.1} s {:7.0} m  stroke {:6.2} mm  force {:6.1} kN  cycle p50 {:.0} p99 {:.0} µs  lost {stale}",
+                "{:6.1} s {speed_kmh:3.0} km/h {:7.0} m  stroke {:6.2} mm  force {:6.1} kN  cycle p50 {:.0} p99 {:.0} µs  lost {stale}",
                 row.time_s,
                 row.distance_m,
                 row.extension_m[0] * 1e3,

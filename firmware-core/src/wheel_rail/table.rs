@@ -134,33 +134,20 @@ impl ZoneTable {
         for (value, (low, high)) in mixed.iter_mut().zip(low.iter().zip(high)) {
             *value = low + (high - low) * fraction;
         }
-        let [
-            _,
-            slope,
-            radius_deviation_m,
-            lateral_m,
-            rail_radius_m,
-            rail_centre_m,
-            hertz_n_per_m15,
-            along_per_sqrt_m,
-            across_per_sqrt_m,
-            c11,
-            c22,
-            c23,
-        ] = mixed;
+        // In the order in which `new` lists them.
         ContactShape {
             touch_m: touch_between(low, high, fraction),
-            slope,
-            radius_deviation_m,
-            lateral_m,
-            rail_radius_m,
-            rail_centre_m,
-            hertz_n_per_m15,
-            along_per_sqrt_m,
-            across_per_sqrt_m,
-            c11,
-            c22,
-            c23,
+            slope: mixed[1],
+            radius_deviation_m: mixed[2],
+            lateral_m: mixed[3],
+            rail_radius_m: mixed[4],
+            rail_centre_m: mixed[5],
+            hertz_n_per_m15: mixed[6],
+            along_per_sqrt_m: mixed[7],
+            across_per_sqrt_m: mixed[8],
+            c11: mixed[9],
+            c22: mixed[10],
+            c23: mixed[11],
         }
     }
 }

@@ -182,9 +182,7 @@ impl Session<'_> {
         let end = loop {
             let slot = Slots { lateness_ns, skipped };
             let row = self.cycle(state, buses, pace, recorder, &begin, slot);
-            if let Some(row) = row {
-                recorder.row(row);
-            }
+            recorder.row(row);
             if state.line.safe && safe_since.is_none() {
                 safe_since = Some(state.line.cycle);
             }
@@ -228,7 +226,7 @@ impl Session<'_> {
         recorder: &mut Recorder<'_>,
         begin: &Instant,
         slot: Slots,
-    ) -> Option<Row> {
+    ) -> Row {
         let woken = Instant::now();
         self.receive(state, buses, recorder, begin);
         let mut inputs = [ForceInput::Missing; DAMPER_SLOTS];
@@ -299,7 +297,7 @@ impl Session<'_> {
         row.lateness_ns = slot.lateness_ns;
         row.skipped = slot.skipped;
         self.fill(&mut row, state);
-        Some(row)
+        row
     }
 
     /// Drains every bus; each port keeps its newest measurement.
