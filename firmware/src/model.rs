@@ -9,12 +9,13 @@
 use core::hint::black_box;
 
 use firmware_core::damper::effects::CATALOGUE;
+use firmware_core::damper::law::{Factors, Parts, attachment_force_n};
 use firmware_core::damper::{Damper, DamperState, Effect, Motion, Nominal};
 use firmware_core::guard::{ForceInput, Guard, GuardState};
 use firmware_core::lanes::Lanes;
 use firmware_core::line::{Line, Slot};
 use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
-use firmware_core::vehicle::{DAMPER_SLOTS, Running, Vehicle, VehicleState};
+use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, Running, Vehicle, VehicleState};
 use firmware_core::wheel_rail::creep::{ConicalPrescribed, CreepLaw, Creepage, Fastsim, Patch};
 use firmware_core::wheel_rail::geometry::{ContactGeometry, ContactZones, TABLE_ROWS};
 use firmware_core::wheel_rail::hertz::Material;
@@ -34,6 +35,7 @@ pub(crate) fn run() {
     let table = table();
     let mut vehicle = Vehicle::default();
     black_box(&mut vehicle);
+    black_box((BodyId::new(black_box(0)), vehicle.mass_kg(), vehicle.degrees_of_freedom()));
     if vehicle.check().is_ok() {
         line(&vehicle, &track, &table);
         lanes(&vehicle, &track, &table);
@@ -95,9 +97,16 @@ fn damper() {
     let Ok(damper) = Damper::new(black_box(Nominal::NEW), black_box(&given)) else { return };
     let mut damper = damper.prepared(black_box(1e-3));
     black_box(&mut damper);
-    let mut state = black_box(DamperState::starting(Motion::default()));
+    let state = DamperState::starting(Motion::default());
+    let mut state = black_box(state.with_piston_m(black_box(0.0)));
     black_box(damper.advance(&mut state, black_box(Motion::default()), black_box(1e-3)));
     black_box(damper.steady_force_n(black_box(0.0)));
+    let parts = black_box(Parts {
+        hydraulic: Nominal::NEW.hydraulic(),
+        dry: Nominal::NEW.hydraulic(),
+        attachment: Nominal::NEW.attachment(),
+    });
+    black_box(attachment_force_n(&parts, &black_box(Factors::NONE), black_box(0.0)));
     black_box(&state);
 }
 
