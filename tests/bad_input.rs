@@ -72,6 +72,8 @@ fn impossible_numbers_are_named_with_file_and_line() {
     has(&text, &["vehicles/ss9.toml", "\"bogie\"", "bogie_front"]);
     let text = refused("ke", &format!("{GOOD}[damper]\nke_n_per_m = -1.0\n"), None, &[]);
     has(&text, &["case.toml:6", "ke_n_per_m", "-1"]);
+    let text = refused("fast", &GOOD.replace("160.0", "1e9"), None, &[]);
+    has(&text, &["case.toml:3", "speed_kmh", "600 km/h"]);
     let text = refused("nan", &GOOD.replace("duration_s = 1.0", "duration_s = nan"), None, &[]);
     has(&text, &["case.toml:4", "duration_s", "NaN"]);
 }
@@ -96,6 +98,14 @@ fn places_nodes_and_buses_that_do_not_exist_are_refused() {
     has(&text, &["case.toml", "middle", "front left, front right, rear left, rear right"]);
     let text = refused("node", &slot("node = 9\n"), None, &[]);
     has(&text, &["case.toml", "node = 9", "1 to 4"]);
+    let twice = format!("{}{}", slot(""), &slot("")[GOOD.len()..]);
+    let text = refused("twice", &twice, None, &[]);
+    has(&text, &["front left", "twice"]);
+    let wear = "virtual_wear = { clearance_2a_m = 0.001 }\n";
+    let text = refused("wear", &slot(wear).replace("\"rig\"", "\"modelled\""), None, &[]);
+    has(&text, &["front left", "modelled", "virtual_wear"]);
+    let text = refused("soft", &slot("virtual_wear = { stiffness_n_per_m = 5e6 }\n"), None, &[]);
+    has(&text, &["case.toml:8", "stiffness_n_per_m = 5000000", "12500000"]);
     let text = refused("pace", &slot(""), None, &["--bus", "socketcan:nobus0"]);
     has(&text, &["pace fast", "memory bus"]);
 }

@@ -72,7 +72,8 @@ pub struct LineState {
     pub slots: [SlotState; DAMPER_SLOTS],
     /// Cycles done.
     pub cycle: u64,
-    /// Whether a guard has tripped: the vehicle stands, rigs are brought to rest.
+    /// Whether a guard has tripped or the model has blown up: the vehicle stands, rigs are brought to
+    /// rest.
     pub safe: bool,
 }
 
@@ -126,6 +127,11 @@ impl<'a> Line<'a> {
         let mut forces = SlotForces { line: self, slots: &mut state.slots, held_n };
         self.vehicle.step(&mut state.vehicle, &running, &mut forces, self.substeps);
         let motions = self.vehicle.damper_motions(&state.vehicle, &running);
+        if !self.is_plausible(state, &motions) {
+            // The model has blown up: the last sound command is the one to stop from.
+            state.safe = true;
+            return;
+        }
         for ((slot, memory), (extension, rate)) in
             self.slots.iter().zip(&mut state.slots).zip(motions)
         {
@@ -140,6 +146,30 @@ impl<'a> Line<'a> {
                 velocity_m_per_s: if moves { rate.lane(0) } else { 0.0 },
             };
         }
+    }
+}
+
+/// No wheel is further than this from its rail (m).
+const SHIFT_MAX_M: f64 = 0.1;
+/// No yaw damper is stroked further than this (m).
+const STROKE_MAX_M: f64 = 0.5;
+
+impl Line<'_> {
+    /// Whether the vehicle is still on its track: all numbers, wheels near their rails, dampers
+    /// within any stroke.
+    fn is_plausible(
+        &self,
+        state: &LineState,
+        motions: &[(Lanes<1>, Lanes<1>); DAMPER_SLOTS],
+    ) -> bool {
+        let near = |value: f64, bound: f64| value.abs() <= bound;
+        let wheels = state.vehicle.shifts_m.iter().take(self.vehicle.axles.len()).flatten();
+        let strokes = motions.iter().zip(&state.slots);
+        state.vehicle.is_finite()
+            && wheels.into_iter().all(|shift| near(shift.lane(0), SHIFT_MAX_M))
+            && strokes.into_iter().all(|((extension, _), slot)| {
+                near(extension.lane(0) - slot.mid_stroke_m, STROKE_MAX_M)
+            })
     }
 }
 

@@ -143,6 +143,8 @@ impl RealtimeArgs {
     }
 }
 
+/// Something failed that is not the input's fault.
+const FAILED: u8 = 1;
 /// Bad input.
 const BAD_INPUT: u8 = 2;
 /// The run ended in the safe state.
@@ -159,7 +161,12 @@ pub fn main() -> ExitCode {
         Ok(code) => code,
         Err(error) => {
             eprintln!("error: {error:#}");
-            ExitCode::from(if error.is::<SilentRigs>() { SAFE_STATE } else { BAD_INPUT })
+            ExitCode::from(match () {
+                () if error.is::<SilentRigs>() => SAFE_STATE,
+                // The run itself went on; its files could not be written.
+                () if error.is::<std::io::Error>() => FAILED,
+                () => BAD_INPUT,
+            })
         }
     }
 }
@@ -199,7 +206,8 @@ fn run_command(args: &RunArgs) -> anyhow::Result<ExitCode> {
     }
     Ok(if finished.summary.state == "safe" {
         eprintln!(
-            "ended in the safe state: no valid force for 5 cycles, rigs were brought to rest"
+            "ended in the safe state: no valid force for 5 cycles, a silent rig, a bus that went \
+             down, or a model that left its track; rigs were brought to rest"
         );
         ExitCode::from(SAFE_STATE)
     } else {
@@ -252,6 +260,25 @@ fn print_summary(summary: &Summary) {
             println!(
                 "{name:<12} lateral {:.3} vertical {:.3} m/s² rms",
                 body.lateral_rms_m_per_s2, body.vertical_rms_m_per_s2
+            );
+        }
+    }
+    for damper in &summary.damper {
+        let (cut, flagged) = (damper.saturated_commands, damper.flagged_measurements);
+        if cut.unwrap_or(0) + flagged.unwrap_or(0) > 0 {
+            println!(
+                "warning: {}: {} commands cut to the frame's limits, {} measurements with a flag \
+                 (limit reached, actuator lagging, saturated)",
+                damper.name,
+                cut.unwrap_or(0),
+                flagged.unwrap_or(0)
+            );
+        }
+        if let Some(error) = damper.exchanged_energy_error.filter(|error| error.abs() > 0.1) {
+            println!(
+                "warning: {}: exchanged energy differs by {:.0} %",
+                damper.name,
+                error * 100.0
             );
         }
     }

@@ -278,6 +278,7 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
                 Slot::Rig(VirtualWear {
                     clearance_2a_m: *virtual_clearance_2a_m,
                     compliance_m_per_n: *virtual_compliance_m_per_n,
+                    ..VirtualWear::default()
                 })
             }
         };

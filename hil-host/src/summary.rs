@@ -30,6 +30,8 @@ pub struct Summary {
     pub duration_s: f64,
     /// Time at the start that the statistics leave out (s).
     pub run_in_s: f64,
+    /// Time that the statistics of dampers and bodies cover: at most 20 minutes (s).
+    pub statistics_s: f64,
     /// Wall time of the loop (s).
     pub wall_s: f64,
     /// Slots of the clock that were missed and skipped.
@@ -130,6 +132,10 @@ pub struct DamperSummary {
     pub exchanged_energy_error: Option<f64>,
     /// Cycles in which nothing new arrived; null without a rig.
     pub stale_cycles: Option<u64>,
+    /// Commands that did not fit the frame and were cut to its limits; null without a rig.
+    pub saturated_commands: Option<u64>,
+    /// Measurements with a flag: limit reached, actuator lagging, saturated; null without a rig.
+    pub flagged_measurements: Option<u64>,
 }
 
 /// Range of a force (N).
@@ -198,10 +204,21 @@ impl Summary {
         let first = columns.first_after(run.run_in_s);
         let frames = frames(outcome);
         let clocked = outcome.pace == "realtime";
-        let dampers = run.slots.iter().enumerate().map(|(slot, place)| {
-            let rig = matches!(place.force, SlotForce::Rig { .. });
-            damper(&place.place, rig, slot, first, columns)
-        });
+        let mut dampers: Vec<DamperSummary> = run
+            .slots
+            .iter()
+            .enumerate()
+            .map(|(slot, place)| {
+                let rig = matches!(place.force, SlotForce::Rig { .. });
+                damper(&place.place, rig, slot, first, columns)
+            })
+            .collect();
+        for (port, memory) in outcome.ports.iter().zip(&state.ports) {
+            if let Some(damper) = dampers.get_mut(port.slot) {
+                damper.saturated_commands = Some(memory.saturated);
+                damper.flagged_measurements = Some(memory.flagged);
+            }
+        }
         let body = |index: usize| {
             outcome.watched[index].map(|_| Acceleration {
                 lateral_rms_m_per_s2: statistics::rms(&columns.acceleration[2 * index][first..]),
@@ -220,6 +237,7 @@ impl Summary {
             steps: state.line.cycle,
             duration_s: state.line.cycle as f64 * CYCLE_S,
             run_in_s: run.run_in_s,
+            statistics_s: (columns.time_s.len() - first) as f64 * CYCLE_S,
             wall_s: outcome.wall_s,
             overruns: state.skipped,
             cycle_time_us: percentiles(&columns.cycle_ns),
@@ -237,7 +255,7 @@ impl Summary {
                 receive_dropped: outcome.counters.receive_dropped,
                 error_frames: outcome.counters.error_frames,
             },
-            damper: dampers.collect(),
+            damper: dampers,
             accelerations: Accelerations {
                 carbody: body(0),
                 bogie_front: body(1),
@@ -324,6 +342,8 @@ fn damper(name: &str, rig: bool, slot: usize, first: usize, columns: &Columns) -
         work_per_s_j: work / duration_s,
         exchanged_energy_error: rig.then(|| energy_error(slot, first, columns)).flatten(),
         stale_cycles: rig.then_some(columns.stale[slot]),
+        saturated_commands: None,
+        flagged_measurements: None,
     }
 }
 

@@ -97,16 +97,20 @@ impl DamperFile {
     pub fn build(&self, source: &Source) -> Result<Damper, ScenarioError> {
         let mut nominal = NEW_DAMPER;
         let given = [
-            (&self.ce_n_s_per_m, &mut nominal.ce_n_s_per_m),
-            (&self.ke_n_per_m, &mut nominal.ke_n_per_m),
-            (&self.clearance_2a_m, &mut nominal.clearance_2a_m),
-            (&self.f_relief_n, &mut nominal.f_relief_n),
-            (&self.c2_n_s_per_m, &mut nominal.c2_n_s_per_m),
+            (&self.ce_n_s_per_m, &mut nominal.ce_n_s_per_m, "ce_n_s_per_m", true),
+            (&self.ke_n_per_m, &mut nominal.ke_n_per_m, "ke_n_per_m", true),
+            (&self.clearance_2a_m, &mut nominal.clearance_2a_m, "clearance_2a_m", false),
+            (&self.f_relief_n, &mut nominal.f_relief_n, "f_relief_n", true),
+            (&self.c2_n_s_per_m, &mut nominal.c2_n_s_per_m, "c2_n_s_per_m", false),
         ];
         let mut place = None;
-        for (value, slot) in given {
+        for (value, slot, key, above_zero) in given {
             if let Some(value) = value {
-                *slot = value.value;
+                *slot = if above_zero {
+                    value.positive(source, key)?
+                } else {
+                    value.not_negative(source, key)?
+                };
                 place = Some(value);
             }
         }

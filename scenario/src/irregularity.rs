@@ -90,7 +90,12 @@ impl IrregularityFile {
                 };
                 Ok(aar6(&Band { seed: *seed, shortest, longest, scale }, from_m, to_m))
             }
-            Self::Csv { path } => read_csv(&source.beside(path)),
+            Self::Csv { path } => {
+                let path = source.beside(path);
+                let samples = read_csv(&path)?;
+                covers(&path, &samples, from_m + PERFECT_M, to_m)?;
+                Ok(samples)
+            }
         }
     }
 }
@@ -213,6 +218,29 @@ fn add_cosine(values: &mut [f64], amplitude: f64, turn: f64, phase: f64) {
             (cos, sin) = (cos * turn_cos - sin * turn_sin, sin * turn_cos + cos * turn_sin);
         }
     }
+}
+
+/// Measured samples must reach over the whole run, finely enough, with believable sizes.
+fn covers(path: &Path, samples: &Samples, from_m: f64, to_m: f64) -> Result<(), ScenarioError> {
+    let last_m = samples.first_m + samples.step_m * samples.samples.len().saturating_sub(1) as f64;
+    let fail = |message: String| Err(ScenarioError { file: path.to_owned(), line: None, message });
+    if samples.first_m > from_m || last_m < to_m {
+        return fail(format!(
+            "covers {} to {last_m} m, but the run needs {from_m} to {to_m:.0} m",
+            samples.first_m
+        ));
+    }
+    if samples.step_m > 1.0 {
+        return fail(format!("steps of {} m, expected at most 1 m", samples.step_m));
+    }
+    let largest = samples.samples.iter().fold(0.0, |most: f64, sample| {
+        let sizes = [sample.vertical_m, sample.alignment_m, sample.cross_level_m, sample.gauge_m];
+        sizes.iter().fold(most, |most, size| most.max(size.abs()))
+    });
+    if largest > 0.2 {
+        return fail(format!("a value of {largest} m, expected at most 0.2 m: are these metres?"));
+    }
+    Ok(())
 }
 
 /// Reads measured irregularity at even distances.

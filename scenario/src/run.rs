@@ -20,6 +20,9 @@ pub const CYCLE_S: f64 = 1e-3;
 /// Substeps per cycle unless a scenario says otherwise: chosen by the convergence test.
 pub const SUBSTEPS: u32 = 4;
 
+/// No wheel on rail has run faster (km/h).
+const SPEED_MAX_KMH: f64 = 600.0;
+
 /// Distance at which the vehicle's reference point starts, so that no wheel stands before zero (m).
 const START_M: f64 = 15.0;
 
@@ -204,7 +207,13 @@ impl Run {
         let contact = vehicle_file.wheel_rail.contact(&vehicle_source)?;
         let table = contact.as_ref().map(|contact| &*contact.table);
 
-        let speed_m_per_s = file.speed_kmh.positive(source, "speed_kmh")? / 3.6;
+        let speed_m_per_s = file.speed_kmh.within(
+            source,
+            "speed_kmh",
+            f64::MIN_POSITIVE,
+            SPEED_MAX_KMH,
+            "more than 0 and at most 600 km/h",
+        )? / 3.6;
         let least = minimum_speed_m_per_s(&vehicle, table, CYCLE_S / f64::from(substeps));
         if speed_m_per_s < least {
             return Err(file.speed_kmh.error(
@@ -222,9 +231,9 @@ impl Run {
         start.state.distance_m.0[0] = START_M;
         let end_m = START_M + speed_m_per_s * duration_s + 20.0;
         let track = file.track.build(source, 0.0, end_m)?;
-        let slots = slots(&file, &vehicle_file, source)?;
         let rig_file = RigFile { damper: file.rig.damper.over(&file.damper), ..file.rig.clone() };
         let rig = rig_file.build(source)?;
+        let slots = slots(&file, &vehicle_file, source, rig.damper.nominal().ke_n_per_m)?;
         let mut about: Vec<String> = vehicle_file.about.iter().cloned().collect();
         if let Some(contact) = &contact {
             for profile in &contact.profiles {
@@ -270,6 +279,7 @@ fn slots(
     file: &RunFile,
     vehicle: &VehicleFile,
     source: &Source,
+    rig_ke_n_per_m: f64,
 ) -> Result<Vec<Slot>, ScenarioError> {
     let places: Vec<&str> = vehicle.damper_slot.iter().map(|slot| slot.place.as_str()).collect();
     debug_assert!(places.len() <= DAMPER_SLOTS);
@@ -280,12 +290,24 @@ fn slots(
             places.join(", ")
         )));
     }
+    for (index, slot) in file.slot.iter().enumerate() {
+        let place = &slot.place;
+        if file.slot.iter().take(index).any(|earlier| earlier.place == *place) {
+            return Err(source.whole_error(format!("slot \"{place}\" is given twice")));
+        }
+        let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), slot.virtual_wear.is_some()];
+        if slot.on == On::Modelled && on_a_rig.contains(&true) {
+            return Err(source.whole_error(format!(
+                "slot \"{place}\" is modelled: node, bus and virtual_wear are for a rig"
+            )));
+        }
+    }
     let mut nodes = Vec::new();
     let mut built = Vec::new();
     for place in places {
         let given = file.slot.iter().find(|slot| slot.place == place);
         let force = match given {
-            Some(slot) if slot.on == On::Rig => slot.rig(source, &mut nodes)?,
+            Some(slot) if slot.on == On::Rig => slot.rig(source, &mut nodes, rig_ke_n_per_m)?,
             given => {
                 let own = given.map(|slot| slot.damper.clone()).unwrap_or_default();
                 SlotForce::Modelled(own.over(&file.damper).build(source)?)
@@ -301,6 +323,7 @@ impl SlotFile {
         &self,
         source: &Source,
         nodes: &mut Vec<(Option<String>, u8)>,
+        rig_ke_n_per_m: f64,
     ) -> Result<SlotForce, ScenarioError> {
         let node = self.node.unwrap_or(1);
         let place = &self.place;
@@ -326,7 +349,18 @@ impl SlotFile {
                 clearance = given.not_negative(source, "clearance_2a_m")?;
             }
             if let Some(given) = &wear.stiffness_n_per_m {
-                compliance = 1.0 / given.positive(source, "stiffness_n_per_m")?;
+                let stiffness = given.positive(source, "stiffness_n_per_m")?;
+                // Feedback over one cycle of lag: unstable from the damper's own stiffness down.
+                if stiffness < 2.0 * rig_ke_n_per_m {
+                    return Err(given.error(
+                        source,
+                        format!(
+                            "stiffness_n_per_m = {stiffness}, expected at least twice the ke_n_per_m \
+                             of the rig's damper ({rig_ke_n_per_m}): softer wear needs a softer damper"
+                        ),
+                    ));
+                }
+                compliance = 1.0 / stiffness;
             }
         }
         Ok(SlotForce::Rig {

@@ -37,6 +37,8 @@ pub struct PortState {
     pub commands: u64,
     /// Commands whose displacement, velocity or counter did not fit the frame.
     pub saturated: u64,
+    /// Measurements that told of a limit, a lagging actuator or a value beyond the frame.
+    pub flagged: u64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,6 +94,7 @@ impl Port {
         };
         let measurement = kept.measurement;
         state.used = Some(measurement);
+        state.flagged += u64::from(!measurement.flags.is_empty());
         let sound = !measurement.flags.contains(MeasurementFlags::SENSOR_INVALID)
             && measurement.state == RunState::Run;
         let input = match measurement.force_n {

@@ -27,6 +27,8 @@ impl NpyWriter {
     pub fn create(path: &Path) -> io::Result<Self> {
         let mut file = BufWriter::with_capacity(1 << 20, File::create(path)?);
         file.write_all(&header(0))?;
+        // A run that is killed leaves a file that can be read.
+        file.flush()?;
         Ok(Self { file, rows: 0, bytes: Vec::with_capacity(1024) })
     }
 
