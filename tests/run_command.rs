@@ -293,3 +293,21 @@ fn measured_irregularity_comes_from_a_file() {
     }
     std::fs::remove_dir_all(place).unwrap();
 }
+
+#[test]
+fn the_scenario_that_a_run_leaves_gives_the_same_run() {
+    let (out, first) = run("ss9-one-worn-of-four.toml", "3");
+    let again = out.join("again");
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(out.join("scenario.toml"))
+            .args(["--pace", "fast", "--out"])
+            .arg(&again),
+    );
+    assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
+    let second = read_json(&again.join("summary.json"));
+    assert_eq!(first["trajectory_hash"], second["trajectory_hash"]);
+    assert_eq!(first["damper"], second["damper"]);
+    std::fs::remove_dir_all(out).unwrap();
+}

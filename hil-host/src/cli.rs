@@ -200,7 +200,7 @@ fn run_command(args: &RunArgs) -> anyhow::Result<ExitCode> {
     } else {
         print_summary(&finished.summary);
         println!(
-            "files in {}: report.html, summary.json, record.npy, bus.log, scenario.toml",
+            "files in {}: report.html, summary.json, record.npy, bus.log, scenario.toml, vehicle.toml",
             finished.folder.display()
         );
     }

@@ -261,7 +261,8 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
     let summary = Summary::of(&outcome, &recording.columns);
     let json = serde_json::to_string_pretty(&summary)?;
     std::fs::write(folder.file("summary.json"), format!("{json}\n"))?;
-    std::fs::write(folder.file("scenario.toml"), &run.effective)?;
+    std::fs::write(folder.file("scenario.toml"), &run.effective.scenario)?;
+    std::fs::write(folder.file("vehicle.toml"), &run.effective.vehicle)?;
     page(run, &summary, &recording.columns, &plan_lines).write_to(folder.file("report.html"))?;
     Ok(Finished { summary, folder: folder.path().to_owned() })
 }

@@ -77,6 +77,19 @@ pub const NEW_DAMPER: Nominal = Nominal {
 };
 
 impl DamperFile {
+    /// The values of [`NEW_DAMPER`], each written out.
+    pub fn new_damper() -> Self {
+        let plain = |value| Some(Quantity::plain(value));
+        Self {
+            ce_n_s_per_m: plain(NEW_DAMPER.ce_n_s_per_m),
+            ke_n_per_m: plain(NEW_DAMPER.ke_n_per_m),
+            clearance_2a_m: plain(NEW_DAMPER.clearance_2a_m),
+            f_relief_n: plain(NEW_DAMPER.f_relief_n),
+            c2_n_s_per_m: plain(NEW_DAMPER.c2_n_s_per_m),
+            effect: Vec::new(),
+        }
+    }
+
     /// This damper with another one's values wherever it has none.
     #[must_use]
     pub fn over(&self, base: &Self) -> Self {

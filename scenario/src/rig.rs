@@ -59,6 +59,13 @@ pub struct RigSetup {
     pub damper: Damper,
 }
 
+const NAME: &str = "laboratory rig";
+const STROKE_M: f64 = 0.1;
+const RATE_M_PER_S: f64 = 1.0;
+const LAG_S: f64 = 0.5e-3;
+const FORCE_NOISE_N: f64 = 5.0;
+const DISPLACEMENT_NOISE_M: f64 = 0.2e-6;
+
 /// Longest pure delay that a rig keeps (cycles).
 pub const DELAY_CYCLES_MAX: u16 = 64;
 
@@ -81,6 +88,26 @@ impl RigFile {
         Self::default().build(&Source::from_text(Path::new("built-in rig"), ""))
     }
 
+    /// This rig with every default written out, and `damper` wherever its own has no value.
+    #[must_use]
+    pub fn with_defaults(&self, damper: &DamperFile) -> Self {
+        let or = |given: &Option<Quantity>, default| {
+            Some(given.clone().unwrap_or_else(|| Quantity::plain(default)))
+        };
+        Self {
+            name: Some(self.name.clone().unwrap_or_else(|| NAME.to_owned())),
+            stroke_m: or(&self.stroke_m, STROKE_M),
+            rate_m_per_s: or(&self.rate_m_per_s, RATE_M_PER_S),
+            lag_s: or(&self.lag_s, LAG_S),
+            delay_cycles: Some(self.delay_cycles.unwrap_or(0)),
+            fixture_n_per_m: self.fixture_n_per_m.clone(),
+            force_noise_n: or(&self.force_noise_n, FORCE_NOISE_N),
+            displacement_noise_m: or(&self.displacement_noise_m, DISPLACEMENT_NOISE_M),
+            seed: Some(self.seed.unwrap_or(1)),
+            damper: self.damper.over(damper),
+        }
+    }
+
     /// Builds the rig.
     ///
     /// # Errors
@@ -92,11 +119,11 @@ impl RigFile {
         };
         let stroke_m = match &self.stroke_m {
             Some(stroke) => stroke.within(source, "stroke_m", 0.1, 1.0, "0.1 to 1 m")?,
-            None => 0.1,
+            None => STROKE_M,
         };
         let rate_m_per_s = match &self.rate_m_per_s {
             Some(rate) => rate.positive(source, "rate_m_per_s")?,
-            None => 1.0,
+            None => RATE_M_PER_S,
         };
         let delay_cycles = self.delay_cycles.unwrap_or(0);
         if delay_cycles > DELAY_CYCLES_MAX {
@@ -109,17 +136,17 @@ impl RigFile {
             None => 0.0,
         };
         Ok(RigSetup {
-            name: self.name.clone().unwrap_or_else(|| "laboratory rig".to_owned()),
+            name: self.name.clone().unwrap_or_else(|| NAME.to_owned()),
             stroke_m,
             rate_m_per_s,
-            lag_s: number(&self.lag_s, "lag_s", 0.5e-3)?,
+            lag_s: number(&self.lag_s, "lag_s", LAG_S)?,
             delay_cycles,
             fixture_m_per_n,
-            force_noise_n: number(&self.force_noise_n, "force_noise_n", 5.0)?,
+            force_noise_n: number(&self.force_noise_n, "force_noise_n", FORCE_NOISE_N)?,
             displacement_noise_m: number(
                 &self.displacement_noise_m,
                 "displacement_noise_m",
-                0.2e-6,
+                DISPLACEMENT_NOISE_M,
             )?,
             seed: self.seed.unwrap_or(1),
             damper: self.damper.build(source)?,

@@ -2,13 +2,14 @@
 
 use crate::damper::DamperFile;
 use crate::equilibrium::{self, Equilibrium};
+use crate::irregularity::IrregularityFile;
 use crate::minimum_speed::minimum_speed_m_per_s;
 use crate::quantity::Quantity;
 use crate::rig::{RigFile, RigSetup};
 use crate::source::{ScenarioError, Source};
 use crate::track::{OwnedTrack, TrackFile};
 use crate::vehicle::VehicleFile;
-use crate::wheel_rail::Contact;
+use crate::wheel_rail::{Contact, SurfaceFile};
 use firmware_core::damper::Damper;
 use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle};
 use serde::{Deserialize, Serialize};
@@ -154,8 +155,17 @@ pub struct Run {
     pub start: Equilibrium,
     /// Names of the bodies, in order.
     pub body_names: Vec<String>,
-    /// The scenario with the vehicle in it, as TOML.
-    pub effective: String,
+    /// The scenario with every default written out; running it gives the same run.
+    pub effective: Effective,
+}
+
+/// A scenario and its vehicle as TOML, to be kept beside each other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Effective {
+    /// The scenario; it names the vehicle `vehicle.toml`.
+    pub scenario: String,
+    /// The vehicle.
+    pub vehicle: String,
 }
 
 /// What the command line changes in a scenario.
@@ -240,10 +250,15 @@ impl Run {
                 about.push(profile.line());
             }
         }
-        let effective = effective(&file, &vehicle_file);
+        let title = file.title.clone();
+        let vehicle_name = vehicle_file.name.clone();
+        let body_names = vehicle_file.body.iter().map(|body| body.name.clone()).collect();
+        file.run_in_s = Some(Quantity::plain(run_in_s));
+        file.substeps = Some(substeps);
+        let effective = effective(file, source, vehicle_file, &vehicle_source)?;
         Ok(Self {
-            title: file.title,
-            vehicle_name: vehicle_file.name,
+            title,
+            vehicle_name,
             about,
             vehicle,
             contact,
@@ -255,7 +270,7 @@ impl Run {
             slots,
             rig,
             start,
-            body_names: vehicle_file.body.into_iter().map(|body| body.name).collect(),
+            body_names,
             effective,
         })
     }
@@ -266,13 +281,35 @@ impl Run {
     }
 }
 
-/// The scenario with every default written out and the vehicle behind it.
-fn effective(file: &RunFile, vehicle: &VehicleFile) -> String {
-    let part = |name: &str, text: Result<String, toml::ser::Error>| match text {
-        Ok(text) => format!("# --- {name} ---\n{text}\n"),
-        Err(error) => format!("# {name} cannot be written: {error}\n"),
+/// The scenario with every default written out; files that it names get their full path.
+fn effective(
+    mut file: RunFile,
+    source: &Source,
+    mut vehicle: VehicleFile,
+    vehicle_source: &Source,
+) -> Result<Effective, ScenarioError> {
+    let full = |source: &Source, path: &str| {
+        let path = source.beside(path);
+        std::path::absolute(&path).unwrap_or(path).display().to_string()
     };
-    part("scenario", toml::to_string(file)) + &part("vehicle", toml::to_string(vehicle))
+    "vehicle.toml".clone_into(&mut file.vehicle);
+    file.damper = file.damper.over(&DamperFile::new_damper());
+    file.rig = file.rig.with_defaults(&file.damper);
+    if let Some(IrregularityFile::Csv { path }) = &mut file.track.irregularity {
+        *path = full(source, path);
+    }
+    if let SurfaceFile::Profiles { wheel, rail, .. } = &mut vehicle.wheel_rail.surface {
+        for profile in [wheel, rail] {
+            if vehicle_source.beside(profile).is_file() {
+                *profile = full(vehicle_source, profile);
+            }
+        }
+    }
+    let written = |error: toml::ser::Error| source.whole_error(error.to_string());
+    Ok(Effective {
+        scenario: toml::to_string(&file).map_err(written)?,
+        vehicle: toml::to_string(&vehicle).map_err(written)?,
+    })
 }
 
 fn slots(
