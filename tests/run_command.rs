@@ -47,6 +47,7 @@ fn a_run_leaves_a_summary_that_its_schema_knows() {
     let schema = read_json(&repository().join("docs/schema/summary.schema.json"));
     assert_eq!(schema::misfits(&schema, &summary), Vec::<String>::new());
     assert_eq!(summary["steps"], 4000);
+    assert!(summary["notes"].to_string().contains("CALIBRATED"), "{}", summary["notes"]);
     assert_eq!(summary["frames"]["sent"], 4000);
     assert_eq!(summary["frames"]["received"], 4000);
     assert_eq!(summary["frames"]["lost"], 0);

@@ -337,4 +337,6 @@ fn about(run: &Run) -> Section {
         section = section.note(note);
     }
     section
+        .text("The scenario with every default written out:")
+        .preformatted(&run.effective.scenario)
 }

@@ -18,6 +18,8 @@ pub struct Summary {
     pub title: String,
     /// The vehicle.
     pub vehicle: String,
+    /// What one should know about its numbers: which are calibrated and not measured.
+    pub notes: Vec<String>,
     /// The bus and the pace, as given.
     pub bus: String,
     /// `realtime`, `lockstep` or `fast`.
@@ -231,6 +233,7 @@ impl Summary {
             format: 1,
             title: run.title.clone(),
             vehicle: run.vehicle_name.clone(),
+            notes: run.about.clone(),
             bus: outcome.bus.clone(),
             pace: outcome.pace.to_owned(),
             speed_kmh: run.speed_m_per_s * 3.6,
