@@ -15,6 +15,7 @@ use can_protocol::{Message, MessageId, Node, Profile};
 use command::{folder, output, repository, yawbench};
 use record::Record;
 use serde_json::Value;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -310,5 +311,29 @@ fn the_scenario_that_a_run_leaves_gives_the_same_run() {
     let second = read_json(&again.join("summary.json"));
     assert_eq!(first["trajectory_hash"], second["trajectory_hash"]);
     assert_eq!(first["damper"], second["damper"]);
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn a_full_disk_ends_the_run_and_is_not_called_bad_input() {
+    if !Path::new("/dev/full").exists() {
+        writeln!(std::io::stderr(), "SKIPPED: no /dev/full on this machine").unwrap();
+        return;
+    }
+    let out = folder("full-disk");
+    std::os::unix::fs::symlink("/dev/full", out.join("bus.log")).unwrap();
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(repository().join("scenarios/ss9-160kmh.toml"))
+            .args(["--pace", "fast", "--duration", "600", "--out"])
+            .arg(&out),
+    );
+    let errors = String::from_utf8_lossy(&result.stderr);
+    assert_eq!(result.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("bus.log") && errors.contains("No space left"), "{errors}");
+    // It stopped long before its 600 s, and what was recorded can be read.
+    let rows = Record::read(&out.join("record.npy")).rows();
+    assert!(rows > 1000 && rows < 500_000, "{rows} rows");
     std::fs::remove_dir_all(out).unwrap();
 }

@@ -422,15 +422,20 @@ fn record(
         let rows = [to_file, to_watch];
         let done = &done;
         scope.spawn(move || drain.run(done, &rows, &to_log));
+        // A file that cannot be written ends the run: a bench is not driven without its record.
+        let stop_on = |error| {
+            stop.store(true, Ordering::Relaxed);
+            Err(error)
+        };
         let file = scope.spawn(move || -> std::io::Result<u64> {
             for batch in file_rows {
-                record.write(&batch)?;
+                record.write(&batch).or_else(stop_on)?;
             }
             record.finish()
         });
         let log = scope.spawn(move || -> std::io::Result<()> {
             for events in log_events {
-                log.write(&events)?;
+                log.write(&events).or_else(stop_on)?;
             }
             log.finish()
         });
