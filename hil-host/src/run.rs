@@ -215,9 +215,11 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         // Asked in a thread of its own, before anything is written.
         let wanted = options.realtime;
-        let granted = std::thread::spawn(move || realtime::set_up(&wanted).complete()).join();
-        if !granted.unwrap_or(false) {
-            for line in realtime::set_up(&options.realtime).lines() {
+        let report = std::thread::spawn(move || realtime::set_up(&wanted)).join();
+        // An empty report would count as complete: a set-up that failed is none.
+        let Ok(report) = report else { bail!("--require-realtime: the set-up failed") };
+        if !report.complete() {
+            for line in report.lines() {
                 eprintln!("real-time: {line}");
             }
             bail!("--require-realtime: not everything was granted");

@@ -67,25 +67,16 @@ impl<'de> Visitor<'de> for EffectTable {
     }
 }
 
-/// A new yaw damper of the SS9 study: Ce, Ke and 2a published, relief and slope calibrated.
-pub const NEW_DAMPER: Nominal = Nominal {
-    ce_n_s_per_m: 1.0e6,
-    ke_n_per_m: 12.5e6,
-    clearance_2a_m: 0.2e-3,
-    f_relief_n: 18.0e3,
-    c2_n_s_per_m: 80.0e3,
-};
-
 impl DamperFile {
-    /// The values of [`NEW_DAMPER`], each written out.
+    /// The values of [`Nominal::NEW`], each written out.
     pub fn new_damper() -> Self {
         let plain = |value| Some(Quantity::plain(value));
         Self {
-            ce_n_s_per_m: plain(NEW_DAMPER.ce_n_s_per_m),
-            ke_n_per_m: plain(NEW_DAMPER.ke_n_per_m),
-            clearance_2a_m: plain(NEW_DAMPER.clearance_2a_m),
-            f_relief_n: plain(NEW_DAMPER.f_relief_n),
-            c2_n_s_per_m: plain(NEW_DAMPER.c2_n_s_per_m),
+            ce_n_s_per_m: plain(Nominal::NEW.ce_n_s_per_m),
+            ke_n_per_m: plain(Nominal::NEW.ke_n_per_m),
+            clearance_2a_m: plain(Nominal::NEW.clearance_2a_m),
+            f_relief_n: plain(Nominal::NEW.f_relief_n),
+            c2_n_s_per_m: plain(Nominal::NEW.c2_n_s_per_m),
             effect: Vec::new(),
         }
     }
@@ -108,7 +99,7 @@ impl DamperFile {
     /// # Errors
     /// A value that no damper can have, an unknown effect or parameter, with file and line.
     pub fn build(&self, source: &Source) -> Result<Damper, ScenarioError> {
-        let mut nominal = NEW_DAMPER;
+        let mut nominal = Nominal::NEW;
         let given = [
             (&self.ce_n_s_per_m, &mut nominal.ce_n_s_per_m, "ce_n_s_per_m", true),
             (&self.ke_n_per_m, &mut nominal.ke_n_per_m, "ke_n_per_m", true),
