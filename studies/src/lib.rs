@@ -7,5 +7,6 @@
 
 pub mod error;
 pub mod guiding_force;
+pub mod measurement;
 pub mod spectrum;
 pub mod statistics;

@@ -27,6 +27,9 @@ impl DamperEffect for AsymmetricDamping {
     const NAME: &'static str = "asymmetric_damping";
     const PLACE: Place = Place::Inboard;
     const EQUATION: &'static str = "Ce (1 + g sgn v), F_r (1 + g_r sgn v)";
+    const SHOWN_BY: &'static str =
+        "Sines at two force levels and a static hold, with the direction of extension declared.";
+    const DIRECTIONAL: bool = true;
 
     fn shape(&self, parts: &mut Parts, _nominal: &Nominal) {
         for (side, sign) in [(Side::Negative, -1.0), (Side::Positive, 1.0)] {

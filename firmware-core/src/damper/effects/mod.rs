@@ -84,6 +84,15 @@ pub trait DamperEffect: Table + Copy {
     const SLOW: bool = false;
     /// It has [`creep`](Self::creep).
     const CREEPS: bool = false;
+    /// The test that shows it on a bench, one sentence.
+    const SHOWN_BY: &'static str;
+    /// Sampling rate below which a record cannot hold it, Hz.
+    const NEEDS_RATE_HZ: f64 = 0.0;
+    /// It tells extension from compression.
+    const DIRECTIONAL: bool = false;
+    /// Start values of a fit in natural sizes, where the typical ones alone would find only one of
+    /// several shapes: relaxation times, knees, positions.
+    const STARTS: &'static [&'static [f64]] = &[];
 
     /// The effect from values in table order.
     ///
@@ -145,6 +154,14 @@ pub struct EffectInfo {
     pub equation: &'static str,
     /// Its parameter table.
     pub parameters: &'static [Parameter],
+    /// The test that shows it on a bench.
+    pub shown_by: &'static str,
+    /// Sampling rate below which a record cannot hold it, Hz.
+    pub needs_rate_hz: f64,
+    /// It tells extension from compression.
+    pub directional: bool,
+    /// Further start values of a fit, in natural sizes; the typical ones come first.
+    pub starts: &'static [&'static [f64]],
 }
 
 macro_rules! effects {
@@ -164,6 +181,10 @@ macro_rules! effects {
             place: $effect::PLACE,
             equation: $effect::EQUATION,
             parameters: $effect::PARAMETERS,
+            shown_by: $effect::SHOWN_BY,
+            needs_rate_hz: $effect::NEEDS_RATE_HZ,
+            directional: $effect::DIRECTIONAL,
+            starts: $effect::STARTS,
         },)+];
 
         $(impl From<$effect> for Effect {
@@ -277,6 +298,13 @@ mod tests {
                 assert!(lower < upper && lower <= *value && *value <= upper, "{}", row.name);
                 assert!(!row.meaning.is_empty());
             }
+            for start in info.starts {
+                assert_eq!(start.len(), info.parameters.len(), "{}", info.name);
+                for (row, value) in info.parameters.iter().zip(*start) {
+                    assert!(row.lower <= *value && *value <= row.upper, "{}", row.name);
+                }
+            }
+            assert!(info.shown_by.ends_with('.'), "{}", info.name);
             let effect = Effect::from_values(info.name, &usual).unwrap();
             assert_eq!(effect.values(), usual);
             assert_eq!((effect.name(), effect.place()), (info.name, info.place));

@@ -42,6 +42,8 @@ impl DamperEffect for PositionDependentDamping {
     const NAME: &'static str = "position_dependent_damping";
     const PLACE: Place = Place::Inboard;
     const EQUATION: &'static str = "F_h -> F_h (1 + b x_d + q x_d^2)";
+    const SHOWN_BY: &'static str =
+        "The same sine at three mean positions, mid-stroke and 40 mm to either side.";
     const SLOW: bool = true;
 
     fn slow(&self, at: &Instant, _memory: &Memory, factors: &mut Factors) {

@@ -45,6 +45,9 @@ impl DamperEffect for RubberHysteresis {
     const NAME: &'static str = "rubber_hysteresis";
     const PLACE: Place = Place::Attachment;
     const EQUATION: &'static str = "F = Ke d + r Ke (d - z), tau z' = d - z";
+    const SHOWN_BY: &'static str =
+        "Small sines below relief over one and a half decades of frequency at one amplitude.";
+    const STARTS: &'static [&'static [f64]] = &[&[0.15, 0.001], &[0.15, 0.1], &[0.15, 1.0]];
     const CREEPS: bool = true;
 
     fn shape(&self, parts: &mut Parts, nominal: &Nominal) {

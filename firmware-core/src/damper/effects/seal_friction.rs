@@ -33,6 +33,8 @@ impl DamperEffect for SealFriction {
     const NAME: &'static str = "seal_friction";
     const PLACE: Place = Place::Inboard;
     const EQUATION: &'static str = "F += sgn(v) Fc (1 + (r - 1) max(0, 1 - |v|/v_s)), sticking";
+    const SHOWN_BY: &'static str = "Slow triangles (1 to 5 mm/s) at two strokes: a step at the reversal that no speed changes.";
+    const STARTS: &'static [&'static [f64]] = &[&[0.02, 1.0, 0.05], &[0.02, 1.5, 0.3]];
 
     fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
         let breakaway_n = self.coulomb_n * self.breakaway_ratio;
