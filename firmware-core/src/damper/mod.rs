@@ -89,6 +89,8 @@ pub struct Instant {
     pub piston_m: f64,
     /// Velocity of the piston, m/s.
     pub piston_velocity_m_per_s: f64,
+    /// Measured temperature of the oil, degrees Celsius, if it is measured.
+    pub temperature_degc: Option<f64>,
 }
 
 /// A finished step, as effects see it.
@@ -109,6 +111,8 @@ pub struct Done {
     pub piston_m: f64,
     /// Change of the piston's position, m.
     pub piston_travel_m: f64,
+    /// Measured temperature of the oil, degrees Celsius, if it is measured.
+    pub temperature_degc: Option<f64>,
 }
 
 /// Everything a damper remembers.
@@ -121,6 +125,7 @@ pub struct DamperState {
     chain_force_n: f64,
     output_n: f64,
     piston_velocity_m_per_s: f64,
+    temperature_degc: Option<f64>,
     memory: [Memory; MAX_EFFECTS],
     fallbacks: u32,
 }
@@ -141,6 +146,28 @@ impl DamperState {
     pub fn with_piston_m(mut self, piston_m: f64) -> Self {
         self.deflection_m = self.motion.displacement_m - self.creep_m - piston_m;
         self
+    }
+
+    /// Takes the measured temperature of the oil, degrees Celsius, for the steps from here on. `None`,
+    /// or no number, says that it is not measured: effects of temperature then reckon with the heat
+    /// that the damper turns out.
+    ///
+    /// ```
+    /// use firmware_core::damper::DamperState;
+    /// let mut state = DamperState::rest();
+    /// assert_eq!(state.temperature_degc(), None);
+    /// state.set_temperature_degc(Some(31.5));
+    /// assert_eq!(state.temperature_degc(), Some(31.5));
+    /// state.set_temperature_degc(Some(f64::NAN));
+    /// assert_eq!(state.temperature_degc(), None);
+    /// ```
+    pub fn set_temperature_degc(&mut self, temperature_degc: Option<f64>) {
+        self.temperature_degc = temperature_degc.filter(|value| value.is_finite());
+    }
+
+    /// Measured temperature of the oil, degrees Celsius.
+    pub fn temperature_degc(&self) -> Option<f64> {
+        self.temperature_degc
     }
 
     /// Motion at the last step.
@@ -319,6 +346,7 @@ impl Damper {
             chain_force_n: arrival.force_n,
             piston_m,
             piston_travel_m: piston_m - piston_before_m,
+            temperature_degc: state.temperature_degc,
         };
         let mut force_n = arrival.force_n;
         for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
@@ -371,6 +399,7 @@ impl Damper {
             },
             piston_m: state.piston_m() + time_s * state.piston_velocity_m_per_s,
             piston_velocity_m_per_s: state.piston_velocity_m_per_s,
+            temperature_degc: state.temperature_degc,
         }
     }
 
@@ -390,6 +419,7 @@ impl Damper {
             motion,
             piston_m: motion.displacement_m - deflection_m - state.creep_m,
             piston_velocity_m_per_s: arrival.piston_velocity_m_per_s,
+            temperature_degc: state.temperature_degc,
         };
         let factors = self.factors(state, &at);
         if factors.compliance_gain != 1.0 || factors.added_half_clearance_m != 0.0 {
