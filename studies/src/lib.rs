@@ -1,12 +1,16 @@
-//! From recorded signals to figures: spectra, statistics, assessment quantities.
+//! From recorded signals to figures, and records to try them on.
 //!
 //! [`spectrum`] is Welch's power spectral density with its peak; [`statistics`] are rms, extremes,
 //! percentiles and half cycles; [`guiding_force`] filters axle forces and Y/Q as acceptance tests do.
-//! Nothing here knows where a signal comes from; units are those of the
-//! caller.
+//! None of these knows where a signal comes from; units are those of the caller.
+//!
+//! [`series_model`] is a series damper by its own integration, apart from the core's, with disturbances
+//! that no effect of the catalogue describes; [`bench_visit`] moves a damper as a bench does.
 
+pub mod bench_visit;
 pub mod error;
 pub mod guiding_force;
 pub mod measurement;
+pub mod series_model;
 pub mod spectrum;
 pub mod statistics;
