@@ -110,6 +110,21 @@ impl Curve {
         *slope *= y_gain / x_gain;
     }
 
+    /// Makes one side of zero flat, at the value at zero.
+    pub(super) fn slacken(&mut self, side: Side) {
+        let zero = Knot { x: 0.0, y: self.at(0.0) };
+        let knots = core::mem::take(&mut self.knots);
+        if side == Side::Negative {
+            self.slope_before = 0.0;
+            self.push(zero);
+            knots.iter().filter(|knot| knot.x > 0.0).for_each(|knot| self.push(*knot));
+        } else {
+            self.slope_after = 0.0;
+            knots.iter().filter(|knot| knot.x < 0.0).for_each(|knot| self.push(*knot));
+            self.push(zero);
+        }
+    }
+
     /// Writes `x_gain * x`, `y_gain * y + y_shift` of `source` into `self`.
     pub(super) fn copy_scaled(&mut self, source: &Self, x_gain: f64, y_gain: f64, y_shift: f64) {
         self.knots.clear();

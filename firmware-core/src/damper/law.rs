@@ -16,7 +16,7 @@
 
 use heapless::Vec;
 
-use super::curve::{Curve, Knot, merge};
+use super::curve::{Curve, Knot, Side, merge};
 use super::error::DamperError;
 use super::series::Gains;
 
@@ -47,6 +47,8 @@ pub struct Factors {
     pub compliance_gain: f64,
     /// Half clearance that wear has added, m.
     pub added_half_clearance_m: f64,
+    /// The side on which the hydraulic part carries nothing: a void has to close first.
+    pub slack: Option<Side>,
 }
 
 impl Factors {
@@ -57,6 +59,7 @@ impl Factors {
         preload_n: 0.0,
         compliance_gain: 1.0,
         added_half_clearance_m: 0.0,
+        slack: None,
     };
 }
 
@@ -139,6 +142,9 @@ impl Law {
         let mut body = Curve::ZERO;
         let x_gain = factors.velocity_gain;
         body.copy_scaled(&parts.hydraulic, x_gain, factors.force_gain, factors.preload_n);
+        if let Some(side) = factors.slack {
+            body.slacken(side);
+        }
         let mut body = body.plus(&parts.dry);
         let (breakaway_from, breakaway_to) = body.cut_to_rising();
         let at_rest = |knot: &&Knot| knot.x == 0.0;
@@ -413,6 +419,19 @@ mod tests {
         let law = joined(&tight, Curve::ZERO, &worn);
         assert_eq!(at(&law, 0.99e-3).0, 0.0);
         close(at(&law, 1e-3 + 9e3 / 12.5e6).0, 9e3);
+    }
+
+    #[test]
+    fn slack_side_carries_dry_force_only() {
+        let dry =
+            Curve::through(&[Knot { x: 0.0, y: -300.0 }, Knot { x: 0.0, y: 300.0 }], 0.0, 0.0);
+        let slack = Factors { slack: Some(Side::Negative), preload_n: 50.0, ..Factors::NONE };
+        let law = joined(&Nominal::NEW, dry, &slack);
+        // Tension as ever; in compression the force ends at friction and preload.
+        close(at(&law, 0.1e-3 + 9.35e3 / 12.5e6).1, 9e-3);
+        let (first, edge) = (law.sliding.first().unwrap(), -0.1e-3 - 250.0 / 12.5e6);
+        close(first.from_m, edge);
+        close(first.force(edge), -250.0);
     }
 
     #[test]

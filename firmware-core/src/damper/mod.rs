@@ -17,6 +17,8 @@
 //!   where the chain answers faster than the step, towards its end ([`series::weight_of_step`]).
 //! - Attachments with a fast memory (rubber) are solved together with the chain by a bracketed,
 //!   second-order, L-stable step ([`implicit`]).
+//! - A step is cut where an effect switches (a void opens, a gap closes) and where a late sensor
+//!   will look (`step`).
 //! - Parts beside the whole damper and the sensor act on the result.
 //!
 //! Work is bounded in every case, there is no heap and no way to panic.
@@ -36,12 +38,14 @@
 //! ```
 
 pub mod curve;
+mod delay;
 pub mod effects;
 pub mod error;
 pub mod implicit;
 pub mod law;
 pub mod nominal;
 pub mod series;
+mod step;
 
 use heapless::Vec;
 
@@ -50,10 +54,11 @@ pub use error::DamperError;
 pub use nominal::Nominal;
 
 use curve::Curve;
+use delay::DelayLine;
 use effects::Memory;
-use implicit::Creep;
 use law::{Factors, Law, Parts};
 use series::{Arrival, Drive, Stand};
+use step::Sample;
 
 /// Most effects in one damper.
 pub const MAX_EFFECTS: usize = 8;
@@ -89,20 +94,31 @@ pub struct Instant {
     pub piston_m: f64,
     /// Velocity of the piston, m/s.
     pub piston_velocity_m_per_s: f64,
+    /// Time since the beginning of the step, s.
+    pub since_s: f64,
+    /// Change of the piston's position since then, m.
+    pub piston_travel_m: f64,
     /// Measured temperature of the oil, degrees Celsius, if it is measured.
     pub temperature_degc: Option<f64>,
 }
 
-/// A finished step, as effects see it.
+/// A finished step, as effects see it; or a piece of one, where the step is cut at an event.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Done {
-    /// Length of the step, s.
+    /// Length of the piece, s: the whole step where it is not cut.
     pub step_s: f64,
-    /// Motion at its end.
+    /// Length of the whole step, s.
+    pub whole_s: f64,
+    /// Time from the end of the piece to the end of the whole step, s; zero for the last piece.
+    pub ahead_s: f64,
+    /// Motion at the end of the piece.
     pub motion: Motion,
-    /// Mean acceleration between the eyes, m/s2.
+    /// Mean acceleration between the eyes over the whole step, m/s2.
     pub acceleration_m_per_s2: f64,
+    /// Velocity between the eyes at the end of the piece on the parabola of the whole step, m/s; for
+    /// a caller without velocities the mean one.
+    pub end_velocity_m_per_s: f64,
     /// Force in the chain at its beginning, N.
     pub start_force_n: f64,
     /// Force in the chain at its end, N.
@@ -111,6 +127,12 @@ pub struct Done {
     pub piston_m: f64,
     /// Change of the piston's position, m.
     pub piston_travel_m: f64,
+    /// Velocity of the piston at its end, m/s.
+    pub piston_velocity_m_per_s: f64,
+    /// Deflection of the attachment at its end without creep, m.
+    pub deflection_m: f64,
+    /// Half of the clearance, m, with what wear has added.
+    pub half_clearance_m: f64,
     /// Measured temperature of the oil, degrees Celsius, if it is measured.
     pub temperature_degc: Option<f64>,
 }
@@ -127,6 +149,7 @@ pub struct DamperState {
     piston_velocity_m_per_s: f64,
     temperature_degc: Option<f64>,
     memory: [Memory; MAX_EFFECTS],
+    delay: DelayLine,
     fallbacks: u32,
 }
 
@@ -216,6 +239,8 @@ pub struct Damper {
     per_step: f64,
     slow: bool,
     creeps: bool,
+    switches: bool,
+    delay_s: f64,
 }
 
 impl Damper {
@@ -247,7 +272,11 @@ impl Damper {
         law.join(&parts, &Factors::NONE);
         let slow = ordered.iter().any(Effect::is_slow);
         let creeps = ordered.iter().any(Effect::creeps);
-        Ok(Self { nominal, effects: ordered, parts, law, per_step: 0.0, slow, creeps })
+        let switches = ordered.iter().any(Effect::switches);
+        let delay_s = ordered.iter().map(Effect::delay_s).sum();
+        let effects = ordered;
+        let per_step = 0.0;
+        Ok(Self { nominal, effects, parts, law, per_step, slow, creeps, switches, delay_s })
     }
 
     /// The same damper, faster for steps of exactly this length. It gives the same numbers.
@@ -301,130 +330,13 @@ impl Damper {
             acceleration_m_per_s2: gained * per_step,
         };
         if !self.effects.is_empty() {
-            return self.advance_with_effects(state, motion, drive, step_s);
+            return self.advance_with_effects(state, &Sample { motion, drive, step_s });
         }
         let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
         let arrival = series::advance(&self.law, stand, drive, step_s);
         state.arrive(&arrival, motion);
         state.output_n = arrival.force_n;
         arrival.force_n
-    }
-
-    fn advance_with_effects(
-        &self,
-        state: &mut DamperState,
-        motion: Motion,
-        drive: Drive,
-        step_s: f64,
-    ) -> f64 {
-        let piston_before_m = state.piston_m();
-        let start_force_n = state.chain_force_n;
-        let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
-        let creep = self.creep(state, start_force_n, step_s);
-        let mut arrival = if self.slow {
-            let at = self.instant(state, stand, drive, step_s);
-            let factors = self.factors(state, &at);
-            let mut law = Law::EMPTY;
-            law.join(&self.parts, &factors);
-            self.solve(&law, stand, drive, step_s, creep, start_force_n)
-        } else {
-            self.solve(&self.law, stand, drive, step_s, creep, start_force_n)
-        };
-        if self.creeps {
-            state.creep_m = creep.end_m(arrival.force_n);
-        }
-        if self.slow {
-            self.read_attachment(state, &mut arrival, motion);
-        }
-        state.arrive(&arrival, motion);
-        let piston_m = state.piston_m();
-        let done = Done {
-            step_s,
-            motion,
-            acceleration_m_per_s2: drive.acceleration_m_per_s2,
-            start_force_n,
-            chain_force_n: arrival.force_n,
-            piston_m,
-            piston_travel_m: piston_m - piston_before_m,
-            temperature_degc: state.temperature_degc,
-        };
-        let mut force_n = arrival.force_n;
-        for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
-            effect.remember(&self.nominal, memory, &done);
-            force_n = effect.output(memory, &done, force_n);
-            for value in memory.iter_mut() {
-                *value = without_tiny(*value);
-            }
-        }
-        state.output_n = force_n;
-        force_n
-    }
-
-    fn solve(
-        &self,
-        law: &Law,
-        stand: Stand,
-        drive: Drive,
-        step_s: f64,
-        creep: Creep,
-        start_force_n: f64,
-    ) -> Arrival {
-        if self.creeps {
-            implicit::advance_with_creep(law, stand, drive, step_s, creep, start_force_n)
-        } else {
-            series::advance(law, stand, drive, step_s)
-        }
-    }
-
-    fn creep(&self, state: &DamperState, start_force_n: f64, step_s: f64) -> Creep {
-        let mut creep = Creep::NONE;
-        if self.creeps {
-            for (effect, memory) in self.effects.iter().zip(&state.memory) {
-                creep = creep.plus(effect.creep(&self.nominal, memory, start_force_n, step_s));
-            }
-        }
-        creep
-    }
-
-    /// The instant that stands for the step: its middle where the chain is slow, its end where the
-    /// chain has forgotten the beginning by then.
-    fn instant(&self, state: &DamperState, stand: Stand, drive: Drive, step_s: f64) -> Instant {
-        let time_s = series::weight_of_step(&self.law, stand, step_s);
-        let Drive { velocity_m_per_s: velocity, acceleration_m_per_s2: acceleration } = drive;
-        Instant {
-            motion: Motion {
-                displacement_m: state.motion.displacement_m
-                    + time_s * (velocity + 0.5 * acceleration * time_s),
-                velocity_m_per_s: velocity + acceleration * time_s,
-            },
-            piston_m: state.piston_m() + time_s * state.piston_velocity_m_per_s,
-            piston_velocity_m_per_s: state.piston_velocity_m_per_s,
-            temperature_degc: state.temperature_degc,
-        }
-    }
-
-    fn factors(&self, state: &DamperState, at: &Instant) -> Factors {
-        let mut factors = Factors::NONE;
-        for (effect, memory) in self.effects.iter().zip(&state.memory) {
-            effect.slow(at, memory, &mut factors);
-        }
-        factors
-    }
-
-    /// Reads the force with the attachment as it is at the end of the step: with the frozen one, a
-    /// stiffness that changes would leave the force half a step behind.
-    fn read_attachment(&self, state: &DamperState, arrival: &mut Arrival, motion: Motion) {
-        let deflection_m = arrival.stand.deflection_m;
-        let at = Instant {
-            motion,
-            piston_m: motion.displacement_m - deflection_m - state.creep_m,
-            piston_velocity_m_per_s: arrival.piston_velocity_m_per_s,
-            temperature_degc: state.temperature_degc,
-        };
-        let factors = self.factors(state, &at);
-        if factors.compliance_gain != 1.0 || factors.added_half_clearance_m != 0.0 {
-            arrival.force_n = law::attachment_force_n(&self.parts, &factors, deflection_m);
-        }
     }
 }
 

@@ -73,6 +73,7 @@ impl Reference {
                 Effect::AsymmetricDamping(effect) => reference.asymmetry = Some(effect),
                 Effect::PositionDependentDamping(effect) => reference.position = Some(effect),
                 Effect::RubberHysteresis(effect) => reference.rubber = Some(effect),
+                other => panic!("the reference does not know {}", other.name()),
             }
         }
         reference

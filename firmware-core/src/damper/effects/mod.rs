@@ -9,8 +9,10 @@
 //! | [`shape`](DamperEffect::shape) | a changed law: friction, asymmetry, valve stages, stiffening, a soft toe of air | once |
 //! | [`slow`](DamperEffect::slow) | a factor on a law from temperature, position, aeration, wear | each step, frozen for it |
 //! | [`creep`](DamperEffect::creep) | a deflection of the attachment with a fast memory | each step, solved with the chain |
-//! | [`remember`](DamperEffect::remember) | the effect's own memory | after each step |
-//! | [`output`](DamperEffect::output) | parts beside the chain, and the sensor | after each step, in list order |
+//! | [`margin`](DamperEffect::margin) | a switch (a void opens, a gap closes) | the step is cut where it reaches zero |
+//! | [`remember`](DamperEffect::remember) | the effect's own memory | after each piece of a step |
+//! | [`output`](DamperEffect::output) | parts beside the chain, and the sensor | after each piece, in list order |
+//! | [`delay_s`](DamperEffect::delay_s) | a late reading | after everything else |
 //!
 //! The order of the list is the order in which effects act, whatever the order they are given in.
 
@@ -84,6 +86,8 @@ pub trait DamperEffect: Table + Copy {
     const SLOW: bool = false;
     /// It has [`creep`](Self::creep).
     const CREEPS: bool = false;
+    /// It has a [`margin`](Self::margin).
+    const SWITCHES: bool = false;
     /// The test that shows it on a bench, one sentence.
     const SHOWN_BY: &'static str;
     /// Sampling rate below which a record cannot hold it, Hz.
@@ -134,12 +138,24 @@ pub trait DamperEffect: Table + Copy {
         Creep::NONE
     }
 
-    /// Brings the memory to the end of a step.
+    /// How far the effect still is from switching at the end of a piece, in any unit. Where it falls
+    /// below zero the step is cut, just on the far side, and [`remember`](Self::remember) switches.
+    /// A margin that dips below zero and comes back within one step is not seen.
+    fn margin(&self, _memory: &Memory, _done: &Done) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Brings the memory to the end of a piece of a step.
     fn remember(&self, _nominal: &Nominal, _memory: &mut Memory, _done: &Done) {}
 
-    /// The force outside of this effect, given the force inside of it, at the end of a step.
+    /// The force outside of this effect, given the force inside of it, at the end of a piece.
     fn output(&self, _memory: &mut Memory, _done: &Done, force_n: f64) -> f64 {
         force_n
+    }
+
+    /// How late the force is read, s.
+    fn delay_s(&self) -> f64 {
+        0.0
     }
 }
 
@@ -240,6 +256,18 @@ macro_rules! effects {
                 match self { $(Self::$effect(_) => $effect::CREEPS,)+ }
             }
 
+            pub(super) fn switches(&self) -> bool {
+                match self { $(Self::$effect(_) => $effect::SWITCHES,)+ }
+            }
+
+            pub(super) fn margin(&self, memory: &Memory, done: &Done) -> f64 {
+                match self { $(Self::$effect(effect) => effect.margin(memory, done),)+ }
+            }
+
+            pub(super) fn delay_s(&self) -> f64 {
+                match self { $(Self::$effect(effect) => effect.delay_s(),)+ }
+            }
+
             pub(super) fn validate(&self) -> Result<(), DamperError> {
                 match self { $(Self::$effect(effect) => effect.validate(),)+ }
             }
@@ -281,6 +309,12 @@ effects! {
     asymmetric_damping: AsymmetricDamping,
     position_dependent_damping: PositionDependentDamping,
     rubber_hysteresis: RubberHysteresis,
+    cavitation: Cavitation,
+    clearance_impact: ClearanceImpact,
+    moving_mass: MovingMass,
+    bump_stop: BumpStop,
+    force_offset: ForceOffset,
+    sensor_delay: SensorDelay,
 }
 
 #[cfg(test)]

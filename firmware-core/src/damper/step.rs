@@ -1,0 +1,281 @@
+//! A step of a damper with effects, cut into pieces where it has to be.
+//!
+//! Between two samples the eyes move on one parabola. The step is cut
+//! - where an effect switches: the piece ends where its margin has just fallen below zero, found by
+//!   trying pieces of other lengths, which changes nothing;
+//! - where a late sensor will look in a later step.
+//!
+//! Every piece is a whole step of the chain, so creep, slow factors and memories need not know. A
+//! step that is not cut is one piece.
+
+use super::delay::DelayLine;
+use super::implicit::{self, Creep};
+use super::law::{self, Factors, Law};
+use super::series::{self, Arrival, Drive, Stand};
+use super::{Damper, DamperState, Done, Instant, Motion, without_tiny};
+
+/// Most pieces between two cuts of the sensor; the last one goes to the end in any case.
+const MAX_PIECES: u32 = 8;
+
+/// Most pieces tried for one switch.
+const MAX_TRIES: u32 = 40;
+
+/// Shortest piece tried, and how closely a switch is met, over what is left of the step.
+const LEAST: f64 = 1e-9;
+
+/// A step as the caller gave it.
+pub(super) struct Sample {
+    /// Motion at its end.
+    pub motion: Motion,
+    /// The parabola from its beginning.
+    pub drive: Drive,
+    /// Its length, s.
+    pub step_s: f64,
+}
+
+/// A piece that was tried; the state does not know of it.
+struct Tried {
+    arrival: Arrival,
+    creep_m: f64,
+    done: Done,
+}
+
+impl Damper {
+    pub(super) fn advance_with_effects(&self, state: &mut DamperState, sample: &Sample) -> f64 {
+        let step_s = sample.step_s;
+        if self.delay_s <= 0.0 {
+            state.output_n = self.stretch(state, sample, 0.0, step_s);
+            return state.output_n;
+        }
+        state.delay.pass(step_s);
+        if let Some(cut_s) = DelayLine::cut_s(self.delay_s, step_s) {
+            let force_n = self.stretch(state, sample, 0.0, cut_s);
+            state.delay.keep(step_s - cut_s, self.delay_s, force_n);
+            self.stretch(state, sample, cut_s, step_s);
+        } else {
+            let force_n = self.stretch(state, sample, 0.0, step_s);
+            state.delay.keep(0.0, self.delay_s, force_n);
+        }
+        state.output_n = state.delay.read(self.delay_s);
+        state.output_n
+    }
+
+    /// Moves the state from one time within a step to another, and returns the force there.
+    fn stretch(&self, state: &mut DamperState, sample: &Sample, from_s: f64, to_s: f64) -> f64 {
+        let mut at_s = from_s;
+        let mut force_n = state.chain_force_n;
+        for piece in 1..=MAX_PIECES {
+            let mut end_s = to_s;
+            let mut tried = self.attempt(state, sample, at_s, end_s);
+            if self.switches && piece < MAX_PIECES {
+                for index in 0..self.effects.len() {
+                    if self.margin(state, index, &tried) < 0.0 {
+                        (end_s, tried) = self.switch(state, sample, at_s, end_s, index, tried);
+                    }
+                }
+            }
+            force_n = self.finish(state, &tried);
+            at_s = end_s;
+            if at_s >= to_s {
+                break;
+            }
+        }
+        force_n
+    }
+
+    fn margin(&self, state: &DamperState, index: usize, tried: &Tried) -> f64 {
+        let effect = self.effects.get(index).zip(state.memory.get(index));
+        effect.map_or(f64::INFINITY, |(effect, memory)| effect.margin(memory, &tried.done))
+    }
+
+    /// The shortest piece at whose end the effect has switched, knowing that it has at `late_s`:
+    /// false position (Illinois) with every third try in the middle.
+    fn switch(
+        &self,
+        state: &DamperState,
+        sample: &Sample,
+        at_s: f64,
+        late_s: f64,
+        index: usize,
+        tried: Tried,
+    ) -> (f64, Tried) {
+        let least_s = LEAST * (late_s - at_s);
+        let mut late = (late_s, self.margin(state, index, &tried));
+        let mut found = (late_s, tried);
+        let at_once = self.attempt(state, sample, at_s, at_s + least_s);
+        let mut early = (at_s + least_s, self.margin(state, index, &at_once));
+        if early.1 < 0.0 {
+            return (early.0, at_once);
+        }
+        let mut last_late = None;
+        for attempt in 1..=MAX_TRIES {
+            let length_s = late.0 - early.0;
+            if length_s <= least_s {
+                break;
+            }
+            let share = if attempt % 3 == 0 { 0.5 } else { early.1 / (early.1 - late.1) };
+            // Never on an end of the bracket itself.
+            let inset = 0.25 * least_s;
+            let end_s = early.0 + (share * length_s).clamp(inset, length_s - inset);
+            let tried = self.attempt(state, sample, at_s, end_s);
+            let margin = self.margin(state, index, &tried);
+            let is_late = margin < 0.0;
+            if last_late == Some(is_late) {
+                let stale = if is_late { &mut early } else { &mut late };
+                stale.1 *= 0.5;
+            }
+            last_late = Some(is_late);
+            if is_late {
+                late = (end_s, margin);
+                found = (end_s, tried);
+            } else {
+                early = (end_s, margin);
+            }
+        }
+        found
+    }
+
+    /// Tries a piece of a step.
+    fn attempt(&self, state: &DamperState, sample: &Sample, from_s: f64, to_s: f64) -> Tried {
+        let step_s = to_s - from_s;
+        let acceleration = sample.drive.acceleration_m_per_s2;
+        let velocity = sample.drive.velocity_m_per_s + acceleration * from_s;
+        let drive = Drive { velocity_m_per_s: velocity, acceleration_m_per_s2: acceleration };
+        let end_velocity_m_per_s = velocity + acceleration * step_s;
+        let motion = if to_s == sample.step_s {
+            sample.motion
+        } else {
+            let travel_m = step_s * (velocity + 0.5 * acceleration * step_s);
+            Motion::new(state.motion.displacement_m + travel_m, end_velocity_m_per_s)
+        };
+        let start_force_n = state.chain_force_n;
+        let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
+        let creep = self.creep(state, start_force_n, step_s);
+        let mut half_clearance_m = 0.5 * self.nominal.clearance_2a_m;
+        let mut arrival = if self.slow {
+            let at = self.instant(state, stand, drive, step_s);
+            let factors = self.factors(state, &at);
+            half_clearance_m += factors.added_half_clearance_m;
+            if factors == Factors::NONE {
+                self.solve(&self.law, stand, drive, step_s, creep, start_force_n)
+            } else {
+                let mut law = Law::EMPTY;
+                law.join(&self.parts, &factors);
+                self.solve(&law, stand, drive, step_s, creep, start_force_n)
+            }
+        } else {
+            self.solve(&self.law, stand, drive, step_s, creep, start_force_n)
+        };
+        let creep_m = if self.creeps { creep.end_m(arrival.force_n) } else { state.creep_m };
+        let deflection_m = arrival.stand.deflection_m;
+        let piston_m = motion.displacement_m - deflection_m - creep_m;
+        let piston_travel_m = piston_m - state.piston_m();
+        if self.slow {
+            let at = Instant {
+                motion,
+                piston_m,
+                piston_velocity_m_per_s: arrival.piston_velocity_m_per_s,
+                since_s: step_s,
+                piston_travel_m,
+                temperature_degc: state.temperature_degc,
+            };
+            self.read_attachment(state, &mut arrival, &at);
+        }
+        let done = Done {
+            step_s,
+            whole_s: sample.step_s,
+            ahead_s: sample.step_s - to_s,
+            motion,
+            acceleration_m_per_s2: acceleration,
+            end_velocity_m_per_s,
+            start_force_n,
+            chain_force_n: arrival.force_n,
+            piston_m,
+            piston_travel_m,
+            piston_velocity_m_per_s: arrival.piston_velocity_m_per_s,
+            deflection_m,
+            half_clearance_m,
+            temperature_degc: state.temperature_degc,
+        };
+        Tried { arrival, creep_m, done }
+    }
+
+    /// Takes a piece as done and returns the force at its end, not yet delayed.
+    fn finish(&self, state: &mut DamperState, tried: &Tried) -> f64 {
+        let Tried { arrival, creep_m, done } = tried;
+        state.creep_m = *creep_m;
+        state.arrive(arrival, done.motion);
+        let mut force_n = arrival.force_n;
+        for (effect, memory) in self.effects.iter().zip(state.memory.iter_mut()) {
+            effect.remember(&self.nominal, memory, done);
+            force_n = effect.output(memory, done, force_n);
+            for value in memory.iter_mut() {
+                *value = without_tiny(*value);
+            }
+        }
+        force_n
+    }
+
+    fn solve(
+        &self,
+        law: &Law,
+        stand: Stand,
+        drive: Drive,
+        step_s: f64,
+        creep: Creep,
+        start_force_n: f64,
+    ) -> Arrival {
+        if self.creeps {
+            implicit::advance_with_creep(law, stand, drive, step_s, creep, start_force_n)
+        } else {
+            series::advance(law, stand, drive, step_s)
+        }
+    }
+
+    fn creep(&self, state: &DamperState, start_force_n: f64, step_s: f64) -> Creep {
+        let mut creep = Creep::NONE;
+        if self.creeps {
+            for (effect, memory) in self.effects.iter().zip(&state.memory) {
+                creep = creep.plus(effect.creep(&self.nominal, memory, start_force_n, step_s));
+            }
+        }
+        creep
+    }
+
+    /// The instant that stands for the piece: its middle where the chain is slow, its end where the
+    /// chain has forgotten the beginning by then.
+    fn instant(&self, state: &DamperState, stand: Stand, drive: Drive, step_s: f64) -> Instant {
+        let time_s = series::weight_of_step(&self.law, stand, step_s);
+        let Drive { velocity_m_per_s: velocity, acceleration_m_per_s2: acceleration } = drive;
+        Instant {
+            motion: Motion {
+                displacement_m: state.motion.displacement_m
+                    + time_s * (velocity + 0.5 * acceleration * time_s),
+                velocity_m_per_s: velocity + acceleration * time_s,
+            },
+            piston_m: state.piston_m() + time_s * state.piston_velocity_m_per_s,
+            piston_velocity_m_per_s: state.piston_velocity_m_per_s,
+            since_s: time_s,
+            piston_travel_m: time_s * state.piston_velocity_m_per_s,
+            temperature_degc: state.temperature_degc,
+        }
+    }
+
+    fn factors(&self, state: &DamperState, at: &Instant) -> Factors {
+        let mut factors = Factors::NONE;
+        for (effect, memory) in self.effects.iter().zip(&state.memory) {
+            effect.slow(at, memory, &mut factors);
+        }
+        factors
+    }
+
+    /// Reads the force with the attachment as it is at the end of the piece: with the frozen one, a
+    /// stiffness that changes would leave the force half a step behind.
+    fn read_attachment(&self, state: &DamperState, arrival: &mut Arrival, at: &Instant) {
+        let factors = self.factors(state, at);
+        if factors.compliance_gain != 1.0 || factors.added_half_clearance_m != 0.0 {
+            let deflection_m = arrival.stand.deflection_m;
+            arrival.force_n = law::attachment_force_n(&self.parts, &factors, deflection_m);
+        }
+    }
+}
