@@ -10,6 +10,7 @@
 pub mod bench_visit;
 pub mod error;
 pub mod guiding_force;
+pub mod identify;
 pub mod measurement;
 pub mod series_model;
 pub mod spectrum;

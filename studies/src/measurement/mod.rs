@@ -1,6 +1,8 @@
 //! Measured records of a damper on a bench, ready for a model: one uniform clock, velocity and
 //! acceleration beside the displacement, cycles marked.
 
+mod motion;
+
 use std::path::PathBuf;
 
 /// One test: what the bench did to the damper, and the force it answered with.

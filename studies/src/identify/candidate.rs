@@ -1,0 +1,41 @@
+//! The effects of the catalogue as candidates on the records at hand.
+
+use super::grey_box::GreyBox;
+use super::tests_at_hand::TestsAtHand;
+use firmware_core::damper::effects::{CATALOGUE, EffectInfo};
+
+/// An effect that may be missing, with start values for its parameters.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// The effect.
+    pub effect: &'static EffectInfo,
+    /// Start values in the order of its table; the usual ones first.
+    pub starts: Vec<Vec<f64>>,
+}
+
+/// All candidates that the model does not have yet and that the sampling rate can hold.
+pub fn candidates(model: &GreyBox, tests: &TestsAtHand) -> Vec<Candidate> {
+    let has = |info: &EffectInfo| model.effects.iter().any(|effect| effect.name == info.name);
+    let rate_hz = rate_hz(tests);
+    CATALOGUE
+        .iter()
+        .filter(|info| !has(info) && info.needs_rate_hz <= rate_hz)
+        .map(|effect| {
+            let usual: Vec<f64> =
+                effect.parameters.iter().map(|row| row.usual(&tests.scale)).collect();
+            let further = effect.starts.iter().map(|start| {
+                let pairs = start.iter().zip(effect.parameters);
+                pairs.map(|(share, row)| share * row.unit.natural(&tests.scale)).collect()
+            });
+            let starts = std::iter::once(usual).chain(further).collect();
+            Candidate { effect, starts }
+        })
+        .collect()
+}
+
+/// The lowest sampling rate of the records, Hz.
+pub fn rate_hz(tests: &TestsAtHand) -> f64 {
+    let rates = tests.tests.iter().map(|test| 1.0 / test.record.step_s);
+    // A rate that a time column in milliseconds rounds is the rate.
+    rates.fold(f64::INFINITY, f64::min) * (1.0 + 1e-6)
+}

@@ -1,0 +1,120 @@
+//! Unbounded coordinates for bounded parameters, so that a solver for free ones can be used.
+//!
+//! ```text
+//! spread   lower > 0, upper / lower large     ln t = ln lower + L / (1 + e^-u),  L = ln(upper / lower)
+//! from 0   lower = 0                          t = s ln(1 + e^u), capped at upper
+//! between                                     t = lower + (upper - lower) / (1 + e^-u)
+//! ```
+//!
+//! with s a tenth of the usual value: nearly linear in what matters, and never flat at zero.
+
+/// How one parameter is written for the solver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Coordinate {
+    /// Over several decades.
+    Spread {
+        /// Logarithm of the lower bound.
+        ln_lower: f64,
+        /// Logarithm of upper over lower bound.
+        ln_ratio: f64,
+    },
+    /// From zero upwards.
+    FromZero {
+        /// Where it turns from exponential to linear.
+        bend: f64,
+        /// Upper bound.
+        upper: f64,
+    },
+    /// Between two bounds.
+    Between {
+        /// Lower bound.
+        lower: f64,
+        /// Upper bound.
+        upper: f64,
+    },
+}
+
+/// Ratio of bounds from which a parameter is spread over decades.
+const SPREAD: f64 = 30.0;
+/// A coordinate stays within this, or numbers vanish.
+const FAR: f64 = 30.0;
+
+impl Coordinate {
+    /// The coordinate for bounds and a usual size above zero.
+    pub fn new(lower: f64, upper: f64, usual: f64) -> Self {
+        if lower == 0.0 {
+            Self::FromZero { bend: 0.1 * usual.abs(), upper }
+        } else if lower > 0.0 && upper / lower > SPREAD {
+            Self::Spread { ln_lower: libm::log(lower), ln_ratio: libm::log(upper / lower) }
+        } else {
+            Self::Between { lower, upper }
+        }
+    }
+
+    /// The parameter at a coordinate.
+    pub fn value(&self, u: f64) -> f64 {
+        let u = u.clamp(-FAR, 1e9);
+        match *self {
+            Self::Spread { ln_lower, ln_ratio } => libm::exp(ln_lower + ln_ratio * logistic(u)),
+            Self::FromZero { bend, upper } => {
+                let rise = if u > 30.0 { u } else { libm::log1p(libm::exp(u)) };
+                (bend * rise).min(upper)
+            }
+            Self::Between { lower, upper } => lower + (upper - lower) * logistic(u),
+        }
+    }
+
+    /// The coordinate of a parameter; values on or beyond a bound are taken just inside it.
+    pub fn at(&self, value: f64) -> f64 {
+        let between = |share: f64| {
+            let share = share.clamp(1e-6, 1.0 - 1e-6);
+            libm::log(share / (1.0 - share))
+        };
+        match *self {
+            Self::Spread { ln_lower, ln_ratio } => {
+                between((libm::log(value.max(1e-300)) - ln_lower) / ln_ratio)
+            }
+            Self::FromZero { bend, upper } => {
+                let rise = (value.clamp(0.0, upper) / bend).max(1e-6);
+                if rise > 30.0 { rise } else { libm::log(libm::expm1(rise)) }
+            }
+            Self::Between { lower, upper } => between((value - lower) / (upper - lower)),
+        }
+    }
+
+    /// Change of the parameter per change of the coordinate.
+    pub fn slope(&self, u: f64) -> f64 {
+        let step = 1e-5;
+        (self.value(u + step) - self.value(u - step)) / (2.0 * step)
+    }
+}
+
+fn logistic(u: f64) -> f64 {
+    1.0 / (1.0 + libm::exp(-u))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_and_back() {
+        for (lower, upper, usual, values) in [
+            (1e-5, 100.0, 0.01, [2e-5, 0.01, 50.0]),
+            (0.0, 1.0, 0.05, [1e-4, 0.05, 0.9]),
+            (-1.0, 1.0, 0.05, [-0.9, 0.0, 0.5]),
+            (1.0, 10.0, 1.3, [1.01, 1.3, 9.0]),
+        ] {
+            let coordinate = Coordinate::new(lower, upper, usual);
+            for value in values {
+                let back = coordinate.value(coordinate.at(value));
+                assert!((back - value).abs() < 1e-9 * value.abs().max(1e-3), "{value} {back}");
+                assert!(coordinate.slope(coordinate.at(value)) > 0.0);
+            }
+            for u in [-1e12, -40.0, 0.0, 40.0, 1e12] {
+                let value = coordinate.value(u);
+                assert!(value >= lower && value <= upper, "{u}: {value}");
+            }
+        }
+    }
+}

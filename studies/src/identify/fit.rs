@@ -1,0 +1,235 @@
+//! Least squares on free-running simulation: Levenberg-Marquardt in free coordinates.
+//!
+//! The sum of squares runs over the counted samples of chosen pieces. Derivatives are differences
+//! of simulations, one per parameter and test, side by side on all cores; sums are formed in the
+//! order of tests, so the result does not depend on how many cores there are.
+
+use super::grey_box::GreyBox;
+use super::simulation::{simulate, start_deflection_m};
+use super::tests_at_hand::TestsAtHand;
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use nalgebra::storage::Owned;
+use nalgebra::{DMatrix, DVector, Dyn};
+use rayon::prelude::*;
+
+/// Step of a derivative, in a free coordinate.
+const DERIVATIVE_STEP: f64 = 2e-4;
+/// Most evaluations, in multiples of the number of parameters plus one.
+const PATIENCE: usize = 12;
+
+/// A model fitted to records.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The model.
+    pub model: GreyBox,
+    /// Its parameters.
+    pub values: Vec<f64>,
+    /// Deflection of the attachment at the start of every test, m.
+    pub starts_m: Vec<f64>,
+    /// Simulated force of every test, N, run-in included.
+    pub force_n: Vec<Vec<f64>>,
+    /// Sum of squared errors of every piece, N2.
+    pub squares_n2: Vec<f64>,
+}
+
+impl Fit {
+    /// A model as it is, simulated on every test.
+    pub fn of(model: &GreyBox, values: &[f64], tests: &TestsAtHand) -> Option<Self> {
+        let damper = model.damper(values)?;
+        let runs: Vec<(f64, Vec<f64>)> = tests
+            .tests
+            .par_iter()
+            .map(|test| {
+                let start_m = start_deflection_m(&damper, test);
+                (start_m, simulate(&damper, test, start_m))
+            })
+            .collect();
+        let (starts_m, force_n): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
+        let squares_n2 = squares_of(tests, &force_n);
+        let model = model.clone();
+        Some(Self { model, values: values.to_vec(), starts_m, force_n, squares_n2 })
+    }
+
+    /// Sum over all pieces, N2.
+    pub fn total_n2(&self) -> f64 {
+        self.squares_n2.iter().sum()
+    }
+
+    /// Measured less simulated force of a test, N.
+    pub fn residual_n(&self, tests: &TestsAtHand, test: usize) -> Vec<f64> {
+        let measured = &tests.tests[test].record.force_n;
+        measured.iter().zip(&self.force_n[test]).map(|(y, f)| y - f).collect()
+    }
+}
+
+/// Sum of squared errors of every piece.
+pub fn squares_of(tests: &TestsAtHand, force_n: &[Vec<f64>]) -> Vec<f64> {
+    let squares = tests.pieces.iter().map(|piece| {
+        let range = piece.samples.clone();
+        let measured = &tests.tests[piece.test].record.force_n[range.clone()];
+        let pairs = measured.iter().zip(&force_n[piece.test][range]);
+        pairs.map(|(y, f)| (y - f) * (y - f)).sum()
+    });
+    squares.collect()
+}
+
+/// Fits the free parameters of a model, from given values. `held` parameters keep theirs.
+pub fn fit(
+    model: &GreyBox,
+    from: &[f64],
+    held: &[usize],
+    tests: &TestsAtHand,
+    rounds: usize,
+) -> Option<Fit> {
+    let mut best = Fit::of(model, from, tests)?;
+    for round in 0..rounds {
+        let before = best.total_n2();
+        let fitted = descend(&best, held, tests)?;
+        let gained = before - fitted.total_n2();
+        if gained > 0.0 {
+            best = fitted;
+        }
+        // A new start of the dashpots may open the way further.
+        if round + 1 < rounds && gained < 1e-4 * before {
+            break;
+        }
+    }
+    Some(best)
+}
+
+/// One run of the solver with the starts of the dashpots as they are.
+fn descend(from: &Fit, held: &[usize], tests: &TestsAtHand) -> Option<Fit> {
+    let free = from.model.free(&from.values);
+    let moved: Vec<usize> = (0..free.len()).filter(|i| !held.contains(i)).collect();
+    let problem = Problem::new(&from.model, &free, moved, &from.starts_m, tests);
+    let solver = LevenbergMarquardt::new()
+        .with_ftol(1e-7)
+        .with_xtol(1e-7)
+        .with_gtol(1e-9)
+        .with_stepbound(10.0)
+        .with_patience(PATIENCE);
+    let (problem, _) = solver.minimize(problem);
+    let values = from.model.values(&problem.free);
+    Fit::of(&from.model, &values, tests)
+}
+
+struct Problem<'a> {
+    model: &'a GreyBox,
+    tests: &'a TestsAtHand,
+    starts_m: &'a [f64],
+    moved: Vec<usize>,
+    free: Vec<f64>,
+    force_n: Option<Vec<Vec<f64>>>,
+}
+
+impl<'a> Problem<'a> {
+    fn new(
+        model: &'a GreyBox,
+        free: &[f64],
+        moved: Vec<usize>,
+        starts_m: &'a [f64],
+        tests: &'a TestsAtHand,
+    ) -> Self {
+        let free = free.to_vec();
+        let force_n = forces(model, &model.values(&free), starts_m, tests);
+        Self { model, tests, starts_m, moved, free, force_n }
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
+    type ParameterStorage = Owned<f64, Dyn>;
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+
+    fn set_params(&mut self, params: &DVector<f64>) {
+        for (index, value) in self.moved.iter().zip(params.iter()) {
+            self.free[*index] = *value;
+        }
+        let values = self.model.values(&self.free);
+        self.force_n = forces(self.model, &values, self.starts_m, self.tests);
+    }
+
+    fn params(&self) -> DVector<f64> {
+        DVector::from_iterator(self.moved.len(), self.moved.iter().map(|i| self.free[*i]))
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        let samples = self.tests.counted_samples();
+        let Some(force_n) = &self.force_n else {
+            // No such damper: as wrong as can be, so that the solver turns back.
+            return Some(DVector::from_element(samples, 10.0 * self.tests.scale.force_n));
+        };
+        let values = self.tests.pieces.iter().flat_map(|piece| {
+            let range = piece.samples.clone();
+            let measured = &self.tests.tests[piece.test].record.force_n[range.clone()];
+            force_n[piece.test][range].iter().zip(measured).map(|(f, y)| f - y)
+        });
+        Some(DVector::from_iterator(samples, values))
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let force_n = self.force_n.as_ref()?;
+        let columns =
+            slopes(self.model, &self.free, &self.moved, force_n, self.starts_m, self.tests);
+        let samples = self.tests.counted_samples();
+        let mut matrix = DMatrix::zeros(samples, self.moved.len());
+        for (mut column, slope) in matrix.column_iter_mut().zip(&columns) {
+            let values = self.tests.pieces.iter().flat_map(|piece| {
+                slope[piece.test][piece.samples.clone()].iter()
+            });
+            for (entry, value) in column.iter_mut().zip(values) {
+                *entry = *value;
+            }
+        }
+        Some(matrix)
+    }
+}
+
+/// Simulated force of every test.
+pub fn forces(
+    model: &GreyBox,
+    values: &[f64],
+    starts_m: &[f64],
+    tests: &TestsAtHand,
+) -> Option<Vec<Vec<f64>>> {
+    let damper = model.damper(values)?;
+    let pairs = tests.tests.par_iter().zip(starts_m);
+    Some(pairs.map(|(test, start_m)| simulate(&damper, test, *start_m)).collect())
+}
+
+/// Change of force per change of each moved free coordinate: by parameter, by test, by sample.
+pub fn slopes(
+    model: &GreyBox,
+    free: &[f64],
+    moved: &[usize],
+    force_n: &[Vec<f64>],
+    starts_m: &[f64],
+    tests: &TestsAtHand,
+) -> Vec<Vec<Vec<f64>>> {
+    let count = tests.tests.len();
+    let dampers: Vec<_> = moved
+        .iter()
+        .map(|&index| {
+            // Away from where no damper is, if the first side has none.
+            [DERIVATIVE_STEP, -DERIVATIVE_STEP].into_iter().find_map(|step| {
+                let mut shifted = free.to_vec();
+                shifted[index] += step;
+                model.damper(&model.values(&shifted)).map(|damper| (damper, step))
+            })
+        })
+        .collect();
+    let flat: Vec<Vec<f64>> = (0..moved.len() * count)
+        .into_par_iter()
+        .map(|job| {
+            let (parameter, test) = (job / count, job % count);
+            let base = &force_n[test];
+            let Some((damper, step)) = &dampers[parameter] else {
+                return vec![0.0; base.len()];
+            };
+            let shifted = simulate(damper, &tests.tests[test], starts_m[test]);
+            shifted.iter().zip(base).map(|(there, here)| (there - here) / step).collect()
+        })
+        .collect();
+    let mut flat = flat.into_iter();
+    moved.iter().map(|_| flat.by_ref().take(count).collect()).collect()
+}

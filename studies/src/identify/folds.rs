@@ -1,0 +1,166 @@
+//! What a fitted model says of pieces that it has not seen.
+//!
+//! For every piece the model is refitted without it, warm: from the fit to all pieces, damped
+//! Gauss-Newton steps on the others with the sensitivities of that fit and fresh simulations,
+//!
+//! ```text
+//! u <- u + (sum_(k != i) J_k' J_k + l diag)^-1 sum_(k != i) J_k' r_k(u)
+//! ```
+//!
+//! each kept only if the others' squared error falls. The left-out piece is then simulated,
+//! free-running, with the parameters found without it.
+
+use super::fit::Fit;
+use super::gram::Gram;
+use super::screening::Standing;
+use super::simulation::simulate;
+use super::tests_at_hand::{Piece, TestsAtHand};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Steps of a fold's refit.
+const STEPS: usize = 5;
+/// Longest step in a free coordinate.
+const LONGEST_STEP: f64 = 1.0;
+/// A fold is done when a step gains less than this share.
+const DONE: f64 = 1e-4;
+
+/// Predictions of pieces by a model that has not seen them.
+#[derive(Debug, Clone)]
+pub struct LeftOut {
+    /// Force over the samples of each piece, N.
+    pub force_n: Vec<Vec<f64>>,
+    /// Sum of squared errors of each piece, N2.
+    pub squares_n2: Vec<f64>,
+    /// Sum of squared errors of the others, for each piece, after the refit to them, N2.
+    pub seen_squares_n2: Vec<f64>,
+}
+
+impl LeftOut {
+    /// Leaves out every piece in turn.
+    pub fn of(standing: &Standing, tests: &TestsAtHand) -> Option<Self> {
+        let folds: Option<Vec<(Vec<f64>, f64, f64)>> = (0..tests.pieces.len())
+            .into_par_iter()
+            .map(|out| fold(standing, out, tests))
+            .collect();
+        let folds = folds?;
+        let mut result =
+            Self { force_n: Vec::new(), squares_n2: Vec::new(), seen_squares_n2: Vec::new() };
+        for (force_n, squares, seen) in folds {
+            result.force_n.push(force_n);
+            result.squares_n2.push(squares);
+            result.seen_squares_n2.push(seen);
+        }
+        Some(result)
+    }
+
+    /// Sum over all pieces, N2.
+    pub fn total_n2(&self) -> f64 {
+        self.squares_n2.iter().sum()
+    }
+
+    /// Squared errors block by block, N2, in order of pieces and time.
+    pub fn block_squares(&self, tests: &TestsAtHand) -> Vec<f64> {
+        let mut sums = Vec::new();
+        for (piece, force_n) in tests.pieces.iter().zip(&self.force_n) {
+            let test = &tests.tests[piece.test];
+            for block in &test.blocks {
+                let range = block.start.max(piece.samples.start)..block.end.min(piece.samples.end);
+                if range.is_empty() {
+                    continue;
+                }
+                let model = range.start - piece.samples.start..range.end - piece.samples.start;
+                let pairs = test.record.force_n[range].iter().zip(&force_n[model]);
+                sums.push(pairs.map(|(y, f)| (y - f) * (y - f)).sum());
+            }
+        }
+        sums
+    }
+}
+
+/// Force on the left-out piece, its squared error, and that of the others.
+fn fold(standing: &Standing, out: usize, tests: &TestsAtHand) -> Option<(Vec<f64>, f64, f64)> {
+    let fit = &standing.fit;
+    let seen: Vec<&Piece> =
+        tests.pieces.iter().enumerate().filter(|(k, _)| *k != out).map(|(_, p)| p).collect();
+    let mut force_n = fit.force_n.clone();
+    let mut squares: f64 = seen.iter().map(|piece| squares_on(&force_n, piece, tests)).sum();
+    let mut free = DVector::from_vec(fit.model.free(&fit.values));
+    let products = Gram::sum(
+        seen.iter().map(|piece| gram(standing, &force_n, piece, tests)).collect::<Vec<_>>().iter(),
+    )?;
+    let mut gram_now = products;
+    let mut damping = 1e-6;
+    for _ in 0..STEPS {
+        let mut step = gram_now.damped(damping).solve();
+        let longest = step.amax();
+        if longest > LONGEST_STEP {
+            step *= LONGEST_STEP / longest;
+        }
+        let tried = &free + &step;
+        let Some(damper) = fit.model.damper(&fit.model.values(tried.as_slice())) else {
+            damping *= 100.0;
+            continue;
+        };
+        let mut tried_n = force_n.clone();
+        for (index, test) in tests.tests.iter().enumerate() {
+            if seen.iter().any(|piece| piece.test == index) {
+                tried_n[index] = simulate(&damper, test, fit.starts_m[index]);
+            }
+        }
+        let tried_squares: f64 =
+            seen.iter().map(|piece| squares_on(&tried_n, piece, tests)).sum();
+        if tried_squares >= squares {
+            damping *= 100.0;
+            continue;
+        }
+        let gained = 1.0 - tried_squares / squares;
+        (free, force_n, squares) = (tried, tried_n, tried_squares);
+        if gained < DONE {
+            break;
+        }
+        for (index, piece) in seen.iter().enumerate() {
+            let residual = gram(standing, &force_n, piece, tests).residual;
+            gram_now.residual = if index == 0 { residual } else { gram_now.residual + residual };
+        }
+    }
+    let piece = &tests.pieces[out];
+    let damper = fit.model.damper(&fit.model.values(free.as_slice()))?;
+    let whole = simulate(&damper, &tests.tests[piece.test], fit.starts_m[piece.test]);
+    force_n[piece.test] = whole;
+    let error = squares_on(&force_n, piece, tests);
+    Some((force_n[piece.test][piece.samples.clone()].to_vec(), error, squares))
+}
+
+fn squares_on(force_n: &[Vec<f64>], piece: &Piece, tests: &TestsAtHand) -> f64 {
+    let measured = &tests.tests[piece.test].record.force_n[piece.samples.clone()];
+    let pairs = force_n[piece.test][piece.samples.clone()].iter().zip(measured);
+    pairs.map(|(f, y)| (y - f) * (y - f)).sum()
+}
+
+/// Sensitivities of the fit over a piece, with the residual of the given forces.
+fn gram(standing: &Standing, force_n: &[Vec<f64>], piece: &Piece, tests: &TestsAtHand) -> Gram {
+    let range = piece.samples.clone();
+    let columns: Vec<&[f64]> =
+        standing.slopes.iter().map(|slope| &slope[piece.test][range.clone()]).collect();
+    let measured = &tests.tests[piece.test].record.force_n[range.clone()];
+    let pairs = measured.iter().zip(&force_n[piece.test][range]);
+    let residual: Vec<f64> = pairs.map(|(y, f)| y - f).collect();
+    Gram::over(&columns, &residual)
+}
+
+/// Share of the change that a richer model makes which falls on each piece.
+pub fn change_shares(from: &Fit, to: &Fit, tests: &TestsAtHand) -> Vec<f64> {
+    let changes: Vec<f64> = tests
+        .pieces
+        .iter()
+        .map(|piece| {
+            let range = piece.samples.clone();
+            let pairs =
+                from.force_n[piece.test][range.clone()].iter().zip(&to.force_n[piece.test][range]);
+            pairs.map(|(a, b)| (a - b) * (a - b)).sum()
+        })
+        .collect();
+    let sum: f64 = changes.iter().sum();
+    changes.iter().map(|change| if sum > 0.0 { change / sum } else { 0.0 }).collect()
+}

@@ -1,0 +1,132 @@
+//! Normal equations piece by piece: what least squares needs to know of a set of columns, so that
+//! pieces can be left out without looking at samples again.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Products of columns with each other and with a residual, over one piece.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gram {
+    /// Columns times columns.
+    pub columns: DMatrix<f64>,
+    /// Columns times residual.
+    pub residual: DVector<f64>,
+    /// Residual times residual.
+    pub squares: f64,
+}
+
+impl Gram {
+    /// Over equally long columns and residual.
+    pub fn over(columns: &[&[f64]], residual: &[f64]) -> Self {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let count = columns.len();
+        let mut products = DMatrix::zeros(count, count);
+        for row in 0..count {
+            for column in 0..=row {
+                let value = dot(columns[row], columns[column]);
+                products[(row, column)] = value;
+                products[(column, row)] = value;
+            }
+        }
+        let residual_products = columns.iter().map(|column| dot(column, residual));
+        let residual_products = DVector::from_iterator(count, residual_products);
+        Self { columns: products, residual: residual_products, squares: dot(residual, residual) }
+    }
+
+    /// The sum of several pieces, in their order.
+    pub fn sum<'a>(pieces: impl Iterator<Item = &'a Self>) -> Option<Self> {
+        pieces.fold(None, |sum: Option<Self>, piece| match sum {
+            None => Some(piece.clone()),
+            Some(sum) => Some(Self {
+                columns: sum.columns + &piece.columns,
+                residual: sum.residual + &piece.residual,
+                squares: sum.squares + piece.squares,
+            }),
+        })
+    }
+
+    /// Coefficients of least squares, directions that the columns do not hold left at zero.
+    pub fn solve(&self) -> DVector<f64> {
+        let count = self.columns.nrows();
+        let scale = DVector::from_fn(count, |i, _| {
+            let length = self.columns[(i, i)].sqrt();
+            if length > 0.0 { 1.0 / length } else { 0.0 }
+        });
+        let scaled = DMatrix::from_fn(count, count, |i, j| self.columns[(i, j)] * scale[i] * scale[j]);
+        let right = self.residual.component_mul(&scale);
+        let eigen = scaled.symmetric_eigen();
+        let rotated = eigen.eigenvectors.tr_mul(&right);
+        let largest = eigen.eigenvalues.max();
+        let solved = DVector::from_fn(count, |i, _| {
+            let value = eigen.eigenvalues[i];
+            if value > SMALLEST_SHARE * largest { rotated[i] / value } else { 0.0 }
+        });
+        (eigen.eigenvectors * solved).component_mul(&scale)
+    }
+
+    /// With a share of every column's own weight added: steps along weak directions get short.
+    #[must_use]
+    pub fn damped(&self, share: f64) -> Self {
+        let mut damped = self.clone();
+        for i in 0..self.columns.nrows() {
+            damped.columns[(i, i)] *= 1.0 + share;
+        }
+        damped
+    }
+
+    /// How much the sum of squares falls when the given coefficients are used.
+    pub fn fall(&self, coefficients: &DVector<f64>) -> f64 {
+        2.0 * coefficients.dot(&self.residual) - coefficients.dot(&(&self.columns * coefficients))
+    }
+
+    /// The same without what the first `count` columns explain of the others and of the residual.
+    #[must_use]
+    pub fn without_first(&self, count: usize) -> Self {
+        let rest = self.columns.nrows() - count;
+        let first = Self {
+            columns: self.columns.view((0, 0), (count, count)).into_owned(),
+            residual: self.residual.rows(0, count).into_owned(),
+            squares: self.squares,
+        };
+        let explain = |right: DVector<f64>| Self { residual: right, ..first.clone() }.solve();
+        let cross = self.columns.view((0, count), (count, rest)).into_owned();
+        let of_residual = explain(first.residual.clone());
+        let mut columns = self.columns.view((count, count), (rest, rest)).into_owned();
+        for j in 0..rest {
+            let of_column = explain(cross.column(j).into_owned());
+            for i in 0..rest {
+                columns[(i, j)] -= cross.column(i).dot(&of_column);
+            }
+        }
+        let residual = self.residual.rows(count, rest) - cross.tr_mul(&of_residual);
+        Self { columns, residual, squares: self.squares - first.fall(&of_residual) }
+    }
+}
+
+/// Directions with less than this share of the strongest one's weight are taken as not there.
+const SMALLEST_SHARE: f64 = 1e-11;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn least_squares_by_hand() {
+        // y = 2 x + 1 through three points, with a residual that no line explains.
+        let (ones, x, y) = ([1.0, 1.0, 1.0], [0.0, 1.0, 2.0], [1.5, 2.0, 5.5]);
+        let gram = Gram::over(&[&ones, &x], &y);
+        let line = gram.solve();
+        assert!((line[0] - 1.0).abs() < 1e-12 && (line[1] - 2.0).abs() < 1e-12);
+        assert!((gram.squares - gram.fall(&line) - 1.5).abs() < 1e-12);
+        let slope_only = gram.without_first(1);
+        assert!((slope_only.solve()[0] - 2.0).abs() < 1e-12);
+        assert!((slope_only.squares - 9.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn repeated_column_changes_nothing() {
+        let (ones, y) = ([1.0, 1.0, 1.0], [1.0, 2.0, 6.0]);
+        let gram = Gram::over(&[&ones, &ones], &y);
+        let halves = gram.solve();
+        assert!((halves[0] + halves[1] - 3.0).abs() < 1e-9, "{halves}");
+    }
+}

@@ -1,0 +1,183 @@
+//! Screening: which effects could explain the residual, to first order.
+//!
+//! Each candidate is added at its start values and simulated once, and once more per parameter. What
+//! it changes, less what the parameters of the standing model can do themselves (projection onto the
+//! complement of their sensitivities), is compared with the residual:
+//!
+//! ```text
+//! r = S a + D b + rest        gain = fall of the sum of squares by D beyond S
+//! ```
+//!
+//! once plainly and once whitened by the colour of the residual. The same projection says how much
+//! of an effect the nominal parameters absorb: what they absorb wholly, no record here can show.
+
+use super::candidate::Candidate;
+use super::colour::Colour;
+use super::fit::{Fit, slopes};
+use super::gram::Gram;
+use super::simulation::simulate;
+use super::tests_at_hand::TestsAtHand;
+use rayon::prelude::*;
+
+/// The standing model, ready to be compared with candidates.
+#[derive(Debug, Clone)]
+pub struct Standing {
+    /// The model as fitted.
+    pub fit: Fit,
+    /// Sensitivities: by parameter, test, sample.
+    pub slopes: Vec<Vec<Vec<f64>>>,
+    /// Residual of every test.
+    pub residual_n: Vec<Vec<f64>>,
+    /// Colour of every test's residual.
+    pub colours: Vec<Colour>,
+}
+
+impl Standing {
+    /// Prepares a fitted model.
+    pub fn new(fit: Fit, tests: &TestsAtHand) -> Self {
+        let free = fit.model.free(&fit.values);
+        let moved: Vec<usize> = (0..free.len()).collect();
+        let slopes = slopes(&fit.model, &free, &moved, &fit.force_n, &fit.starts_m, tests);
+        let residual_n: Vec<Vec<f64>> =
+            (0..tests.tests.len()).map(|test| fit.residual_n(tests, test)).collect();
+        let colours = tests
+            .tests
+            .iter()
+            .zip(&residual_n)
+            .map(|(test, residual)| Colour::of(&residual[test.counted()]))
+            .collect();
+        Self { fit, slopes, residual_n, colours }
+    }
+}
+
+/// One candidate at one of its start values, to first order.
+#[derive(Debug, Clone)]
+pub struct Screened {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Index of its start values.
+    pub start: usize,
+    /// Normal equations of every piece: sensitivities of the model first, then the effect's columns.
+    plain: Vec<Gram>,
+    /// The same whitened.
+    white: Vec<Gram>,
+    /// Columns that belong to the standing model.
+    own: usize,
+}
+
+impl Screened {
+    /// Share of the sum of squares that the effect would take away, over all pieces but one.
+    pub fn gain(&self, without: Option<usize>) -> f64 {
+        share(&self.plain, self.own, without)
+    }
+
+    /// The same of the whitened residual.
+    pub fn whitened_gain(&self, without: Option<usize>) -> f64 {
+        share(&self.white, self.own, without)
+    }
+
+    /// Norm of the effect that the model's own parameters leave over, as a share of its whole norm.
+    pub fn unabsorbed(&self) -> f64 {
+        let Some(all) = Gram::sum(self.plain.iter()) else { return 0.0 };
+        let whole = all.columns[(self.own, self.own)];
+        let left = all.without_first(self.own).columns[(0, 0)];
+        if whole > 0.0 { (left.max(0.0) / whole).sqrt() } else { 0.0 }
+    }
+
+    /// How many standard errors the effect would stand out at its start values.
+    pub fn standing_out(&self) -> f64 {
+        let Some(all) = Gram::sum(self.white.iter()) else { return 0.0 };
+        all.without_first(self.own).columns[(0, 0)].max(0.0).sqrt()
+    }
+}
+
+fn share(pieces: &[Gram], own: usize, without: Option<usize>) -> f64 {
+    let kept = pieces.iter().enumerate().filter(|(index, _)| Some(*index) != without);
+    let Some(sum) = Gram::sum(kept.map(|(_, piece)| piece)) else { return 0.0 };
+    let rest = sum.without_first(own);
+    if rest.squares > 0.0 { rest.fall(&rest.solve()) / rest.squares } else { 0.0 }
+}
+
+/// Screens every candidate at every start.
+pub fn screen(
+    standing: &Standing,
+    candidates: &[Candidate],
+    tests: &TestsAtHand,
+) -> Vec<Screened> {
+    let jobs: Vec<(usize, usize)> = candidates
+        .iter()
+        .enumerate()
+        .flat_map(|(index, candidate)| (0..candidate.starts.len()).map(move |s| (index, s)))
+        .collect();
+    let white_own: Vec<Vec<Vec<f64>>> = (0..standing.slopes.len())
+        .into_par_iter()
+        .map(|parameter| {
+            let by_test = standing.slopes[parameter].iter().zip(&standing.colours);
+            by_test.map(|(slope, colour)| colour.whitened(slope)).collect()
+        })
+        .collect();
+    let white_residual: Vec<Vec<f64>> = standing
+        .residual_n
+        .iter()
+        .zip(&standing.colours)
+        .map(|(residual, colour)| colour.whitened(residual))
+        .collect();
+    jobs.par_iter()
+        .filter_map(|&(candidate, start)| {
+            screen_one(
+                standing,
+                (&white_own, &white_residual),
+                &candidates[candidate],
+                (candidate, start),
+                tests,
+            )
+        })
+        .collect()
+}
+
+fn screen_one(
+    standing: &Standing,
+    (white_own, white_residual): (&[Vec<Vec<f64>>], &[Vec<f64>]),
+    candidate: &Candidate,
+    (index, start): (usize, usize),
+    tests: &TestsAtHand,
+) -> Option<Screened> {
+    let fit = &standing.fit;
+    let model = fit.model.with(candidate.effect, &tests.scale);
+    let mut values = fit.values.clone();
+    values.extend(&candidate.starts[start]);
+    let free = model.free(&values);
+    let own = fit.values.len();
+    let mut dampers = vec![model.damper(&values)?];
+    for parameter in own..values.len() {
+        let mut shifted = free.clone();
+        shifted[parameter] += 1e-3;
+        dampers.push(model.damper(&model.values(&shifted))?);
+    }
+    let mut plain = Vec::with_capacity(tests.pieces.len());
+    let mut white = Vec::with_capacity(tests.pieces.len());
+    for (t, test) in tests.tests.iter().enumerate() {
+        let forces: Vec<Vec<f64>> =
+            dampers.iter().map(|damper| simulate(damper, test, fit.starts_m[t])).collect();
+        let less = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>();
+        let mut effect = vec![less(&forces[0], &fit.force_n[t])];
+        effect.extend(forces[1..].iter().map(|force| less(force, &forces[0])));
+        let colour = &standing.colours[t];
+        let white_effect: Vec<Vec<f64>> =
+            effect.iter().map(|column| colour.whitened(column)).collect();
+        for piece in tests.pieces.iter().filter(|piece| piece.test == t) {
+            let range = piece.samples.clone();
+            let of = |own: &[Vec<Vec<f64>>], effect: &[Vec<f64>], residual: &[f64]| {
+                let columns: Vec<&[f64]> = own
+                    .iter()
+                    .map(|slope| &slope[t][range.clone()])
+                    .chain(effect.iter().map(|column| &column[range.clone()]))
+                    .collect();
+                Gram::over(&columns, &residual[range.clone()])
+            };
+            plain.push(of(&standing.slopes, &effect, &standing.residual_n[t]));
+            white.push(of(white_own, &white_effect, &white_residual[t]));
+        }
+    }
+    Some(Screened { candidate: index, start, plain, white, own })
+}

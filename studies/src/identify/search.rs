@@ -1,0 +1,370 @@
+//! The search: which effects are missing, one after the other.
+//!
+//! 1. Screen every candidate against the residual of the standing model ([`super::screening`]).
+//! 2. Fit the best few together with all other parameters, free-running ([`super::trial`]).
+//! 3. Accept the one with the smallest error on pieces left out if everything speaks for it:
+//!    gain there and on the pieces seen, four in five pieces improved or unchanged, significance
+//!    with the number of candidates counted in, parameters off their bounds, and the same choice
+//!    made again without each piece.
+//! 4. Name the rivals that the records cannot tell from it. Start again, up to four effects.
+//!
+//! What an earlier effect stood in for may have been found since: after every acceptance each
+//! earlier one is dropped if the model predicts as well without it.
+
+use super::candidate::{Candidate, candidates};
+use super::fit::{Fit, fit};
+use super::grey_box::GreyBox;
+use super::screening::{Screened, screen};
+use super::tests_at_hand::TestsAtHand;
+use super::trial::{Evidence, Judged, Trial, evidence, try_candidate};
+
+/// Most effects that are accepted.
+pub const MOST_EFFECTS: usize = 4;
+/// Smallest relevant share of squared error that an effect takes away, seen and left out.
+const LEAST_GAIN: f64 = 0.03;
+/// Pieces that must be improved or unchanged.
+const LEAST_IMPROVED: f64 = 0.8;
+/// Pieces without which the same choice must be made.
+const LEAST_AGREEMENT: f64 = 0.8;
+/// Largest probability of a chance finding among all candidates.
+const LARGEST_P: f64 = 0.01;
+/// Standard errors by which a rival's error on left-out blocks must be larger to be told apart.
+const MARGIN: f64 = 2.5;
+/// A candidate that screens below this share is not fitted.
+const LEAST_SCREENED: f64 = 0.005;
+/// Candidates fitted per round, by plain and by whitened gain.
+const FITTED: (usize, usize) = (4, 2);
+/// Start values of a candidate that are fitted.
+const STARTS: usize = 2;
+/// Nominal parameters absorb an effect of which they leave less than this share.
+const LEAST_UNABSORBED: f64 = 0.01;
+/// An effect that stands out by fewer standard errors at its usual size does not show.
+const LEAST_STANDING_OUT: f64 = 1.0;
+
+/// An effect that was found missing.
+#[derive(Debug, Clone)]
+pub struct Accepted {
+    /// Its name.
+    pub name: &'static str,
+    /// What spoke for it when it was accepted.
+    pub evidence: Evidence,
+    /// Effects that the records cannot tell from it.
+    pub alternatives: Vec<&'static str>,
+}
+
+/// A candidate that was not accepted.
+#[derive(Debug, Clone)]
+pub struct Rejected {
+    /// Its name.
+    pub name: &'static str,
+    /// Why.
+    pub why: String,
+    /// Share of squared error on left-out pieces that it would take away, if it was fitted.
+    pub holdout_gain: Option<f64>,
+}
+
+/// An effect that these records cannot show.
+#[derive(Debug, Clone)]
+pub struct NotTestable {
+    /// Its name.
+    pub name: &'static str,
+    /// Why.
+    pub why: String,
+    /// The test that would show it.
+    pub test_that_would: &'static str,
+}
+
+/// What the search found.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The nominal model, refitted.
+    pub refitted: Judged,
+    /// The model with everything that was accepted.
+    pub with_effects: Judged,
+    /// The accepted effects, in the order of the model.
+    pub accepted: Vec<Accepted>,
+    /// The others, by their error on left-out pieces.
+    pub rejected: Vec<Rejected>,
+    /// Those that cannot show here.
+    pub not_testable: Vec<NotTestable>,
+    /// Candidates that were screened in the first round.
+    pub screened: usize,
+}
+
+/// Searches from a fitted nominal model. `progress` is told what is being done.
+pub fn search(nominal: Fit, tests: &TestsAtHand, progress: &dyn Fn(&str)) -> Option<Found> {
+    let refitted = Judged::new(nominal, tests)?;
+    let mut standing = refitted.clone();
+    let mut accepted: Vec<Accepted> = Vec::new();
+    let mut not_testable: Option<Vec<NotTestable>> = None;
+    let mut rejected = Vec::new();
+    let mut screened_first = 0;
+    loop {
+        progress("screening");
+        let tried = candidates(&standing.standing.fit.model, tests);
+        let screened = screen(&standing.standing, &tried, tests);
+        let hidden = hidden(&tried, &screened, tests);
+        if not_testable.is_none() {
+            screened_first = tried.len();
+        }
+        let shown: Vec<usize> =
+            (0..tried.len()).filter(|index| !hidden.iter().any(|(i, _)| i == index)).collect();
+        not_testable.get_or_insert(hidden.into_iter().map(|(_, hidden)| hidden).collect());
+        let short_list = short_list(&screened, &shown, tests);
+        let mut trials: Vec<Trial> = Vec::new();
+        for (index, starts) in &short_list {
+            progress(tried[*index].effect.name);
+            trials.extend(try_candidate(&standing, &tried[*index], (*index, starts), tests));
+        }
+        trials.sort_by(|a, b| a.judged.left_out.total_n2().total_cmp(&b.judged.left_out.total_n2()));
+        let winner = if accepted.len() < MOST_EFFECTS {
+            choose(&standing, &trials, &tried, tests)
+        } else {
+            None
+        };
+        let Some((winner, alternatives)) = winner else {
+            rejected.extend(rejections(&standing, &trials, &tried, &shown, &screened, tests));
+            break;
+        };
+        let trial = &trials[winner];
+        accepted.push(Accepted {
+            name: tried[trial.candidate].effect.name,
+            evidence: corrected(&trial.evidence, shown.len()),
+            alternatives: alternatives.iter().map(|i| tried[trials[*i].candidate].effect.name).collect(),
+        });
+        standing = trial.judged.clone();
+        standing = drop_idle(standing, &mut accepted, tests, progress);
+    }
+    Some(Found {
+        refitted,
+        with_effects: standing,
+        accepted,
+        rejected,
+        not_testable: not_testable.unwrap_or_default(),
+        screened: screened_first,
+    })
+}
+
+fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {
+    Evidence { p_value: (evidence.p_value * candidates as f64).min(1.0), ..*evidence }
+}
+
+/// Candidates that the records cannot show, with the reason.
+fn hidden(
+    tried: &[Candidate],
+    screened: &[Screened],
+    tests: &TestsAtHand,
+) -> Vec<(usize, NotTestable)> {
+    let mut hidden = Vec::new();
+    for (index, candidate) in tried.iter().enumerate() {
+        let starts = || screened.iter().filter(|screened| screened.candidate == index);
+        let unabsorbed = starts().map(Screened::unabsorbed).fold(0.0, f64::max);
+        let standing_out = starts().map(Screened::standing_out).fold(0.0, f64::max);
+        let why = if starts().next().is_none() {
+            "no damper of this size has it".to_owned()
+        } else if standing_out == 0.0 {
+            "nothing in these records calls on it".to_owned()
+        } else if unabsorbed < LEAST_UNABSORBED {
+            format!(
+                "the other parameters do the same: {:.2} % of it is left after their refit",
+                100.0 * unabsorbed
+            )
+        } else if standing_out < LEAST_STANDING_OUT {
+            format!("at its usual size it stands out by {standing_out:.2} standard errors")
+        } else {
+            continue;
+        };
+        let name = candidate.effect.name;
+        let test_that_would = candidate.effect.shown_by;
+        hidden.push((index, NotTestable { name, why, test_that_would }));
+    }
+    let _ = tests;
+    hidden
+}
+
+/// The candidates worth a fit, each with its best start values; chosen again without every piece.
+fn short_list(
+    screened: &[Screened],
+    shown: &[usize],
+    tests: &TestsAtHand,
+) -> Vec<(usize, Vec<usize>)> {
+    let ranked = |gain: &dyn Fn(&Screened) -> f64| {
+        let mut best: Vec<(f64, usize)> = shown
+            .iter()
+            .filter_map(|index| {
+                let starts = screened.iter().filter(|s| s.candidate == *index);
+                starts.map(gain).max_by(f64::total_cmp).map(|gain| (gain, *index))
+            })
+            .filter(|(gain, _)| *gain > LEAST_SCREENED)
+            .collect();
+        best.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        best
+    };
+    let mut listed: Vec<usize> = Vec::new();
+    let mut list = |ranked: Vec<(f64, usize)>, count: usize| {
+        for (_, index) in ranked.into_iter().take(count) {
+            if !listed.contains(&index) {
+                listed.push(index);
+            }
+        }
+    };
+    list(ranked(&|s| s.gain(None)), FITTED.0);
+    list(ranked(&|s| s.whitened_gain(None)), FITTED.1);
+    for piece in 0..tests.pieces.len() {
+        list(ranked(&|s| s.gain(Some(piece))), 1);
+    }
+    let starts_of = |index: usize| {
+        let mut starts: Vec<&Screened> =
+            screened.iter().filter(|s| s.candidate == index).collect();
+        starts.sort_by(|a, b| b.gain(None).total_cmp(&a.gain(None)));
+        starts.iter().take(STARTS).map(|s| s.start).collect()
+    };
+    listed.into_iter().map(|index| (index, starts_of(index))).collect()
+}
+
+/// The trial to accept, with the trials that cannot be told from it.
+fn choose(
+    standing: &Judged,
+    trials: &[Trial],
+    tried: &[Candidate],
+    tests: &TestsAtHand,
+) -> Option<(usize, Vec<usize>)> {
+    let fit_for_it: Vec<usize> = (0..trials.len())
+        .filter(|index| objection(standing, &trials[*index], tried.len(), tests).is_none())
+        .collect();
+    let best = *fit_for_it.first()?;
+    let alike: Vec<usize> = fit_for_it
+        .iter()
+        .copied()
+        .filter(|index| !told_apart(&trials[best], &trials[*index], tests))
+        .collect();
+    // Among equals the one with the fewest parameters.
+    let parameters = |index: &usize| tried[trials[*index].candidate].effect.parameters.len();
+    let winner = alike.iter().copied().min_by_key(|index| (parameters(index), *index))?;
+    let agreeing = (0..tests.pieces.len())
+        .filter(|piece| {
+            let seen = |index: &usize| trials[*index].judged.left_out.seen_squares_n2[*piece];
+            let first = (0..trials.len()).min_by(|a, b| seen(a).total_cmp(&seen(b)));
+            first.is_some_and(|first| alike.contains(&first))
+        })
+        .count();
+    if (agreeing as f64) < LEAST_AGREEMENT * tests.pieces.len() as f64 {
+        return None;
+    }
+    Some((winner, alike.into_iter().filter(|index| *index != winner).collect()))
+}
+
+/// Why a trial cannot be accepted, if anything speaks against it.
+fn objection(
+    standing: &Judged,
+    trial: &Trial,
+    candidates: usize,
+    tests: &TestsAtHand,
+) -> Option<String> {
+    let Evidence { holdout_gain, improved, p_value } = trial.evidence;
+    let before = standing.standing.fit.total_n2();
+    let seen_gain = 1.0 - trial.judged.standing.fit.total_n2() / before;
+    let p = (p_value * candidates as f64).min(1.0);
+    if seen_gain < LEAST_GAIN || holdout_gain < LEAST_GAIN {
+        let gain = 100.0 * seen_gain.min(holdout_gain);
+        return Some(format!("takes away {gain:.2} % of the squared error, less than 3 %"));
+    }
+    if improved < LEAST_IMPROVED {
+        let share = 100.0 * improved;
+        return Some(format!("improves or leaves unchanged only {share:.0} % of the tests"));
+    }
+    if p > LARGEST_P {
+        return Some(format!("may be chance: p = {p:.3} with all candidates counted"));
+    }
+    let _ = tests;
+    at_a_bound(trial).map(|name| format!("{name} runs to its bound"))
+}
+
+/// The first parameter of the newest effect that ends on an upper bound, or on a lower one above
+/// zero that no ratio starts at.
+fn at_a_bound(trial: &Trial) -> Option<&'static str> {
+    let fit = &trial.judged.standing.fit;
+    let effect = fit.model.effects.len() - 1;
+    let range = fit.model.range_of(effect);
+    let rows = fit.model.effects[effect].parameters;
+    let free = fit.model.free(&fit.values);
+    rows.iter()
+        .zip(&free[range])
+        .find(|(row, u)| **u > 12.0 && row.lower < 0.0 || row.lower < 0.0 && **u < -12.0)
+        .map(|(row, _)| row.name)
+}
+
+/// True when the second trial is worse on left-out blocks by more than its scatter.
+fn told_apart(best: &Trial, rival: &Trial, tests: &TestsAtHand) -> bool {
+    if best.candidate == rival.candidate {
+        return false;
+    }
+    let ours = best.judged.left_out.block_squares(tests);
+    let theirs = rival.judged.left_out.block_squares(tests);
+    let differences: Vec<f64> = ours.iter().zip(&theirs).map(|(a, b)| b - a).collect();
+    let sum: f64 = differences.iter().sum();
+    let scatter = differences.iter().map(|d| d * d).sum::<f64>().sqrt();
+    let relevant = sum > LEAST_GAIN * best.judged.left_out.total_n2();
+    relevant && sum > MARGIN * scatter
+}
+
+/// Drops earlier effects that the newest one has made idle.
+fn drop_idle(
+    mut standing: Judged,
+    accepted: &mut Vec<Accepted>,
+    tests: &TestsAtHand,
+    progress: &dyn Fn(&str),
+) -> Judged {
+    let mut index = 0;
+    while accepted.len() > 1 && index + 1 < accepted.len() {
+        progress(accepted[index].name);
+        let fitted = &standing.standing.fit;
+        let mut model = GreyBox::nominal(&tests.scale);
+        let mut values = fitted.values[..5].to_vec();
+        for (k, effect) in fitted.model.effects.iter().enumerate() {
+            if k != index {
+                model = model.with(effect, &tests.scale);
+                values.extend(&fitted.values[fitted.model.range_of(k)]);
+            }
+        }
+        let without = fit(&model, &values, &[], tests, 2).and_then(|fit| Judged::new(fit, tests));
+        let idle = without.as_ref().is_some_and(|without| {
+            let gain = evidence(without, &standing, tests).holdout_gain;
+            let seen = 1.0 - fitted.total_n2() / without.standing.fit.total_n2();
+            gain < LEAST_GAIN || seen < LEAST_GAIN
+        });
+        if let (true, Some(without)) = (idle, without) {
+            standing = without;
+            accepted.remove(index);
+        } else {
+            index += 1;
+        }
+    }
+    standing
+}
+
+fn rejections(
+    standing: &Judged,
+    trials: &[Trial],
+    tried: &[Candidate],
+    shown: &[usize],
+    screened: &[Screened],
+    tests: &TestsAtHand,
+) -> Vec<Rejected> {
+    let mut rejected: Vec<Rejected> = trials
+        .iter()
+        .map(|trial| {
+            let why = objection(standing, trial, tried.len(), tests)
+                .unwrap_or_else(|| "another choice is made when a test is left out".to_owned());
+            let name = tried[trial.candidate].effect.name;
+            Rejected { name, why, holdout_gain: Some(trial.evidence.holdout_gain) }
+        })
+        .collect();
+    for index in shown.iter().filter(|i| trials.iter().all(|trial| trial.candidate != **i)) {
+        let gains = screened.iter().filter(|s| s.candidate == *index).map(|s| s.gain(None));
+        let gain = 100.0 * gains.fold(0.0, f64::max);
+        let why = format!("screened out: to first order it explains {gain:.2} % of what is left");
+        rejected.push(Rejected { name: tried[*index].effect.name, why, holdout_gain: None });
+    }
+    rejected
+}

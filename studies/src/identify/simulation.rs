@@ -1,0 +1,80 @@
+//! Free-running simulation of a test: measured displacement in, force out, never a measured force.
+//!
+//! Where the dashpot stood at the first sample is not in the record. It is the one number that is
+//! taken from the run-in: the deflection of the attachment for which the model follows the measured
+//! force best there. The run-in is counted in no error, so nothing that is counted has been seen.
+
+use super::tests_at_hand::Test;
+use firmware_core::damper::{Damper, DamperState, Motion};
+
+/// Points of the first, coarse search for the start of the dashpot.
+const COARSE: i32 = 4;
+/// Halvings of its step afterwards.
+const HALVINGS: usize = 8;
+
+/// Force of a damper through a whole test, N, from a deflection of its attachment at the start, m.
+pub fn simulate(damper: &Damper, test: &Test, deflection_m: f64) -> Vec<f64> {
+    let mut force_n = vec![0.0; test.record.force_n.len()];
+    simulate_into(damper, test, deflection_m, &mut force_n);
+    force_n
+}
+
+/// Fills `force_n` with the force at the first samples of a test; `damper` is prepared for its step.
+fn simulate_into(damper: &Damper, test: &Test, deflection_m: f64, force_n: &mut [f64]) {
+    let record = &test.record;
+    let step_s = test.model_step_s();
+    let damper = damper.clone().prepared(step_s);
+    let motion = |i: usize| Motion::new(record.displacement_m[i], record.velocity_m_per_s[i]);
+    let mut state = DamperState::starting(motion(0))
+        .with_piston_m(record.displacement_m[0] - deflection_m);
+    for (i, force) in force_n.iter_mut().enumerate() {
+        if i == 0 {
+            *force = damper.advance(&mut state, motion(0), 1e-9);
+            continue;
+        }
+        for k in 1..test.substeps {
+            let (x, v) = record.motion_between(i - 1, k as f64 / test.substeps as f64);
+            damper.advance(&mut state, Motion::new(x, v), step_s);
+        }
+        *force = damper.advance(&mut state, motion(i), step_s);
+    }
+}
+
+/// The start of the dashpot that suits the run-in best: deflection of the attachment, m.
+pub fn start_deflection_m(damper: &Damper, test: &Test) -> f64 {
+    let record = &test.record;
+    let run_in = record.run_in.min(record.force_n.len());
+    if run_in < 2 {
+        return 0.0;
+    }
+    let nominal = damper.nominal();
+    let largest = record.force_n[..run_in].iter().fold(0.0, |m: f64, f| m.max(f.abs()));
+    let reach = 0.5 * nominal.clearance_2a_m + 0.5 * largest / nominal.ke_n_per_m;
+    let mut force_n = vec![0.0; run_in];
+    let mut error_at = |deflection_m: f64| {
+        simulate_into(damper, test, deflection_m, &mut force_n);
+        let pairs = force_n.iter().zip(&record.force_n);
+        pairs.map(|(model, measured)| (model - measured) * (model - measured)).sum::<f64>()
+    };
+    let mut step = reach / f64::from(COARSE);
+    let mut best = (0.0, error_at(0.0));
+    for k in 1..=COARSE {
+        for side in [-1.0, 1.0] {
+            let at = side * step * f64::from(k);
+            let error = error_at(at);
+            if error < best.1 {
+                best = (at, error);
+            }
+        }
+    }
+    for _ in 0..HALVINGS {
+        step *= 0.5;
+        for at in [best.0 - step, best.0 + step] {
+            let error = error_at(at);
+            if error < best.1 {
+                best = (at, error);
+            }
+        }
+    }
+    best.0
+}

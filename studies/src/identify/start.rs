@@ -1,0 +1,59 @@
+//! Where the fit of the nominal damper starts: a coarse grid over everything possible, then a fit of
+//! the best few on the beginnings of the tests.
+
+use super::fit::{Fit, fit};
+use super::grey_box::GreyBox;
+use super::tests_at_hand::TestsAtHand;
+use firmware_core::damper::effects::Scale;
+use rayon::prelude::*;
+
+/// How much of each test the search looks at, s, after the run-in.
+const BEGINNING_S: f64 = 2.0;
+/// Grid points that are fitted.
+const FITTED: usize = 6;
+
+/// The nominal damper, fitted from many starts; `given` are start values from a datasheet.
+pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Fit> {
+    let beginnings = tests.beginnings(BEGINNING_S);
+    let model = GreyBox::nominal(&tests.scale);
+    let grid = grid(&tests.scale);
+    let mut tried: Vec<(f64, usize)> = grid
+        .par_iter()
+        .enumerate()
+        .filter_map(|(index, values)| {
+            let fit = Fit::of(&model, values, &beginnings)?;
+            Some((fit.total_n2(), index))
+        })
+        .collect();
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut starts: Vec<Vec<f64>> = given.iter().map(|values| values.to_vec()).collect();
+    starts.extend(tried.iter().take(FITTED).map(|(_, index)| grid[*index].clone()));
+    let mut fitted: Vec<Fit> = starts
+        .iter()
+        .filter_map(|start| fit(&model, start, &[], &beginnings, 2))
+        .collect();
+    fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
+    let whole = fitted.iter().take(2).filter_map(|start| fit(&model, &start.values, &[], tests, 3));
+    whole.min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))
+}
+
+fn grid(scale: &Scale) -> Vec<Vec<f64>> {
+    let ce = scale.force_n / scale.velocity_m_per_s;
+    let ke = scale.force_n / scale.displacement_m;
+    let mut grid = Vec::new();
+    for damping in [0.3, 1.0, 3.0, 10.0, 30.0] {
+        for stiffness in [1.0, 3.0, 10.0, 100.0] {
+            for relief in [0.5, 0.8, 3.0] {
+                for slope in [0.02, 0.2] {
+                    for clearance in [0.0, 0.2, 0.7] {
+                        let two_a = clearance * scale.displacement_m;
+                        let f_relief = relief * scale.force_n;
+                        let c2 = slope * ce * damping;
+                        grid.push(vec![damping * ce, stiffness * ke, two_a, f_relief, c2]);
+                    }
+                }
+            }
+        }
+    }
+    grid
+}

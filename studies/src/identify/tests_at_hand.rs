@@ -1,0 +1,184 @@
+//! The tests at hand: records as the models see them, cut into the pieces that errors are counted in.
+//!
+//! - A **piece** is what is left out at a time when models are judged: a whole test, or, with fewer
+//!   than four tests, a run of whole cycles with a guard gap to its neighbours.
+//! - A **block** is the smallest stretch whose errors are taken as independent of the next one's:
+//!   whole cycles of at least a quarter of a second together.
+//!
+//! The run-in of a test belongs to neither: no error counts it.
+
+use crate::measurement::Measurement;
+use firmware_core::damper::effects::Scale;
+use std::ops::Range;
+
+/// Longest step of a model between two samples, s.
+const LONGEST_STEP_S: f64 = 1e-3;
+/// Shortest block, s.
+const SHORTEST_BLOCK_S: f64 = 0.25;
+/// Fewest tests that are left out one by one.
+const FEWEST_WHOLE_TESTS: usize = 4;
+/// Pieces that fewer tests are cut into.
+const PIECES_OF_FEW_TESTS: usize = 6;
+
+/// Records ready for models.
+#[derive(Debug, Clone)]
+pub struct TestsAtHand {
+    /// The tests, in the order given.
+    pub tests: Vec<Test>,
+    /// Pieces, in order of tests and time.
+    pub pieces: Vec<Piece>,
+    /// True when every piece is a whole test.
+    pub whole_tests: bool,
+    /// The size of these records.
+    pub scale: Scale,
+}
+
+/// A record with the steps of the model in it.
+#[derive(Debug, Clone)]
+pub struct Test {
+    /// The record.
+    pub record: Measurement,
+    /// Model steps from sample to sample.
+    pub substeps: usize,
+    /// Blocks, in order of time.
+    pub blocks: Vec<Range<usize>>,
+}
+
+/// A stretch of a test that is left out as a whole.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Piece {
+    /// Index of the test.
+    pub test: usize,
+    /// Its samples.
+    pub samples: Range<usize>,
+}
+
+impl TestsAtHand {
+    /// Prepares records.
+    pub fn new(records: Vec<Measurement>) -> Self {
+        let scale = scale_of(&records);
+        let tests: Vec<Test> = records.into_iter().map(Test::new).collect();
+        let whole_tests = tests.len() >= FEWEST_WHOLE_TESTS;
+        let mut pieces = Vec::new();
+        for (index, test) in tests.iter().enumerate() {
+            if whole_tests {
+                pieces.push(Piece { test: index, samples: test.counted() });
+            } else {
+                let per_test = PIECES_OF_FEW_TESTS.div_ceil(tests.len());
+                pieces.extend(
+                    test.runs_of_blocks(per_test)
+                        .into_iter()
+                        .map(|samples| Piece { test: index, samples }),
+                );
+            }
+        }
+        Self { tests, pieces, whole_tests, scale }
+    }
+
+    /// Samples in all pieces.
+    pub fn counted_samples(&self) -> usize {
+        self.pieces.iter().map(|piece| piece.samples.len()).sum()
+    }
+
+    /// rms of the measured force over all pieces, N.
+    pub fn rms_force_n(&self) -> f64 {
+        let sum: f64 = self
+            .pieces
+            .iter()
+            .flat_map(|piece| &self.tests[piece.test].record.force_n[piece.samples.clone()])
+            .map(|force| force * force)
+            .sum();
+        (sum / self.counted_samples().max(1) as f64).sqrt()
+    }
+
+    /// The same tests cut short after their run-in: enough to look for start values.
+    #[must_use]
+    pub fn beginnings(&self, longest_s: f64) -> Self {
+        let records = self.tests.iter().map(|test| {
+            let record = &test.record;
+            let samples = (longest_s / record.step_s) as usize;
+            record.until(record.run_in + samples.max(20))
+        });
+        Self::new(records.collect())
+    }
+}
+
+impl Test {
+    fn new(record: Measurement) -> Self {
+        let substeps = (record.step_s / LONGEST_STEP_S - 1e-6).ceil().max(1.0) as usize;
+        let blocks = blocks_of(&record);
+        Self { record, substeps, blocks }
+    }
+
+    /// Step of the model, s.
+    pub fn model_step_s(&self) -> f64 {
+        self.record.step_s / self.substeps as f64
+    }
+
+    /// All samples but the run-in.
+    pub fn counted(&self) -> Range<usize> {
+        self.record.run_in..self.record.force_n.len()
+    }
+
+    /// About `count` runs of whole blocks, a block or a twentieth left out between neighbours.
+    fn runs_of_blocks(&self, count: usize) -> Vec<Range<usize>> {
+        let per_run = self.blocks.len().div_ceil(count).max(1);
+        let runs: Vec<&[Range<usize>]> = self.blocks.chunks(per_run).collect();
+        let last = runs.len().saturating_sub(1);
+        let mut ranges = Vec::new();
+        for (index, run) in runs.iter().enumerate() {
+            let (Some(first), Some(end)) = (run.first(), run.last()) else { continue };
+            let length = end.end - first.start;
+            let guard = if index == last { 0 } else { length / 20 };
+            ranges.push(first.start..end.end - guard);
+        }
+        ranges
+    }
+}
+
+fn blocks_of(record: &Measurement) -> Vec<Range<usize>> {
+    let counted = record.run_in..record.force_n.len();
+    let shortest = (SHORTEST_BLOCK_S / record.step_s).ceil() as usize;
+    let mut blocks = Vec::new();
+    let mut start = counted.start;
+    let cycles = record.cycles.iter().copied().filter(|&at| at > counted.start);
+    if record.cycles.len() < 3 {
+        let length = (2 * shortest).min(counted.len() / 4).max(1);
+        while start + length <= counted.end {
+            blocks.push(start..start + length);
+            start += length;
+        }
+    } else {
+        for at in cycles {
+            if at - start >= shortest {
+                blocks.push(start..at);
+                start = at;
+            }
+        }
+    }
+    match blocks.last_mut() {
+        // The rest joins the last block, so that no counted sample is in none.
+        Some(last) => last.end = counted.end,
+        None => blocks.push(counted),
+    }
+    blocks
+}
+
+/// Large force, velocity and displacement of records: the 98th percentiles of all samples.
+fn scale_of(records: &[Measurement]) -> Scale {
+    let large = |pick: &dyn Fn(&Measurement) -> Vec<f64>| {
+        let mut values: Vec<f64> = records.iter().flat_map(pick).map(f64::abs).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        let index = (0.98 * values.len() as f64) as usize;
+        values.get(index).copied().unwrap_or(0.0).max(1e-12)
+    };
+    Scale {
+        force_n: large(&|record| record.force_n.clone()),
+        velocity_m_per_s: large(&|record| record.velocity_m_per_s.clone()),
+        displacement_m: large(&|record| {
+            let n = record.displacement_m.len().max(1) as f64;
+            let mean = record.displacement_m.iter().sum::<f64>() / n;
+            record.displacement_m.iter().map(|x| x - mean).collect()
+        }),
+    }
+}

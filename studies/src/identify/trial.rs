@@ -1,0 +1,168 @@
+//! A candidate on trial: fitted together with the standing model, and judged on pieces that neither
+//! has seen.
+
+use super::candidate::Candidate;
+use super::fit::fit;
+use super::gram::Gram;
+use super::folds::{LeftOut, change_shares};
+use super::screening::Standing;
+use super::tests_at_hand::TestsAtHand;
+use rayon::prelude::*;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// A standing model with what it says of pieces left out.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// The model.
+    pub standing: Standing,
+    /// Its predictions of pieces left out.
+    pub left_out: LeftOut,
+}
+
+impl Judged {
+    /// Judges a fitted model.
+    pub fn new(fit: super::fit::Fit, tests: &TestsAtHand) -> Option<Self> {
+        let standing = Standing::new(fit, tests);
+        let left_out = LeftOut::of(&standing, tests)?;
+        Some(Self { standing, left_out })
+    }
+}
+
+/// The evidence for one effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Evidence {
+    /// Share of the squared error on left-out pieces that the effect takes away.
+    pub holdout_gain: f64,
+    /// Share of pieces that it improves or leaves as they are.
+    pub improved: f64,
+    /// Probability of such a gain without the effect, for one candidate.
+    pub p_value: f64,
+}
+
+/// A candidate fitted and judged.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// The model with it.
+    pub judged: Judged,
+    /// What speaks for it.
+    pub evidence: Evidence,
+}
+
+/// A piece may be worse by this share and still counts as unchanged.
+const UNCHANGED: f64 = 0.01;
+/// A piece that holds more than this share of all that a candidate changes cannot judge it: without
+/// the piece the candidate would not have been found.
+const LONE_SHARE: f64 = 0.98;
+
+/// Fits a candidate from the given starts and judges it against the model without it.
+pub fn try_candidate(
+    base: &Judged,
+    candidate: &Candidate,
+    (index, starts): (usize, &[usize]),
+    tests: &TestsAtHand,
+) -> Option<Trial> {
+    let standing = &base.standing;
+    let model = standing.fit.model.with(candidate.effect, &tests.scale);
+    let fits = starts.iter().filter_map(|start| {
+        let mut values = standing.fit.values.clone();
+        values.extend(&candidate.starts[*start]);
+        fit(&model, &values, &[], tests, 2)
+    });
+    let best = fits.min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))?;
+    let mut judged = Judged::new(best, tests)?;
+    let shares = change_shares(&standing.fit, &judged.standing.fit, tests);
+    for (piece, share) in shares.iter().enumerate() {
+        if *share > LONE_SHARE {
+            judged.left_out.force_n[piece].clone_from(&base.left_out.force_n[piece]);
+            judged.left_out.squares_n2[piece] = base.left_out.squares_n2[piece];
+        }
+    }
+    let evidence = evidence(base, &judged, tests);
+    Some(Trial { candidate: index, judged, evidence })
+}
+
+/// Compares a richer model with a poorer one on pieces that neither has seen.
+pub fn evidence(poorer: &Judged, richer: &Judged, tests: &TestsAtHand) -> Evidence {
+    let (before, after) = (&poorer.left_out, &richer.left_out);
+    let pairs = before.squares_n2.iter().zip(&after.squares_n2);
+    let improved = pairs.filter(|(b, a)| **a <= **b * (1.0 + UNCHANGED)).count();
+    Evidence {
+        holdout_gain: 1.0 - after.total_n2() / before.total_n2(),
+        improved: improved as f64 / tests.pieces.len() as f64,
+        p_value: p_value(poorer, richer, tests),
+    }
+}
+
+/// Probability that the change which the richer model makes goes along with the residual by chance.
+///
+/// The change d of a left-out piece comes from fits that have not seen it; what the poorer model's
+/// own parameters could do is projected out of it. So without the effect every block's sum of d r
+/// has mean zero, whatever the colour of the noise within blocks. Both are whitened first; the sum
+/// over blocks is compared with its own scatter.
+fn p_value(poorer: &Judged, richer: &Judged, tests: &TestsAtHand) -> f64 {
+    let own = &poorer.standing.slopes;
+    let whitened: Vec<(Vec<Vec<f64>>, Vec<f64>)> = tests
+        .pieces
+        .par_iter()
+        .enumerate()
+        .map(|(index, piece)| {
+            let colour = &richer.standing.colours[piece.test];
+            let range = piece.samples.clone();
+            let before = &poorer.left_out.force_n[index];
+            let after = &richer.left_out.force_n[index];
+            let change: Vec<f64> = after.iter().zip(before).map(|(a, b)| a - b).collect();
+            let mut columns: Vec<Vec<f64>> = own
+                .iter()
+                .map(|slope| colour.whitened(&slope[piece.test][range.clone()]))
+                .collect();
+            columns.push(colour.whitened(&change));
+            let residual = &poorer.standing.residual_n[piece.test][range];
+            (columns, colour.whitened(residual))
+        })
+        .collect();
+    let grams: Vec<Gram> = whitened
+        .iter()
+        .map(|(columns, _)| {
+            let views: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+            let (own, change) = views.split_at(own_count(columns));
+            Gram::over(own, change[0])
+        })
+        .collect();
+    let Some(whole) = Gram::sum(grams.iter()) else { return 1.0 };
+    let explained = whole.solve();
+    let mut scores = Vec::new();
+    for (piece, (columns, residual)) in tests.pieces.iter().zip(&whitened) {
+        let test = &tests.tests[piece.test];
+        for block in &test.blocks {
+            let range = block.start.max(piece.samples.start)..block.end.min(piece.samples.end);
+            if range.is_empty() {
+                continue;
+            }
+            let range = range.start - piece.samples.start..range.end - piece.samples.start;
+            let score: f64 = range
+                .map(|i| {
+                    let own = columns.iter().zip(explained.iter()).map(|(c, a)| a * c[i]);
+                    let change = columns[own_count(columns)][i] - own.sum::<f64>();
+                    change * residual[i]
+                })
+                .sum();
+            scores.push(score);
+        }
+    }
+    let scatter = scores.iter().map(|score| score * score).sum::<f64>().sqrt();
+    if scatter <= 0.0 || scores.len() < 2 {
+        return 1.0;
+    }
+    let t = scores.iter().sum::<f64>() / scatter;
+    match StudentsT::new(0.0, 1.0, (scores.len() - 1) as f64) {
+        Ok(distribution) => distribution.sf(t),
+        Err(_) => 1.0,
+    }
+}
+
+/// The change stands behind the columns of the poorer model.
+fn own_count(columns: &[Vec<f64>]) -> usize {
+    columns.len() - 1
+}

@@ -1,0 +1,34 @@
+//! Motion between samples, and records cut short.
+
+use super::Measurement;
+
+impl Measurement {
+    /// Displacement, m, and velocity, m/s, a share of the way from a sample to the next one: the
+    /// cubic through both displacements with both velocities.
+    pub fn motion_between(&self, sample: usize, share: f64) -> (f64, f64) {
+        let (x0, x1) = (self.displacement_m[sample], self.displacement_m[sample + 1]);
+        let (v0, v1) = (self.velocity_m_per_s[sample], self.velocity_m_per_s[sample + 1]);
+        let h = self.step_s;
+        let (bend_0, bend_1) = (h * v0 - (x1 - x0), -h * v1 + (x1 - x0));
+        let (s, r) = (share, 1.0 - share);
+        let x = r * x0 + s * x1 + s * r * (r * bend_0 + s * bend_1);
+        let dx = (x1 - x0) + (r - s) * (r * bend_0 + s * bend_1) + s * r * (bend_1 - bend_0);
+        (x, dx / h)
+    }
+
+    /// The record up to, not with, a sample.
+    #[must_use]
+    pub fn until(&self, end: usize) -> Self {
+        let end = end.min(self.force_n.len());
+        let cut = |values: &[f64]| values[..end].to_vec();
+        Self {
+            displacement_m: cut(&self.displacement_m),
+            velocity_m_per_s: cut(&self.velocity_m_per_s),
+            acceleration_m_per_s2: cut(&self.acceleration_m_per_s2),
+            force_n: cut(&self.force_n),
+            temperature_degc: self.temperature_degc.as_deref().map(cut),
+            cycles: self.cycles.iter().copied().filter(|at| *at <= end).collect(),
+            ..self.clone()
+        }
+    }
+}
