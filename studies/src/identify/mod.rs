@@ -7,6 +7,7 @@ pub mod fit;
 pub mod folds;
 pub mod gram;
 pub mod grey_box;
+pub mod left_over;
 pub mod screening;
 pub mod search;
 pub mod simulation;
