@@ -174,9 +174,11 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
         let samples = self.tests.counted_samples();
         let mut matrix = DMatrix::zeros(samples, self.moved.len());
         for (mut column, slope) in matrix.column_iter_mut().zip(&columns) {
-            let values = self.tests.pieces.iter().flat_map(|piece| {
-                slope[piece.test][piece.samples.clone()].iter()
-            });
+            let values = self
+                .tests
+                .pieces
+                .iter()
+                .flat_map(|piece| slope[piece.test][piece.samples.clone()].iter());
             for (entry, value) in column.iter_mut().zip(values) {
                 *entry = *value;
             }

@@ -39,10 +39,8 @@ pub struct LeftOut {
 impl LeftOut {
     /// Leaves out every piece in turn.
     pub fn of(standing: &Standing, tests: &TestsAtHand) -> Option<Self> {
-        let folds: Option<Vec<(Vec<f64>, f64, f64)>> = (0..tests.pieces.len())
-            .into_par_iter()
-            .map(|out| fold(standing, out, tests))
-            .collect();
+        let folds: Option<Vec<(Vec<f64>, f64, f64)>> =
+            (0..tests.pieces.len()).into_par_iter().map(|out| fold(standing, out, tests)).collect();
         let folds = folds?;
         let mut result =
             Self { force_n: Vec::new(), squares_n2: Vec::new(), seen_squares_n2: Vec::new() };
@@ -108,8 +106,7 @@ fn fold(standing: &Standing, out: usize, tests: &TestsAtHand) -> Option<(Vec<f64
                 tried_n[index] = simulate(&damper, test, fit.starts_m[index]);
             }
         }
-        let tried_squares: f64 =
-            seen.iter().map(|piece| squares_on(&tried_n, piece, tests)).sum();
+        let tried_squares: f64 = seen.iter().map(|piece| squares_on(&tried_n, piece, tests)).sum();
         if tried_squares >= squares {
             damping *= 100.0;
             continue;

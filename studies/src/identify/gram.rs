@@ -51,7 +51,8 @@ impl Gram {
             let length = self.columns[(i, i)].sqrt();
             if length > 0.0 { 1.0 / length } else { 0.0 }
         });
-        let scaled = DMatrix::from_fn(count, count, |i, j| self.columns[(i, j)] * scale[i] * scale[j]);
+        let scaled =
+            DMatrix::from_fn(count, count, |i, j| self.columns[(i, j)] * scale[i] * scale[j]);
         let right = self.residual.component_mul(&scale);
         let eigen = scaled.symmetric_eigen();
         let rotated = eigen.eigenvectors.tr_mul(&right);

@@ -49,11 +49,6 @@ impl GreyBox {
         wider
     }
 
-    /// Number of parameters.
-    pub fn len(&self) -> usize {
-        self.coordinates.len()
-    }
-
     /// Parameters of the given effect in the vector.
     pub fn range_of(&self, effect: usize) -> std::ops::Range<usize> {
         let before: usize = self.effects[..effect].iter().map(|e| e.parameters.len()).sum();

@@ -99,11 +99,7 @@ fn share(pieces: &[Gram], own: usize, without: Option<usize>) -> f64 {
 }
 
 /// Screens every candidate at every start.
-pub fn screen(
-    standing: &Standing,
-    candidates: &[Candidate],
-    tests: &TestsAtHand,
-) -> Vec<Screened> {
+pub fn screen(standing: &Standing, candidates: &[Candidate], tests: &TestsAtHand) -> Vec<Screened> {
     let jobs: Vec<(usize, usize)> = candidates
         .iter()
         .enumerate()

@@ -103,7 +103,7 @@ pub fn search(nominal: Fit, tests: &TestsAtHand, progress: &dyn Fn(&str)) -> Opt
         progress("screening");
         let tried = candidates(&standing.standing.fit.model, tests);
         let screened = screen(&standing.standing, &tried, tests);
-        let hidden = hidden(&tried, &screened, tests);
+        let hidden = hidden(&tried, &screened);
         if not_testable.is_none() {
             screened_first = tried.len();
         }
@@ -116,7 +116,8 @@ pub fn search(nominal: Fit, tests: &TestsAtHand, progress: &dyn Fn(&str)) -> Opt
             progress(tried[*index].effect.name);
             trials.extend(try_candidate(&standing, &tried[*index], (*index, starts), tests));
         }
-        trials.sort_by(|a, b| a.judged.left_out.total_n2().total_cmp(&b.judged.left_out.total_n2()));
+        trials
+            .sort_by(|a, b| a.judged.left_out.total_n2().total_cmp(&b.judged.left_out.total_n2()));
         let winner = if accepted.len() < MOST_EFFECTS {
             choose(&standing, &trials, &tried, tests)
         } else {
@@ -130,7 +131,10 @@ pub fn search(nominal: Fit, tests: &TestsAtHand, progress: &dyn Fn(&str)) -> Opt
         accepted.push(Accepted {
             name: tried[trial.candidate].effect.name,
             evidence: corrected(&trial.evidence, shown.len()),
-            alternatives: alternatives.iter().map(|i| tried[trials[*i].candidate].effect.name).collect(),
+            alternatives: alternatives
+                .iter()
+                .map(|i| tried[trials[*i].candidate].effect.name)
+                .collect(),
         });
         standing = trial.judged.clone();
         standing = drop_idle(standing, &mut accepted, tests, progress);
@@ -150,11 +154,7 @@ fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {
 }
 
 /// Candidates that the records cannot show, with the reason.
-fn hidden(
-    tried: &[Candidate],
-    screened: &[Screened],
-    tests: &TestsAtHand,
-) -> Vec<(usize, NotTestable)> {
+fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, NotTestable)> {
     let mut hidden = Vec::new();
     for (index, candidate) in tried.iter().enumerate() {
         let starts = || screened.iter().filter(|screened| screened.candidate == index);
@@ -178,7 +178,6 @@ fn hidden(
         let test_that_would = candidate.effect.shown_by;
         hidden.push((index, NotTestable { name, why, test_that_would }));
     }
-    let _ = tests;
     hidden
 }
 
@@ -214,8 +213,7 @@ fn short_list(
         list(ranked(&|s| s.gain(Some(piece))), 1);
     }
     let starts_of = |index: usize| {
-        let mut starts: Vec<&Screened> =
-            screened.iter().filter(|s| s.candidate == index).collect();
+        let mut starts: Vec<&Screened> = screened.iter().filter(|s| s.candidate == index).collect();
         starts.sort_by(|a, b| b.gain(None).total_cmp(&a.gain(None)));
         starts.iter().take(STARTS).map(|s| s.start).collect()
     };
@@ -276,22 +274,29 @@ fn objection(
     if p > LARGEST_P {
         return Some(format!("may be chance: p = {p:.3} with all candidates counted"));
     }
-    let _ = tests;
-    at_a_bound(trial).map(|name| format!("{name} runs to its bound"))
+    at_a_bound(trial, tests).map(|name| format!("{name} runs to its bound"))
 }
 
-/// The first parameter of the newest effect that ends on an upper bound, or on a lower one above
-/// zero that no ratio starts at.
-fn at_a_bound(trial: &Trial) -> Option<&'static str> {
+/// The first parameter of the newest effect that ends on a bound that only the impossible lies
+/// beyond, and whose value matters there.
+fn at_a_bound(trial: &Trial, tests: &TestsAtHand) -> Option<&'static str> {
     let fit = &trial.judged.standing.fit;
     let effect = fit.model.effects.len() - 1;
     let range = fit.model.range_of(effect);
     let rows = fit.model.effects[effect].parameters;
     let free = fit.model.free(&fit.values);
-    rows.iter()
-        .zip(&free[range])
-        .find(|(row, u)| **u > 12.0 && row.lower < 0.0 || row.lower < 0.0 && **u < -12.0)
-        .map(|(row, _)| row.name)
+    let error_n = (fit.total_n2() / tests.counted_samples() as f64).sqrt();
+    rows.iter().zip(range).find_map(|(row, index)| {
+        let (lower, upper) = row.bounds(&tests.scale);
+        let span = upper - lower;
+        let value = fit.values[index];
+        let beyond = value > upper - 1e-3 * span || (lower < 0.0 && value < lower + 1e-3 * span);
+        let slope = fit.model.coordinates()[index].slope(free[index]).max(1e-12 * span);
+        let columns = &trial.judged.standing.slopes[index];
+        let squares: f64 = columns.iter().flatten().map(|s| s * s).sum();
+        let moved_n = (squares / tests.counted_samples() as f64).sqrt() * 0.01 * span / slope;
+        (beyond && moved_n > 0.1 * error_n).then_some(row.name)
+    })
 }
 
 /// True when the second trial is worse on left-out blocks by more than its scatter.

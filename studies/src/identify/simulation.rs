@@ -25,8 +25,8 @@ fn simulate_into(damper: &Damper, test: &Test, deflection_m: f64, force_n: &mut 
     let step_s = test.model_step_s();
     let damper = damper.clone().prepared(step_s);
     let motion = |i: usize| Motion::new(record.displacement_m[i], record.velocity_m_per_s[i]);
-    let mut state = DamperState::starting(motion(0))
-        .with_piston_m(record.displacement_m[0] - deflection_m);
+    let mut state =
+        DamperState::starting(motion(0)).with_piston_m(record.displacement_m[0] - deflection_m);
     for (i, force) in force_n.iter_mut().enumerate() {
         if i == 0 {
             *force = damper.advance(&mut state, motion(0), 1e-9);

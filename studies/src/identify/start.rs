@@ -28,10 +28,8 @@ pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Fit> {
     tried.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut starts: Vec<Vec<f64>> = given.iter().map(|values| values.to_vec()).collect();
     starts.extend(tried.iter().take(FITTED).map(|(_, index)| grid[*index].clone()));
-    let mut fitted: Vec<Fit> = starts
-        .iter()
-        .filter_map(|start| fit(&model, start, &[], &beginnings, 2))
-        .collect();
+    let mut fitted: Vec<Fit> =
+        starts.iter().filter_map(|start| fit(&model, start, &[], &beginnings, 2)).collect();
     fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let whole = fitted.iter().take(2).filter_map(|start| fit(&model, &start.values, &[], tests, 3));
     whole.min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))

@@ -3,8 +3,8 @@
 
 use super::candidate::Candidate;
 use super::fit::fit;
-use super::gram::Gram;
 use super::folds::{LeftOut, change_shares};
+use super::gram::Gram;
 use super::screening::Standing;
 use super::tests_at_hand::TestsAtHand;
 use rayon::prelude::*;

@@ -80,8 +80,8 @@ impl Track {
         let step_s = test.model_step_s();
         let damper = damper.clone().prepared(step_s);
         let motion = |i: usize| Motion::new(record.displacement_m[i], record.velocity_m_per_s[i]);
-        let mut state = DamperState::starting(motion(0))
-            .with_piston_m(record.displacement_m[0] - start_m);
+        let mut state =
+            DamperState::starting(motion(0)).with_piston_m(record.displacement_m[0] - start_m);
         let samples = record.force_n.len();
         let mut dashpot = Vec::with_capacity(samples);
         let mut force = Vec::with_capacity(samples);

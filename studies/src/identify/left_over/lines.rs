@@ -69,8 +69,8 @@ fn line_of(residual_n: &[f64], rate_hz: f64, segment_s: f64) -> Option<(f64, f64
     let mut strongest: Option<(f64, f64)> = None;
     for k in first..density.len() - 1 {
         let near = |i: usize| i + SAME >= k && i <= k + SAME;
-        let range = k.saturating_sub(SURROUNDINGS).max(first)
-            ..(k + SURROUNDINGS).min(density.len() - 1);
+        let range =
+            k.saturating_sub(SURROUNDINGS).max(first)..(k + SURROUNDINGS).min(density.len() - 1);
         let mut around: Vec<f64> = range.filter(|i| !near(*i)).map(|i| density[i]).collect();
         around.sort_unstable_by(f64::total_cmp);
         let background = around[around.len() / 2] / median_share;

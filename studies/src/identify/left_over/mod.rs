@@ -93,10 +93,8 @@ impl LeftOver {
     fn judge(&self, tests: &TestsAtHand) -> Option<Unexplained> {
         let least = LEAST_SHARE_OF_FLOOR * self.noise_floor_n;
         let questions = (self.maps.len() + 1) as f64;
-        let mapped = self
-            .maps
-            .iter()
-            .find(|map| map.p_value * questions < LARGEST_P && map.rms_n > least);
+        let mapped =
+            self.maps.iter().find(|map| map.p_value * questions < LARGEST_P && map.rms_n > least);
         let repeats =
             self.repeat.p_value * questions < LARGEST_P && self.repeat.repeated_rms_n > least;
         let samples = tests.counted_samples() as f64;

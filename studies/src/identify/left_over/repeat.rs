@@ -1,18 +1,18 @@
 //! What repeats from cycle to cycle.
 //!
 //! Noise of different cycles is independent; what the model lacks comes again at the same phase. With
-//! r_i(phi) the residual of cycle i,
+//! `r_i` the residual of cycle i over its phase,
 //!
 //! ```text
 //! power that repeats = mean over pairs i, j of different cycles of <r_i, r_j>
 //! ```
 //!
-//! whatever shape it has, and half the mean square of r_(i+1) - r_i is the floor of noise, free of
+//! whatever shape it has, and half the mean square of `r_(i+1) - r_i` is the floor of noise, free of
 //! anything that repeats and of slow drift. Neighbouring cycles closer than the memory of ordinary
 //! noise make no pair.
 
-use crate::identify::tests_at_hand::TestsAtHand;
 use super::maps::one_sided;
+use crate::identify::tests_at_hand::TestsAtHand;
 
 /// Points of phase that a cycle is averaged into.
 const PHASES: usize = 256;
