@@ -1,4 +1,25 @@
 //! From measured records to the effect that a damper model lacks.
+//!
+//! ```text
+//! records -> nominal model refitted -> screening -> fit of the best few -> left-out tests -> accepted
+//!                                          ^                                                  |
+//!                                          +--------------------------------------------------+
+//! ```
+//!
+//! All models run on the damper of `firmware_core`, free-running from measured displacement: what is
+//! found here is what `run`, the rig emulator and the firmware use. The steps have a file each:
+//!
+//! | file | what |
+//! | --- | --- |
+//! | [`tests_at_hand`] | records cut into pieces to leave out and blocks that are independent |
+//! | [`grey_box`], [`coordinate`] | models as vectors of bounded parameters |
+//! | [`simulation`], [`fit`], [`start`] | free-running simulation, least squares, start values |
+//! | [`candidate`], [`screening`] | the catalogue against the residual, to first order |
+//! | [`trial`], [`folds`] | one candidate fitted and judged on what it has not seen |
+//! | [`search`] | acceptance, rivals, several effects |
+//! | [`left_over`] | is the rest noise? |
+//! | [`uncertainty`] | how well parameters are known |
+//! | [`identification`], [`result`] | the whole, and how it is written |
 
 pub mod candidate;
 pub mod colour;
@@ -7,10 +28,16 @@ pub mod fit;
 pub mod folds;
 pub mod gram;
 pub mod grey_box;
+pub mod identification;
 pub mod left_over;
+pub mod result;
 pub mod screening;
 pub mod search;
 pub mod simulation;
+pub mod split;
 pub mod start;
 pub mod tests_at_hand;
 pub mod trial;
+pub mod uncertainty;
+
+pub use identification::{Identification, IdentifyError, Question, identify};

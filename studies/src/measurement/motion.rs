@@ -16,6 +16,28 @@ impl Measurement {
         (x, dx / h)
     }
 
+    /// The record from a sample on; its own run-in is its first cycle, or a tenth.
+    #[must_use]
+    pub fn since(&self, start: usize) -> Self {
+        let start = start.min(self.force_n.len());
+        let cut = |values: &[f64]| values[start..].to_vec();
+        let cycles: Vec<usize> =
+            self.cycles.iter().filter(|at| **at >= start).map(|at| at - start).collect();
+        let left = self.force_n.len() - start;
+        let run_in = cycles.iter().copied().find(|at| *at > 0).unwrap_or(left / 10);
+        Self {
+            start_s: self.start_s + start as f64 * self.step_s,
+            displacement_m: cut(&self.displacement_m),
+            velocity_m_per_s: cut(&self.velocity_m_per_s),
+            acceleration_m_per_s2: cut(&self.acceleration_m_per_s2),
+            force_n: cut(&self.force_n),
+            temperature_degc: self.temperature_degc.as_deref().map(cut),
+            cycles,
+            run_in,
+            ..self.clone()
+        }
+    }
+
     /// The record up to, not with, a sample.
     #[must_use]
     pub fn until(&self, end: usize) -> Self {

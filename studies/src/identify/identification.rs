@@ -1,0 +1,361 @@
+//! The whole identification: records in, three models and the story of what was found out.
+
+use super::fit::Fit;
+use super::grey_box::{GreyBox, NOMINAL, vector_of};
+use super::left_over::{LeftOver, Unexplained};
+use super::result::{
+    EffectFound, EffectNotTestable, EffectRejected, Errors, EvidenceFound, IdentifyResult, Models,
+    NominalValue, ParameterValue, PerTest, UnexplainedPart, Verdict,
+};
+use super::search::{Found, search};
+use super::start::nominal_fit;
+use super::tests_at_hand::{Test, TestsAtHand};
+use super::uncertainty::uncertainty;
+use crate::measurement::Measurement;
+use firmware_core::damper::effects::CATALOGUE;
+use firmware_core::damper::{Damper, Nominal};
+
+/// What an identification starts from.
+#[derive(Debug, Clone)]
+pub struct Question {
+    /// Records to fit.
+    pub train: Vec<Measurement>,
+    /// Records that no fit sees.
+    pub holdout: Vec<Measurement>,
+    /// The maker's numbers, if there are any.
+    pub datasheet: Option<Nominal>,
+    /// What the reader should know of all this.
+    pub notes: Vec<String>,
+}
+
+/// An identification: everything that the result, the predictions and the report are made from.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// The tests that were fitted.
+    pub train: TestsAtHand,
+    /// The tests that no fit has seen.
+    pub holdout: TestsAtHand,
+    /// The three models on the training tests.
+    pub on_train: Models<Option<Fit>>,
+    /// The three models on the tests held out.
+    pub on_holdout: Models<Option<Fit>>,
+    /// What the search found.
+    pub found: Found,
+    /// The residual before any effect was added.
+    pub left_before: LeftOver,
+    /// The residual with all effects that were found.
+    pub left_after: LeftOver,
+    /// The result as it is written.
+    pub result: IdentifyResult,
+}
+
+/// Why there is no identification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IdentifyError {
+    /// No test has samples beyond its run-in.
+    NothingToFit,
+    /// No damper follows the records at all.
+    NoFit,
+}
+
+impl std::fmt::Display for IdentifyError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NothingToFit => write!(f, "no training test has samples beyond its run-in"),
+            Self::NoFit => write!(f, "no damper follows these records at all"),
+        }
+    }
+}
+
+impl std::error::Error for IdentifyError {}
+
+/// Finds what the nominal model lacks. `progress` is told what is being done.
+///
+/// # Errors
+/// Nothing to fit, or nothing fits.
+pub fn identify(
+    question: Question,
+    progress: &dyn Fn(&str),
+) -> Result<Identification, IdentifyError> {
+    let Question { train, holdout, datasheet, notes } = question;
+    let train = TestsAtHand::new(train);
+    let holdout = TestsAtHand::new(holdout);
+    if train.counted_samples() < 2 {
+        return Err(IdentifyError::NothingToFit);
+    }
+    progress("the nominal damper");
+    let given = datasheet.as_ref().map(vector_of);
+    let nominal = nominal_fit(&train, given.as_deref()).ok_or(IdentifyError::NoFit)?;
+    let found = search(nominal, &train, progress).ok_or(IdentifyError::NoFit)?;
+    progress("what is left");
+    let on = |tests: &TestsAtHand| Models {
+        datasheet: given
+            .as_ref()
+            .and_then(|values| Fit::of(&GreyBox::nominal(&train.scale), values, tests)),
+        refitted: of(&found.refitted.standing.fit, tests),
+        with_effects: of(&found.with_effects.standing.fit, tests),
+    };
+    let (on_train, on_holdout) = (on(&train), on(&holdout));
+    let left = |fit: &Fit| LeftOver::of(fit, &train).ok_or(IdentifyError::NoFit);
+    let left_before = left(&found.refitted.standing.fit)?;
+    let left_after = left(&found.with_effects.standing.fit)?;
+    let mut identification = Identification {
+        result: IdentifyResult {
+            verdict: verdict(&found, &left_after),
+            noise_floor_n: left_after.noise_floor_n,
+            noise_floor_method: left_after.noise_floor_method.to_owned(),
+            errors: Models { datasheet: None, refitted: None, with_effects: None },
+            per_test: Vec::new(),
+            nominal: nominal_values(&found, &train, datasheet.as_ref()),
+            effects: effects_found(&found, &train),
+            rejected: rejected(&found),
+            not_testable: not_testable(&found, &train),
+            unexplained: left_after.unexplained.as_ref().map(unexplained),
+            unexplained_before: left_before.unexplained.as_ref().map(unexplained),
+            notes,
+        },
+        train,
+        holdout,
+        on_train,
+        on_holdout,
+        found,
+        left_before,
+        left_after,
+    };
+    identification.result.errors = identification.errors();
+    identification.result.per_test = identification.per_test();
+    Ok(identification)
+}
+
+impl Identification {
+    /// The damper with everything that was found.
+    pub fn damper(&self) -> Option<Damper> {
+        let fit = &self.found.with_effects.standing.fit;
+        fit.model.damper(&fit.values)
+    }
+
+    fn errors(&self) -> Models<Option<Errors>> {
+        let of = |train: Option<&Fit>, holdout: Option<&Fit>| {
+            let train = rmse(train?, &self.train)?;
+            let held = holdout.and_then(|fit| rmse(fit, &self.holdout));
+            Some(Errors {
+                train_rmse_n: train,
+                holdout_rmse_n: held,
+                train_nrmse: train / self.train.rms_force_n(),
+                holdout_nrmse: held.map(|held| held / self.holdout.rms_force_n()),
+            })
+        };
+        self.on_train.zip_with(&self.on_holdout, of)
+    }
+
+    fn per_test(&self) -> Vec<PerTest> {
+        let rows = |tests: &TestsAtHand, models: &Models<Option<Fit>>, role| {
+            let each = tests.tests.iter().enumerate();
+            each.map(|(index, test)| {
+                let forces =
+                    models.map(|fit| fit.as_ref().map(|fit| fit.force_n[index].as_slice()));
+                PerTest {
+                    file: test.record.name.clone(),
+                    role,
+                    samples: test.counted().len(),
+                    run_in_samples: test.record.run_in,
+                    rmse_n: forces.map(|force| force.map(|force| rmse_of(test, force))),
+                    peak_force_error: forces.map(|force| peak_error(test, (*force)?)),
+                    work_per_cycle_error: forces.map(|force| work_error(test, (*force)?)),
+                }
+            })
+            .collect::<Vec<_>>()
+        };
+        let mut all = rows(&self.train, &self.on_train, "train");
+        all.extend(rows(&self.holdout, &self.on_holdout, "holdout"));
+        all
+    }
+}
+
+impl<T> Models<Option<T>> {
+    /// The same for each model.
+    pub fn map<'a, U>(&'a self, to: impl Fn(&'a Option<T>) -> U) -> Models<U> {
+        Models {
+            datasheet: to(&self.datasheet),
+            refitted: to(&self.refitted),
+            with_effects: to(&self.with_effects),
+        }
+    }
+
+    fn zip_with<'a, U>(
+        &'a self,
+        other: &'a Self,
+        to: impl Fn(Option<&'a T>, Option<&'a T>) -> U,
+    ) -> Models<U> {
+        Models {
+            datasheet: to(self.datasheet.as_ref(), other.datasheet.as_ref()),
+            refitted: to(self.refitted.as_ref(), other.refitted.as_ref()),
+            with_effects: to(self.with_effects.as_ref(), other.with_effects.as_ref()),
+        }
+    }
+}
+
+/// A fitted model on other tests.
+fn of(fit: &Fit, tests: &TestsAtHand) -> Option<Fit> {
+    Fit::of(&fit.model, &fit.values, tests)
+}
+
+fn verdict(found: &Found, left: &LeftOver) -> Verdict {
+    match (found.accepted.is_empty(), left.unexplained.is_none()) {
+        (true, true) => Verdict::NoMissingEffect,
+        (false, true) => Verdict::EffectsFound,
+        (true, false) => Verdict::Unexplained,
+        (false, false) => Verdict::EffectsFoundAndUnexplained,
+    }
+}
+
+/// Over all tests, whatever they are cut into.
+fn rmse(fit: &Fit, tests: &TestsAtHand) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0);
+    for (test, force) in tests.tests.iter().zip(&fit.force_n) {
+        let samples = test.counted().len();
+        sum += rmse_of(test, force) * rmse_of(test, force) * samples as f64;
+        count += samples;
+    }
+    (count > 0).then(|| (sum / count as f64).sqrt())
+}
+
+fn rmse_of(test: &Test, force_n: &[f64]) -> f64 {
+    let range = test.counted();
+    let pairs = test.record.force_n[range.clone()].iter().zip(&force_n[range.clone()]);
+    let sum: f64 = pairs.map(|(y, f)| (y - f) * (y - f)).sum();
+    (sum / range.len().max(1) as f64).sqrt()
+}
+
+fn peak_error(test: &Test, force_n: &[f64]) -> Option<f64> {
+    let peak = |values: &[f64]| values[test.counted()].iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let measured = peak(&test.record.force_n);
+    (measured > 0.0).then(|| peak(force_n) / measured - 1.0)
+}
+
+fn work_error(test: &Test, force_n: &[f64]) -> Option<f64> {
+    let record = &test.record;
+    let mut whole = record.cycles.iter().copied().filter(|at| *at >= record.run_in);
+    let (start, end) = (whole.next()?, whole.last()?);
+    let work = |force: &[f64]| -> f64 {
+        let end = end.min(force.len() - 1);
+        (start..end)
+            .map(|i| {
+                let travel = record.displacement_m[i + 1] - record.displacement_m[i];
+                0.5 * (force[i] + force[i + 1]) * travel
+            })
+            .sum()
+    };
+    let measured = work(&record.force_n);
+    (measured > 0.0).then(|| work(force_n) / measured - 1.0)
+}
+
+fn nominal_values(
+    found: &Found,
+    train: &TestsAtHand,
+    datasheet: Option<&Nominal>,
+) -> std::collections::BTreeMap<String, NominalValue> {
+    let standing = &found.with_effects.standing;
+    let (deviations, _) = uncertainty(standing, train);
+    let given = datasheet.map(vector_of);
+    NOMINAL
+        .iter()
+        .enumerate()
+        .map(|(index, (name, unit))| {
+            let value = NominalValue {
+                value: standing.fit.values[index],
+                std: deviations[index],
+                unit,
+                datasheet: given.as_ref().map(|given| given[index]),
+            };
+            ((*name).to_owned(), value)
+        })
+        .collect()
+}
+
+fn effects_found(found: &Found, train: &TestsAtHand) -> Vec<EffectFound> {
+    let standing = &found.with_effects.standing;
+    let (deviations, _) = uncertainty(standing, train);
+    let declared = train.tests.iter().all(|test| test.record.direction_declared);
+    found
+        .accepted
+        .iter()
+        .zip(&standing.fit.model.effects)
+        .enumerate()
+        .map(|(index, (accepted, info))| {
+            let rows = info.parameters.iter().zip(standing.fit.model.range_of(index));
+            let parameters = rows
+                .map(|(row, k)| {
+                    let (value, std) = (standing.fit.values[k], deviations[k]);
+                    (row.name, ParameterValue { value, std, unit: row.unit.symbol() })
+                })
+                .collect();
+            let direction = info.directional.then_some(if declared {
+                "positive is extension, as declared"
+            } else {
+                "not declared: positive is side A, negative side B"
+            });
+            EffectFound {
+                name: info.name,
+                place: info.place.name(),
+                equation: info.equation,
+                parameters,
+                evidence: EvidenceFound {
+                    holdout_gain: accepted.evidence.holdout_gain,
+                    tests_improved: accepted.evidence.improved,
+                    p_value: accepted.evidence.p_value,
+                },
+                alternatives: accepted.alternatives.clone(),
+                separating_test: (!accepted.alternatives.is_empty())
+                    .then(|| separating_test(info.name, &accepted.alternatives)),
+                direction,
+            }
+        })
+        .collect()
+}
+
+/// The tests that show each of a group.
+fn separating_test(name: &str, alternatives: &[&str]) -> String {
+    let tests = std::iter::once(name).chain(alternatives.iter().copied()).filter_map(|name| {
+        let info = CATALOGUE.iter().find(|info| info.name == name)?;
+        Some(format!("{name}: {}", info.shown_by))
+    });
+    tests.collect::<Vec<_>>().join(" ")
+}
+
+fn rejected(found: &Found) -> Vec<EffectRejected> {
+    let each = found.rejected.iter().map(|rejected| EffectRejected {
+        name: rejected.name,
+        why: rejected.why.clone(),
+        holdout_gain: rejected.holdout_gain,
+    });
+    each.collect()
+}
+
+fn not_testable(found: &Found, train: &TestsAtHand) -> Vec<EffectNotTestable> {
+    let mut all: Vec<EffectNotTestable> = found
+        .not_testable
+        .iter()
+        .map(|hidden| EffectNotTestable {
+            name: hidden.name,
+            why: hidden.why.clone(),
+            test_that_would: hidden.test_that_would.to_owned(),
+        })
+        .collect();
+    let rate_hz = super::candidate::rate_hz(train);
+    for info in CATALOGUE.iter().filter(|info| info.needs_rate_hz > rate_hz) {
+        let needs = info.needs_rate_hz;
+        let why = format!("it needs {needs} samples per second, the records have {rate_hz:.0}");
+        let test_that_would = info.shown_by.to_owned();
+        all.push(EffectNotTestable { name: info.name, why, test_that_would });
+    }
+    all
+}
+
+fn unexplained(part: &Unexplained) -> UnexplainedPart {
+    UnexplainedPart {
+        rms_n: part.rms_n,
+        coordinate: part.coordinate,
+        description: part.description.clone(),
+    }
+}

@@ -1,0 +1,179 @@
+//! The result as it is written to `result.json`.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// What was found, in one word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The refitted model explains all but noise.
+    NoMissingEffect,
+    /// Named effects explain what the refitted model left over.
+    EffectsFound,
+    /// Something is left over and nothing in the catalogue explains it.
+    Unexplained,
+    /// Named effects explain a part; something is left over.
+    EffectsFoundAndUnexplained,
+}
+
+/// The result of an identification.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct IdentifyResult {
+    /// In one word.
+    pub verdict: Verdict,
+    /// rms of what does not repeat, N.
+    pub noise_floor_n: f64,
+    /// How it was found.
+    pub noise_floor_method: String,
+    /// Errors of the three models.
+    pub errors: Models<Option<Errors>>,
+    /// Test by test.
+    pub per_test: Vec<PerTest>,
+    /// Nominal parameters of the final model.
+    pub nominal: BTreeMap<String, NominalValue>,
+    /// Effects that were found missing.
+    pub effects: Vec<EffectFound>,
+    /// Effects that were looked for and not found.
+    pub rejected: Vec<EffectRejected>,
+    /// Effects that these records cannot show.
+    pub not_testable: Vec<EffectNotTestable>,
+    /// What is left.
+    pub unexplained: Option<UnexplainedPart>,
+    /// What was left when the nominal model had been refitted.
+    pub unexplained_before: Option<UnexplainedPart>,
+    /// What the reader should know: how tests were parted, repairs of records, conversions.
+    pub notes: Vec<String>,
+}
+
+/// One value for each of the three models.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Models<T> {
+    /// The maker's numbers as they are.
+    pub datasheet: T,
+    /// The nominal model fitted to the training tests: the honest before.
+    pub refitted: T,
+    /// The same with the effects that were found.
+    pub with_effects: T,
+}
+
+/// Errors of free-running simulation over all samples but the run-in.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Errors {
+    /// rms over the training tests, N.
+    pub train_rmse_n: f64,
+    /// rms over the tests held out, N.
+    pub holdout_rmse_n: Option<f64>,
+    /// The same over the rms of the measured force.
+    pub train_nrmse: f64,
+    /// The same over the rms of the measured force.
+    pub holdout_nrmse: Option<f64>,
+}
+
+/// One test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PerTest {
+    /// Its name.
+    pub file: String,
+    /// `train` or `holdout`.
+    pub role: &'static str,
+    /// Samples that count, and those of the run-in.
+    pub samples: usize,
+    /// Samples at the beginning that no error counts.
+    pub run_in_samples: usize,
+    /// rms error, N.
+    pub rmse_n: Models<Option<f64>>,
+    /// Largest simulated over largest measured force, less one.
+    pub peak_force_error: Models<Option<f64>>,
+    /// Simulated over measured work per cycle, less one; none without cycles.
+    pub work_per_cycle_error: Models<Option<f64>>,
+}
+
+/// A nominal parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NominalValue {
+    /// Identified value.
+    pub value: f64,
+    /// Its standard deviation; none where the records do not fix it.
+    pub std: Option<f64>,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// What the datasheet says.
+    pub datasheet: Option<f64>,
+}
+
+/// A parameter of an effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterValue {
+    /// Identified value.
+    pub value: f64,
+    /// Its standard deviation; none where the records do not fix it.
+    pub std: Option<f64>,
+    /// Unit of both.
+    pub unit: &'static str,
+}
+
+/// An effect that was found missing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectFound {
+    /// Its name.
+    pub name: &'static str,
+    /// Where it sits in the damper.
+    pub place: &'static str,
+    /// Its equation.
+    pub equation: &'static str,
+    /// Its parameters.
+    pub parameters: BTreeMap<&'static str, ParameterValue>,
+    /// What speaks for it.
+    pub evidence: EvidenceFound,
+    /// Effects that these records cannot tell from it.
+    pub alternatives: Vec<&'static str>,
+    /// The test that would part it from them.
+    pub separating_test: Option<String>,
+    /// What is known of its direction, for effects that tell extension from compression.
+    pub direction: Option<&'static str>,
+}
+
+/// What speaks for an effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EvidenceFound {
+    /// Share of the squared error that it takes away on pieces left out of the fit.
+    pub holdout_gain: f64,
+    /// Share of those pieces that it improves or leaves as they are.
+    pub tests_improved: f64,
+    /// Probability of such a finding by chance, all candidates counted.
+    pub p_value: f64,
+}
+
+/// An effect that was looked for and not found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectRejected {
+    /// Its name.
+    pub name: &'static str,
+    /// Why it was not accepted.
+    pub why: String,
+    /// Share of the squared error on pieces left out; none if it was not worth a fit.
+    pub holdout_gain: Option<f64>,
+}
+
+/// An effect that these records cannot show.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectNotTestable {
+    /// Its name.
+    pub name: &'static str,
+    /// Why not.
+    pub why: String,
+    /// The test that would show it.
+    pub test_that_would: String,
+}
+
+/// Structure that nothing in the catalogue explains.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnexplainedPart {
+    /// Its rms, N.
+    pub rms_n: f64,
+    /// Where it lives.
+    pub coordinate: &'static str,
+    /// In words.
+    pub description: String,
+}

@@ -1,0 +1,81 @@
+//! How well the records fix the parameters.
+//!
+//! Errors of neighbouring samples go together, so squares of residuals say too little. Blocks of
+//! record are taken as independent instead:
+//!
+//! ```text
+//! C = N^-1 (sum_b g_b g_b') N^-1 B / (B - p)        N = J' J,  g_b = J_b' r_b
+//! ```
+//!
+//! which holds for noise of any colour within blocks and of any strength between them. Widened by
+//! Student's factor for few blocks, so that 1.96 standard deviations hold 95 %.
+
+use super::gram::Gram;
+use super::screening::Standing;
+use super::tests_at_hand::TestsAtHand;
+use nalgebra::DMatrix;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// A coordinate that is uncertain by more than this is not fixed by the records.
+const NOT_FIXED: f64 = 3.0;
+
+/// Standard deviations of all parameters in their units, none where the records do not fix one; and
+/// the correlation of the free coordinates.
+pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> (Vec<Option<f64>>, DMatrix<f64>) {
+    let count = standing.slopes.len();
+    let mut scores: Vec<Gram> = Vec::new();
+    for piece in &tests.pieces {
+        for block in &tests.tests[piece.test].blocks {
+            let range = block.start.max(piece.samples.start)..block.end.min(piece.samples.end);
+            if range.is_empty() {
+                continue;
+            }
+            let columns: Vec<&[f64]> =
+                standing.slopes.iter().map(|slope| &slope[piece.test][range.clone()]).collect();
+            scores.push(Gram::over(&columns, &standing.residual_n[piece.test][range]));
+        }
+    }
+    let empty = (vec![None; count], DMatrix::identity(count, count));
+    let Some(whole) = Gram::sum(scores.iter()) else { return empty };
+    let blocks = scores.len();
+    if blocks <= count + 1 {
+        return empty;
+    }
+    let mut middle = DMatrix::zeros(count, count);
+    for score in &scores {
+        middle += &score.residual * score.residual.transpose();
+    }
+    let inverse = inverse(&whole.columns);
+    let freedom = (blocks - count) as f64;
+    let covariance = &inverse * middle * &inverse * (blocks as f64 / freedom);
+    let student = StudentsT::new(0.0, 1.0, freedom).map_or(1.96, |t| t.inverse_cdf(0.975));
+    let free = standing.fit.model.free(&standing.fit.values);
+    let spread: Vec<f64> =
+        (0..count).map(|i| covariance[(i, i)].max(0.0).sqrt() * student / 1.96).collect();
+    let deviations = spread
+        .iter()
+        .zip(standing.fit.model.coordinates())
+        .zip(&free)
+        .map(|((spread, coordinate), u)| {
+            (*spread < NOT_FIXED && *spread > 0.0).then(|| spread * coordinate.slope(*u))
+        })
+        .collect();
+    let correlation = DMatrix::from_fn(count, count, |i, j| {
+        let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+        if scale > 0.0 { covariance[(i, j)] / scale } else { f64::from(u8::from(i == j)) }
+    });
+    (deviations, correlation)
+}
+
+/// Inverse of normal equations; directions that no record holds get a very large one.
+fn inverse(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let count = columns.nrows();
+    let scale: Vec<f64> = (0..count).map(|i| columns[(i, i)].sqrt().max(1e-150)).collect();
+    let scaled = DMatrix::from_fn(count, count, |i, j| columns[(i, j)] / (scale[i] * scale[j]));
+    let eigen = scaled.symmetric_eigen();
+    let largest = eigen.eigenvalues.max().max(1e-300);
+    let inverted = eigen.eigenvalues.map(|value| 1.0 / value.max(1e-13 * largest));
+    let inverse =
+        &eigen.eigenvectors * DMatrix::from_diagonal(&inverted) * eigen.eigenvectors.transpose();
+    DMatrix::from_fn(count, count, |i, j| inverse[(i, j)] / (scale[i] * scale[j]))
+}
