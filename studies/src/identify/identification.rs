@@ -236,7 +236,7 @@ fn peak_error(test: &Test, force_n: &[f64]) -> Option<f64> {
 fn work_error(test: &Test, force_n: &[f64]) -> Option<f64> {
     let record = &test.record;
     let mut whole = record.cycles.iter().copied().filter(|at| *at >= record.run_in);
-    let (start, end) = (whole.next()?, whole.last()?);
+    let (start, end) = (whole.next()?, whole.next_back()?);
     let work = |force: &[f64]| -> f64 {
         let end = end.min(force.len() - 1);
         (start..end)
