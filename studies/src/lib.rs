@@ -6,6 +6,7 @@
 //!
 //! [`series_model`] is a series damper by its own integration, apart from the core's, with disturbances
 //! that no effect of the catalogue describes; [`bench_visit`] moves a damper as a bench does.
+//! [`measurement`] is the way in for what a bench measured.
 
 pub mod bench_visit;
 pub mod error;

@@ -1,9 +1,31 @@
 //! Measured records of a damper on a bench, ready for a model: one uniform clock, velocity and
 //! acceleration beside the displacement, cycles marked.
+//!
+//! [`read_tests`] reads CSV files, with a [`mapping`] where their columns are another
+//! laboratory's. Each test passes the [`checks`], comes to a uniform [`clock`], gets velocity and
+//! acceleration from the [`interpolant`] and its [`cycles`]; [`noise`] says what no model can explain.
+//! What is wrong is one line with file, row, column, found and expected ([`error`]); what was mended is a
+//! line in [`Measurement::repairs`]. Nothing is silently dropped.
 
+pub mod checks;
+pub mod clock;
+pub mod cycles;
+pub mod error;
+pub mod interpolant;
+pub mod mapping;
 mod motion;
+pub mod noise;
+pub mod series;
+pub mod table;
+#[cfg(test)]
+mod tests;
+pub mod unit;
 
-use std::path::PathBuf;
+pub use error::MeasurementError;
+pub use series::Series;
+
+use mapping::{Extension, Mapping};
+use std::path::{Path, PathBuf};
 
 /// One test: what the bench did to the damper, and the force it answered with.
 ///
@@ -35,4 +57,150 @@ pub struct Measurement {
     pub run_in: usize,
     /// It is known which side is extension.
     pub direction_declared: bool,
+    /// What was mended, or looks odd, each a line.
+    pub repairs: Vec<String>,
+}
+
+impl Measurement {
+    /// A measurement from readings: checked, on a uniform clock, signs as agreed.
+    ///
+    /// # Errors
+    /// The first thing that does not fit.
+    ///
+    /// ```
+    /// use studies::measurement::{Measurement, Series};
+    /// // A dashpot of 10 kN s/m at 2 Hz and 5 mm.
+    /// let w = std::f64::consts::TAU * 2.0;
+    /// let x = |n: usize| 5e-3 * libm::sin(w * n as f64 * 1e-3);
+    /// let f = |n: usize| 10e3 * 5e-3 * w * libm::cos(w * n as f64 * 1e-3);
+    /// let series = Series::sampled("a", 1e3, (0..3000).map(x).collect(), (0..3000).map(f).collect());
+    /// let test = Measurement::from_series(series)?;
+    /// assert!((test.frequency_hz().unwrap() - 2.0).abs() < 1e-3);
+    /// assert!((test.amplitude_m() - 5e-3).abs() < 1e-6);
+    /// assert_eq!(test.run_in, 500);
+    /// # Ok::<(), studies::measurement::MeasurementError>(())
+    /// ```
+    pub fn from_series(mut series: Series) -> Result<Self, MeasurementError> {
+        checks::size(&series)?;
+        if series.extension == Extension::Negative {
+            let turned = [Some(&mut series.displacement_m), Some(&mut series.force_n)];
+            for channel in turned.into_iter().chain([series.velocity_m_per_s.as_mut()]).flatten() {
+                for value in channel {
+                    *value = -*value;
+                }
+            }
+        }
+        checks::tell_clipped(&mut series);
+        let start_s = series.time_s.first().copied().unwrap_or(0.0);
+        let step_s = clock::make_uniform(&mut series)?;
+        checks::length(&series, step_s)?;
+        let cycles = cycles::find(&series.displacement_m);
+        checks::agree(&mut series, &cycles)?;
+        let (velocity_m_per_s, acceleration_m_per_s2) =
+            interpolant::derivatives(&series.displacement_m, step_s);
+        checks::tell_velocity(&mut series, &velocity_m_per_s);
+        let run_in = cycles::run_in(&cycles, series.force_n.len(), step_s);
+        Ok(Self {
+            name: series.name,
+            file: series.file,
+            start_s,
+            step_s,
+            displacement_m: series.displacement_m,
+            velocity_m_per_s,
+            acceleration_m_per_s2,
+            force_n: series.force_n,
+            temperature_degc: series.temperature_degc,
+            cycles,
+            run_in,
+            direction_declared: series.extension != Extension::Unknown,
+            repairs: series.repairs,
+        })
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.force_n.len()
+    }
+
+    /// True for a measurement without samples.
+    pub fn is_empty(&self) -> bool {
+        self.force_n.is_empty()
+    }
+
+    /// Sampling rate, Hz.
+    pub fn rate_hz(&self) -> f64 {
+        1.0 / self.step_s
+    }
+
+    /// Time of a sample, s.
+    pub fn time_s(&self, sample: usize) -> f64 {
+        self.start_s + sample as f64 * self.step_s
+    }
+
+    /// Frequency of a periodic test, Hz.
+    pub fn frequency_hz(&self) -> Option<f64> {
+        let span = self.cycles.last()? - self.cycles.first()?;
+        let whole = self.cycles.len().checked_sub(1).filter(|whole| *whole > 0)?;
+        Some(whole as f64 / (span as f64 * self.step_s))
+    }
+
+    /// Half the range of the displacement, over the whole cycles where there are any, m.
+    pub fn amplitude_m(&self) -> f64 {
+        let whole = match (self.cycles.first(), self.cycles.last()) {
+            (Some(first), Some(last)) => self.displacement_m.get(*first..*last),
+            _ => None,
+        };
+        let values = whole.unwrap_or(&self.displacement_m);
+        crate::statistics::min_max(values).map_or(0.0, |(low, high)| 0.5 * (high - low))
+    }
+
+    fn acceleration(&self, sample: usize) -> f64 {
+        self.acceleration_m_per_s2.get(sample).copied().unwrap_or(0.0)
+    }
+}
+
+/// Reads all tests of files, in the order given, with names that no two of them share.
+///
+/// Without a mapping the columns are `time_s,displacement_m,force_n` and optionally
+/// `velocity_m_per_s,temperature_degc`; lines that begin with `#` are comments, and one of them may
+/// say `# extension: positive`, `negative` or `unknown`.
+///
+/// # Errors
+/// The first thing that does not fit, in one line.
+pub fn read_tests(
+    paths: &[PathBuf],
+    mapping: Option<&Path>,
+) -> Result<Vec<Measurement>, MeasurementError> {
+    let mapping = mapping.map(Mapping::load).transpose()?;
+    let mut tests: Vec<Measurement> = Vec::new();
+    for path in paths {
+        let layout = match &mapping {
+            Some((mapping, source)) => mapping.layout(source, path)?,
+            None => Mapping::own()?,
+        };
+        for series in series::read(path, &layout)? {
+            tests.push(Measurement::from_series(series)?);
+        }
+    }
+    name_apart(&mut tests);
+    let warm = tests.iter().filter(|test| test.temperature_degc.is_some()).count();
+    if warm > 0 && warm < tests.len() {
+        for test in tests.iter_mut().filter(|test| test.temperature_degc.is_none()) {
+            test.repairs
+                .push("left as it is: no temperature here, though other tests have it".to_owned());
+        }
+    }
+    Ok(tests)
+}
+
+/// Adds a number to names that came before.
+fn name_apart(tests: &mut [Measurement]) {
+    let mut taken = std::collections::BTreeSet::new();
+    for test in tests {
+        let (plain, mut number) = (test.name.clone(), 1);
+        while !taken.insert(test.name.clone()) {
+            number += 1;
+            test.name = format!("{plain}-{number}");
+        }
+    }
 }

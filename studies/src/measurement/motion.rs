@@ -1,19 +1,14 @@
 //! Motion between samples, and records cut short.
 
-use super::Measurement;
+use super::{Measurement, interpolant};
 
 impl Measurement {
     /// Displacement, m, and velocity, m/s, a share of the way from a sample to the next one: the
     /// cubic through both displacements with both velocities.
+    #[inline]
     pub fn motion_between(&self, sample: usize, share: f64) -> (f64, f64) {
-        let (x0, x1) = (self.displacement_m[sample], self.displacement_m[sample + 1]);
-        let (v0, v1) = (self.velocity_m_per_s[sample], self.velocity_m_per_s[sample + 1]);
-        let h = self.step_s;
-        let (bend_0, bend_1) = (h * v0 - (x1 - x0), -h * v1 + (x1 - x0));
-        let (s, r) = (share, 1.0 - share);
-        let x = r * x0 + s * x1 + s * r * (r * bend_0 + s * bend_1);
-        let dx = (x1 - x0) + (r - s) * (r * bend_0 + s * bend_1) + s * r * (bend_1 - bend_0);
-        (x, dx / h)
+        let end = |at: usize| (self.displacement_m[at], self.velocity_m_per_s[at]);
+        interpolant::between(end(sample), end(sample + 1), self.step_s, share)
     }
 
     /// The record from a sample on; its own run-in is its first cycle, or a tenth.

@@ -1,0 +1,490 @@
+//! A mapping: how the columns of another laboratory's files become displacement and force.
+//!
+//! ```toml
+//! separator = "semicolon"        # comma | semicolon | tab | whitespace
+//! decimal = "comma"              # point | comma
+//! comment = "#"                  # lines that begin with it are passed over
+//! skip_lines = 12                # lines before the row of names
+//! header = true                  # false: columns are called "1", "2", ...
+//! units_row = true               # the row below the names holds units
+//! extension = "negative"         # which sign means extension; absent: unknown
+//! split_by = ["test"]            # one test per value, in order of appearance
+//! where = { voltage_V = 0.871 }  # only these rows; a list means any of them
+//! force_column = "force_N_0.4A"  # a choice among force columns; a list makes one test of each
+//! sample_rate_hz = 200.0         # instead of a time column
+//!
+//! [time]
+//! column = "t_ms"
+//! unit = "ms"
+//! [displacement]
+//! column = "stroke_mm"
+//! unit = "mm"
+//! offset = 12.5                  # the reading that means zero, in the file's unit
+//! [force]
+//! column = "load_kN"
+//! unit = "kN"
+//! sign = -1
+//! ```
+//! `[velocity]` and `[temperature]` likewise. Columns that are not named keep the names of this
+//! project, `time_s`, `displacement_m`, `force_n`; units that are not named come from the units row, or
+//! are SI. `extension = "negative"` turns the signs of displacement, velocity and force, so that
+//! positive is extension and tension. Numbers in `where` match within 0.1 %.
+//!
+//! One mapping may serve files of different layout: `[[file]]` tables with `named = "*quake*"`
+//! hold the same keys for the files whose names fit, over those at the top.
+
+use super::error::MeasurementError;
+use super::unit::{Kind, Unit};
+use scenario::source::{ScenarioError, Source};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+use toml::Spanned;
+
+/// A mapping as it stands in its file.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mapping {
+    /// What stands between two cells.
+    pub separator: Option<Separator>,
+    /// What stands before the decimals.
+    pub decimal: Option<Decimal>,
+    /// Beginning of a comment line.
+    pub comment: Option<String>,
+    /// Lines before the row of names.
+    pub skip_lines: Option<usize>,
+    /// There is a row of names.
+    pub header: Option<bool>,
+    /// There is a row of units below the names.
+    pub units_row: Option<bool>,
+    /// Which sign of the file means extension.
+    pub extension: Option<Extension>,
+    /// Columns whose values tell the tests of a file apart.
+    pub split_by: Option<Spanned<Vec<String>>>,
+    /// Values that a row must have.
+    #[serde(rename = "where")]
+    pub only: Option<Spanned<BTreeMap<String, Wanted>>>,
+    /// Force columns instead of the one of `[force]`.
+    pub force_column: Option<Spanned<OneOrMany>>,
+    /// Sampling rate of a file without time.
+    pub sample_rate_hz: Option<Spanned<f64>>,
+    /// Time.
+    pub time: Option<Column>,
+    /// Displacement.
+    pub displacement: Option<Column>,
+    /// Force.
+    pub force: Option<Column>,
+    /// Velocity.
+    pub velocity: Option<Column>,
+    /// Temperature.
+    pub temperature: Option<Column>,
+    /// Names of the files that a `[[file]]` table is for, `*` for anything.
+    pub named: Option<String>,
+    /// Layouts of single files.
+    #[serde(default)]
+    pub file: Vec<Mapping>,
+}
+
+/// One column.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Column {
+    /// Its name in the file.
+    pub column: Option<Spanned<String>>,
+    /// Its unit.
+    pub unit: Option<Spanned<String>>,
+    /// The reading that means zero, in the file's unit.
+    pub offset: Option<Spanned<f64>>,
+    /// 1 or -1.
+    pub sign: Option<Spanned<f64>>,
+}
+
+/// What stands between two cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Separator {
+    #[default]
+    Comma,
+    Semicolon,
+    Tab,
+    Whitespace,
+}
+
+/// What stands before the decimals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Decimal {
+    #[default]
+    Point,
+    Comma,
+}
+
+/// Which sign of a file means extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Extension {
+    Positive,
+    Negative,
+    #[default]
+    Unknown,
+}
+
+/// One name or several.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum OneOrMany {
+    One(String),
+    Many(Vec<String>),
+}
+
+/// What a cell must hold to be taken.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(untagged)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Wanted {
+    Number(f64),
+    Text(String),
+    Any(Vec<Wanted>),
+}
+
+/// A column, checked: where it is and how a reading becomes a value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// What it holds.
+    pub kind: Kind,
+    /// Its name in the file.
+    pub column: String,
+    /// Its unit, if the mapping or the name says one; else the units row, else SI.
+    pub unit: Option<Unit>,
+    /// The reading that means zero.
+    pub offset: f64,
+    /// 1 or -1.
+    pub sign: f64,
+}
+
+/// A mapping, checked, for one file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// What stands between two cells.
+    pub separator: Separator,
+    /// What stands before the decimals.
+    pub decimal: Decimal,
+    /// Beginning of a comment line.
+    pub comment: String,
+    /// Lines before the row of names.
+    pub skip_lines: usize,
+    /// There is a row of names.
+    pub header: bool,
+    /// There is a row of units below the names.
+    pub units_row: bool,
+    /// Which sign of the file means extension; `None` leaves it to the file.
+    pub extension: Option<Extension>,
+    /// The columns are this project's own, which has a convention of signs.
+    pub own_columns: bool,
+    /// Columns whose values tell the tests of a file apart.
+    pub split_by: Vec<String>,
+    /// Values that a row must have.
+    pub only: BTreeMap<String, Wanted>,
+    /// Sampling rate of a file without time.
+    pub sample_rate_hz: Option<f64>,
+    /// Time; unused with a sampling rate.
+    pub time: Reading,
+    /// Displacement.
+    pub displacement: Reading,
+    /// Force, one test each.
+    pub force: Vec<Reading>,
+    /// Velocity; required when the mapping names it.
+    pub velocity: (Reading, bool),
+    /// Temperature; required when the mapping names it.
+    pub temperature: (Reading, bool),
+}
+
+impl Mapping {
+    /// Reads a mapping.
+    ///
+    /// # Errors
+    /// The first thing that does not fit, with file and line.
+    pub fn load(path: &Path) -> Result<(Self, Source), MeasurementError> {
+        let source = Source::read(path)?;
+        let mapping = source.parse()?;
+        Ok((mapping, source))
+    }
+
+    /// The layout of one file: that of the first `[[file]]` table whose `named` fits, over the keys
+    /// at the top.
+    ///
+    /// # Errors
+    /// A value that cannot be, with the mapping's file and line.
+    pub fn layout(&self, source: &Source, file: &Path) -> Result<Layout, ScenarioError> {
+        if self.named.is_some() {
+            return Err(source.whole_error("named stands in a [[file]] table only"));
+        }
+        let name = file.file_name().map(|name| name.to_string_lossy().into_owned());
+        let name = name.unwrap_or_default();
+        let fits = |one: &&Self| one.named.as_deref().is_some_and(|named| is_like(&name, named));
+        if let Some(one) = self.file.iter().find(|one| one.named.is_none() || !one.file.is_empty())
+        {
+            let what = if one.file.is_empty() { "without named" } else { "inside another" };
+            return Err(source.whole_error(format!("[[file]] {what}, expected named = \"*part*\"")));
+        }
+        match self.file.iter().find(fits) {
+            Some(own) => own.over(self).checked(source),
+            None => Self { file: Vec::new(), ..self.clone() }.checked(source),
+        }
+    }
+
+    /// The layout of this project's own files.
+    ///
+    /// # Errors
+    /// Never: the defaults fit.
+    pub fn own() -> Result<Layout, ScenarioError> {
+        Self::default().checked(&Source::from_text(Path::new("built-in columns"), ""))
+    }
+
+    fn over(&self, base: &Self) -> Self {
+        let base = base.clone();
+        let own = self.clone();
+        Self {
+            separator: own.separator.or(base.separator),
+            decimal: own.decimal.or(base.decimal),
+            comment: own.comment.or(base.comment),
+            skip_lines: own.skip_lines.or(base.skip_lines),
+            header: own.header.or(base.header),
+            units_row: own.units_row.or(base.units_row),
+            extension: own.extension.or(base.extension),
+            split_by: own.split_by.or(base.split_by),
+            only: own.only.or(base.only),
+            force_column: own.force_column.or(base.force_column),
+            sample_rate_hz: own.sample_rate_hz.or(base.sample_rate_hz),
+            time: own.time.or(base.time),
+            displacement: own.displacement.or(base.displacement),
+            force: own.force.or(base.force),
+            velocity: own.velocity.or(base.velocity),
+            temperature: own.temperature.or(base.temperature),
+            named: None,
+            file: Vec::new(),
+        }
+    }
+
+    fn checked(&self, source: &Source) -> Result<Layout, ScenarioError> {
+        let comment = self.comment.clone().unwrap_or_else(|| "#".to_owned());
+        let rate = match &self.sample_rate_hz {
+            Some(rate) => Some(positive(source, rate, "sample_rate_hz")?),
+            None => None,
+        };
+        if let (Some(rate), Some(_)) = (&self.sample_rate_hz, &self.time) {
+            return Err(
+                source.error(&rate.span(), "sample_rate_hz beside [time], expected one of them")
+            );
+        }
+        let header = self.header.unwrap_or(true);
+        let (separator, decimal) =
+            (self.separator.unwrap_or_default(), self.decimal.unwrap_or_default());
+        if separator == Separator::Comma && decimal == Decimal::Comma {
+            return Err(source.whole_error(
+                "decimal = \"comma\" with commas between cells, expected another separator",
+            ));
+        }
+        let read = |column: &Option<Column>, kind, name: &str| {
+            reading(source, column.as_ref(), kind, name)
+        };
+        let mut force = vec![read(&self.force, Kind::Force, "force_n")?];
+        if let Some(chosen) = &self.force_column {
+            let names = match chosen.get_ref() {
+                OneOrMany::One(name) => std::slice::from_ref(name),
+                OneOrMany::Many(names) => names.as_slice(),
+            };
+            if names.is_empty() {
+                return Err(source.error(&chosen.span(), "force_column is empty, expected a name"));
+            }
+            let of = |name: &String| {
+                let first = force.first().cloned();
+                first.map(|reading| Reading { column: name.clone(), ..reading })
+            };
+            force = names.iter().filter_map(of).collect();
+        }
+        let own_columns = [&self.displacement, &self.force].iter().all(|column| column.is_none())
+            && self.force_column.is_none();
+        Ok(Layout {
+            separator,
+            decimal,
+            comment,
+            skip_lines: self.skip_lines.unwrap_or(0),
+            header,
+            units_row: self.units_row.unwrap_or(false),
+            extension: self.extension,
+            own_columns,
+            split_by: self.split_by.as_ref().map(|by| by.get_ref().clone()).unwrap_or_default(),
+            only: self.only.as_ref().map(|only| only.get_ref().clone()).unwrap_or_default(),
+            sample_rate_hz: rate,
+            time: read(&self.time, Kind::Time, "time_s")?,
+            displacement: read(&self.displacement, Kind::Displacement, "displacement_m")?,
+            force,
+            velocity: (
+                read(&self.velocity, Kind::Velocity, "velocity_m_per_s")?,
+                self.velocity.is_some(),
+            ),
+            temperature: (
+                read(&self.temperature, Kind::Temperature, "temperature_degc")?,
+                self.temperature.is_some(),
+            ),
+        })
+    }
+}
+
+fn reading(
+    source: &Source,
+    column: Option<&Column>,
+    kind: Kind,
+    name: &str,
+) -> Result<Reading, ScenarioError> {
+    let Some(given) = column else {
+        return Ok(Reading { kind, column: name.to_owned(), unit: None, offset: 0.0, sign: 1.0 });
+    };
+    let unit = match &given.unit {
+        Some(unit) => Some(kind.unit(unit.get_ref()).ok_or_else(|| {
+            let message =
+                format!("unit = \"{}\", expected one of {}", unit.get_ref(), kind.names());
+            source.error(&unit.span(), message)
+        })?),
+        None => None,
+    };
+    let sign = match &given.sign {
+        Some(sign) if sign.get_ref().abs() != 1.0 => {
+            let message = format!("sign = {}, expected 1 or -1", sign.get_ref());
+            return Err(source.error(&sign.span(), message));
+        }
+        Some(sign) => *sign.get_ref(),
+        None => 1.0,
+    };
+    let offset = match &given.offset {
+        Some(offset) if !offset.get_ref().is_finite() => {
+            let message = format!("offset = {}, expected a finite number", offset.get_ref());
+            return Err(source.error(&offset.span(), message));
+        }
+        Some(offset) => *offset.get_ref(),
+        None => 0.0,
+    };
+    let column = given.column.as_ref().map_or(name, |column| column.get_ref()).to_owned();
+    Ok(Reading { kind, column, unit, offset, sign })
+}
+
+fn positive(source: &Source, value: &Spanned<f64>, key: &str) -> Result<f64, ScenarioError> {
+    let number = *value.get_ref();
+    if number > 0.0 && number.is_finite() {
+        return Ok(number);
+    }
+    Err(source.error(&value.span(), format!("{key} = {number}, expected a positive number")))
+}
+
+/// A name against a pattern with `*` for any text.
+fn is_like(name: &str, pattern: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let first = parts.next().unwrap_or("");
+    let Some(mut rest) = name.strip_prefix(first) else { return false };
+    let mut last = None;
+    for part in parts {
+        if let Some(middle) = last.replace(part) {
+            let Some(at) = rest.find(middle) else { return false };
+            rest = rest.get(at + middle.len()..).unwrap_or("");
+        }
+    }
+    match last {
+        Some(last) => rest.ends_with(last),
+        None => rest.is_empty(),
+    }
+}
+
+impl Wanted {
+    /// Whether a cell holds it. Numbers match within 0.1 %, so that 0.871 finds 0.8712.
+    pub fn holds(&self, cell: &str, number: Option<f64>) -> bool {
+        match self {
+            Self::Number(wanted) => {
+                number.is_some_and(|found| (found - wanted).abs() <= 1e-3 * wanted.abs())
+            }
+            Self::Text(wanted) => cell == wanted,
+            Self::Any(several) => several.iter().any(|wanted| wanted.holds(cell, number)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layout(text: &str, file: &str) -> Result<Layout, String> {
+        let source = Source::from_text(Path::new("map.toml"), text);
+        let mapping: Mapping = source.parse().map_err(|error| error.to_string())?;
+        mapping.layout(&source, Path::new(file)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn what_a_mapping_does_not_say_is_this_projects_own() {
+        assert_eq!(layout("", "a.csv").unwrap(), Mapping::own().unwrap());
+        let own = Mapping::own().unwrap();
+        assert!(own.own_columns && own.time.column == "time_s" && own.force.len() == 1);
+    }
+
+    #[test]
+    fn a_file_table_lies_over_the_top() {
+        let text = "extension = \"negative\"\n[displacement]\ncolumn = \"x\"\nunit = \"mm\"\n\
+            [[file]]\nnamed = \"*quake.csv\"\nextension = \"positive\"\n\
+            force_column = [\"a\", \"b\"]\nforce = { unit = \"kN\" }\n";
+        let plain = layout(text, "dir/sine.csv").unwrap();
+        assert_eq!((plain.extension, plain.force.len()), (Some(Extension::Negative), 1));
+        let quake = layout(text, "dir/earthquake.csv").unwrap();
+        assert_eq!(quake.extension, Some(Extension::Positive));
+        assert_eq!(quake.displacement, plain.displacement);
+        assert_eq!(quake.force[1].column, "b");
+        assert_eq!(quake.force[1].unit.unwrap().si(1.0), 1000.0);
+    }
+
+    #[test]
+    fn patterns_match_whole_names() {
+        for (name, pattern, fits) in [
+            ("a.csv", "a.csv", true),
+            ("ba.csv", "a.csv", false),
+            ("a.csvx", "a.csv", false),
+            ("x_quake_1.csv", "*quake*", true),
+            ("x_quake_1.csv", "x*1.csv", true),
+            ("x_quake_1.csv", "x*2*.csv", false),
+            ("aa", "a*a", true),
+            ("a", "a*a", false),
+        ] {
+            assert_eq!(is_like(name, pattern), fits, "{name} {pattern}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named_with_its_line() {
+        for (text, line) in [
+            ("\nunit = \"mm\"\n", "map.toml:2: unknown field `unit`"),
+            ("[force]\nunit = \"kip\"\n", "map.toml:2: unit = \"kip\", expected one of N, kN"),
+            ("[force]\n\nsign = 2\n", "map.toml:3: sign = 2, expected 1 or -1"),
+            ("[time]\noffset = nan\n", "map.toml:2: offset = NaN, expected a finite number"),
+            ("sample_rate_hz = 0\n", "map.toml:1: sample_rate_hz = 0, expected a positive"),
+            ("sample_rate_hz = 9\n[time]\nunit = \"s\"", "map.toml:1: sample_rate_hz beside"),
+            ("separator = \"space\"\n", "map.toml:1: unknown variant `space`"),
+            ("decimal = \"comma\"\n", "map.toml: decimal = \"comma\" with commas"),
+            ("[[file]]\nunits_row = true\n", "map.toml: [[file]] without named"),
+            ("force_column = []\n", "map.toml:1: force_column is empty"),
+            ("named = \"*\"\n", "map.toml: named stands in a [[file]] table"),
+        ] {
+            let found = layout(text, "a.csv").unwrap_err();
+            assert!(found.starts_with(line), "{found} / {line}");
+        }
+    }
+
+    #[test]
+    fn wanted_values_match_as_people_write_them() {
+        let wanted = Wanted::Any(vec![Wanted::Number(0.871), Wanted::Text("B".to_owned())]);
+        assert!(wanted.holds("0.8712", Some(0.8712)) && wanted.holds("B", None));
+        assert!(!wanted.holds("0.88", Some(0.88)) && !wanted.holds("b", None));
+        assert!(Wanted::Number(0.0).holds("0", Some(0.0)));
+        assert!(!Wanted::Number(0.2).holds("0.25", Some(0.25)));
+    }
+}
