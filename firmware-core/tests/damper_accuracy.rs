@@ -3,8 +3,10 @@
 mod damper_reference;
 
 use damper_reference::Excitation;
-use damper_reference::{EXCITATIONS, Reference, effects_at, relative_error, simulate};
-use firmware_core::damper::effects::{PositionDependentDamping, SealFriction};
+use damper_reference::{
+    EXCITATIONS, Reference, effects_at, outside_effects_at, relative_error, simulate,
+};
+use firmware_core::damper::effects::{Cavitation, PositionDependentDamping, SealFriction};
 use firmware_core::damper::{Damper, Effect, Nominal};
 
 /// The promise of the design: 0.05 % of rms force at 1 ms.
@@ -22,14 +24,18 @@ fn combinations(effects: &[Effect]) -> Vec<Vec<Effect>> {
 
 fn check(label: &str, nominal: Nominal, effects: &[Effect]) {
     for effects in combinations(effects) {
-        let names: Vec<_> = effects.iter().map(Effect::name).collect();
-        let damper = Damper::new(nominal, &effects).expect("a possible damper").prepared(1e-3);
-        for excitation in &EXCITATIONS {
-            let reference = Reference::new(nominal, &effects).forces(excitation, 1000);
-            let error = relative_error(&simulate(&damper, excitation, 1000), &reference);
-            println!("{label:12} {:16} {:.5} %  {names:?}", excitation.name, 100.0 * error);
-            assert!(error < PROMISE, "{label}, {}, {names:?}: {error}", excitation.name);
-        }
+        compare(label, nominal, &effects);
+    }
+}
+
+fn compare(label: &str, nominal: Nominal, effects: &[Effect]) {
+    let names: Vec<_> = effects.iter().map(Effect::name).collect();
+    let damper = Damper::new(nominal, effects).expect("a possible damper").prepared(1e-3);
+    for excitation in &EXCITATIONS {
+        let reference = Reference::new(nominal, effects).forces(excitation, 1000);
+        let error = relative_error(&simulate(&damper, excitation, 1000), &reference);
+        println!("{label:12} {:16} {:.5} %  {names:?}", excitation.name, 100.0 * error);
+        assert!(error < PROMISE, "{label}, {}, {names:?}: {error}", excitation.name);
     }
 }
 
@@ -94,4 +100,30 @@ fn short_fast_stroke_of_a_stiff_damper() {
     let error = relative_error(&simulate(&damper, &stroke, 1000), &reference);
     println!("5 Hz 10 mm: {:.5} %", 100.0 * error);
     assert!(error < PROMISE, "{error}");
+}
+
+/// Cavitation and what acts outside of the chain, with each other and with what is inside.
+fn check_outside(label: &str, nominal: Nominal, size: f64, refill_share: f64) {
+    let void: Effect =
+        Cavitation { refill_m_per_s: refill_share * nominal.v_relief_m_per_s() }.into();
+    let outside = outside_effects_at(&nominal, size);
+    let mut first = vec![void];
+    first.extend(outside);
+    check(label, nominal, &first);
+    for inside in effects_at(&nominal, size) {
+        for other in &first[..2] {
+            compare(label, nominal, &[inside, *other]);
+        }
+    }
+}
+
+#[test]
+fn outside_of_a_new_damper() {
+    check_outside("new, outside", Nominal::NEW, 1.0, 0.4);
+}
+
+#[test]
+fn outside_of_a_worn_damper() {
+    let nominal = Nominal { clearance_2a_m: 0.6e-3, ke_n_per_m: 9e6, ..Nominal::NEW };
+    check_outside("worn, outside", nominal, 3.0, -0.8);
 }

@@ -3,8 +3,10 @@
 
 mod damper_reference;
 
-use damper_reference::{EXCITATIONS, effects_at, rms, simulate};
-use firmware_core::damper::effects::{PositionDependentDamping, RubberHysteresis, SealFriction};
+use damper_reference::{EXCITATIONS, effects_at, outside_effects_at, rms, simulate};
+use firmware_core::damper::effects::{
+    Cavitation, PositionDependentDamping, RubberHysteresis, SealFriction,
+};
 use firmware_core::damper::{Damper, DamperError, DamperState, Effect, Motion, Nominal};
 
 /// Numbers from 0 to 1 (xorshift64*), enough to scatter parameters.
@@ -39,6 +41,14 @@ impl Scatter {
             c2_n_s_per_m: if self.next() < 0.2 { 0.0 } else { ce_n_s_per_m * self.log(1e-3, 1.0) },
         }
     }
+}
+
+/// A void made in extension, with all that acts outside of the chain.
+fn void_and_outside(nominal: &Nominal) -> Vec<Effect> {
+    let refill_m_per_s = 0.4 * nominal.v_relief_m_per_s();
+    let mut effects: Vec<Effect> = vec![Cavitation { refill_m_per_s }.into()];
+    effects.extend(outside_effects_at(nominal, 1.0));
+    effects
 }
 
 /// No effect, each, each pair, all.
@@ -102,7 +112,15 @@ fn symmetric_dampers_are_odd_to_the_bit() {
         .into();
         let bore: Effect =
             PositionDependentDamping { gradient_per_m: 0.0, curvature_per_m2: 900.0 }.into();
-        let sets = [vec![], vec![friction], vec![rubber], vec![bore], vec![folded, rubber, bore]];
+        let [impact, mass, .., delay] = outside_effects_at(&nominal, 1.0);
+        let sets = [
+            vec![],
+            vec![friction],
+            vec![rubber],
+            vec![bore],
+            vec![folded, rubber, bore],
+            vec![impact, mass, delay],
+        ];
         for effects in sets {
             let damper = Damper::new(nominal, &effects).unwrap().prepared(1e-3);
             let (mut left, mut right) = (DamperState::rest(), DamperState::rest());
@@ -184,6 +202,63 @@ fn state_is_kept_restored_and_split() {
 }
 
 #[test]
+fn late_and_switching_dampers_are_kept_and_restored() {
+    let damper = Damper::new(Nominal::NEW, &void_and_outside(&Nominal::NEW)).unwrap();
+    let prepared = damper.clone().prepared(1e-3);
+    for excitation in &EXCITATIONS {
+        let at = |i: u32| excitation.motion(f64::from(i) * 1e-3);
+        let mut state = DamperState::starting(at(0));
+        let mut other = state;
+        for i in 1..=333 {
+            damper.advance(&mut state, at(i), 1e-3);
+            prepared.advance(&mut other, at(i), 1e-3);
+            assert_eq!(state, other);
+        }
+        let mut kept = state;
+        let ahead: Vec<f64> = (334..700).map(|i| damper.advance(&mut state, at(i), 1e-3)).collect();
+        let again: Vec<f64> = (334..700).map(|i| damper.advance(&mut kept, at(i), 1e-3)).collect();
+        assert_eq!(ahead, again);
+        assert_eq!(state, kept);
+    }
+}
+
+#[test]
+fn voids_blows_masses_and_stops_give_no_work() {
+    for seed in 1..=25 {
+        let mut scatter = Scatter::seeded(seed);
+        let nominal = scatter.nominal();
+        let amplitude = scatter.log(1e-3, 20e-3);
+        let w = scatter.log(1.0, 60.0);
+        let per_cycle = (6.3 / w / 1e-3) as u32;
+        let mut effects = void_and_outside(&nominal);
+        // A late force gives work where the damper is a spring; that is its nature.
+        effects.pop();
+        for effects in combinations(&effects) {
+            let damper = Damper::new(nominal, &effects).unwrap();
+            let mut state = DamperState::starting(Motion::new(0.0, amplitude * w));
+            let step_s = 2.0 * std::f64::consts::PI / w / f64::from(per_cycle);
+            let (mut work, mut last, mut largest) = (0.0, 0.0, 0.0_f64);
+            for i in 1..=6 * per_cycle {
+                let t = f64::from(i) * step_s;
+                let motion =
+                    Motion::new(amplitude * libm::sin(w * t), amplitude * w * libm::cos(w * t));
+                let before = state.motion().displacement_m;
+                let force = damper.advance(&mut state, motion, step_s);
+                if i > 4 * per_cycle {
+                    work += 0.5 * (force + last) * (motion.displacement_m - before);
+                }
+                largest = largest.max(force.abs());
+                last = force;
+            }
+            let names: Vec<_> = effects.iter().map(Effect::name).collect();
+            let context = format!("seed {seed}, {nominal:?}, {names:?}");
+            assert!(work >= -1e-4 * largest * amplitude, "{context}: {work} J");
+            assert_eq!(state.fallbacks(), 0, "{context}");
+        }
+    }
+}
+
+#[test]
 fn order_of_effects_does_not_matter() {
     let mut effects = effects_at(&Nominal::NEW, 1.0);
     let forward = Damper::new(Nominal::NEW, &effects).unwrap();
@@ -209,8 +284,10 @@ fn senseless_steps_move_nothing() {
 
 #[test]
 fn absurd_motion_stays_bounded_and_finite() {
-    let effects = effects_at(&Nominal::NEW, 1.0);
-    for effects in combinations(&effects) {
+    let inside = effects_at(&Nominal::NEW, 1.0);
+    let mut sets = combinations(&inside);
+    sets.extend(combinations(&void_and_outside(&Nominal::NEW)));
+    for effects in sets {
         let damper = Damper::new(Nominal::NEW, &effects).unwrap();
         let mut state = DamperState::rest();
         let mut scatter = Scatter::seeded(77);

@@ -159,8 +159,19 @@ fn stands_at_rest(law: &Law, stand: Stand) -> bool {
         let to = law.resting.last().map_or(0.0, |last| last.to_m);
         e >= from && e <= to
     } else {
-        e >= law.rest_from_m && e <= law.rest_to_m
+        comes_to_rest(law, e)
     }
+}
+
+/// Whether a sliding piston has come to rest. Where the force is capped at the sliding force (dry
+/// friction in a void) the edge itself still slides.
+#[inline]
+fn comes_to_rest(law: &Law, e: f64) -> bool {
+    let capped_below = law.sliding.first().is_some_and(|first| first.from_m >= law.rest_from_m);
+    let capped_above = law.sliding.last().is_some_and(|last| last.to_m <= law.rest_to_m);
+    let above = e > law.rest_from_m || (e == law.rest_from_m && !capped_below);
+    let below = e < law.rest_to_m || (e == law.rest_to_m && !capped_above);
+    above && below
 }
 
 /// Which way a chain leaves a knot.
@@ -239,7 +250,7 @@ fn across(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
             left_s -= time_s;
             turned = None;
         }
-        if !resting && law.breaks_away() && e >= law.rest_from_m && e <= law.rest_to_m {
+        if !resting && law.breaks_away() && comes_to_rest(law, e) {
             resting = true;
             turned = None;
         }

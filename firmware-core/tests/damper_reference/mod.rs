@@ -3,10 +3,14 @@
 //! test: friction is inverted piece by piece, the rubber is a spring with a Maxwell branch instead
 //! of a creep, position factors are evaluated all the time.
 
-#![allow(dead_code, reason = "each test uses a part of it")]
+#![allow(dead_code, unused_imports, reason = "each test uses a part of it")]
+
+mod outside;
+
+pub(crate) use outside::{Outside, outside_effects_at};
 
 use firmware_core::damper::effects::{
-    AsymmetricDamping, PositionDependentDamping, RubberHysteresis, SealFriction,
+    AsymmetricDamping, Cavitation, PositionDependentDamping, RubberHysteresis, SealFriction,
 };
 use firmware_core::damper::{Damper, DamperState, Effect, Motion, Nominal};
 
@@ -28,6 +32,14 @@ impl Excitation {
         }
         Motion::new(x, v)
     }
+
+    pub(crate) fn acceleration(&self, time_s: f64) -> f64 {
+        let tones = self.tones.iter().map(|&(amplitude, hz, phase)| {
+            let w = 2.0 * std::f64::consts::PI * hz;
+            -amplitude * w * w * libm::sin(w * time_s + phase)
+        });
+        tones.sum()
+    }
 }
 
 /// The working point, a small fast one, a large slow one, two tones.
@@ -43,13 +55,16 @@ pub(crate) const EXCITATIONS: [Excitation; 4] = [
 ];
 
 /// Parameters in the form of the written equations.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Reference {
     pub(crate) nominal: Nominal,
     pub(crate) friction: Option<SealFriction>,
     pub(crate) asymmetry: Option<AsymmetricDamping>,
     pub(crate) position: Option<PositionDependentDamping>,
     pub(crate) rubber: Option<RubberHysteresis>,
+    pub(crate) cavitation: Option<Cavitation>,
+    outside: Outside,
+    void_m: f64,
     sliding: bool,
     piston_m: f64,
     maxwell_m: f64,
@@ -63,6 +78,9 @@ impl Reference {
             asymmetry: None,
             position: None,
             rubber: None,
+            cavitation: None,
+            outside: Outside::default(),
+            void_m: 0.0,
             sliding: false,
             piston_m: 0.0,
             maxwell_m: 0.0,
@@ -73,7 +91,11 @@ impl Reference {
                 Effect::AsymmetricDamping(effect) => reference.asymmetry = Some(effect),
                 Effect::PositionDependentDamping(effect) => reference.position = Some(effect),
                 Effect::RubberHysteresis(effect) => reference.rubber = Some(effect),
-                other => panic!("the reference does not know {}", other.name()),
+                Effect::Cavitation(effect) => reference.cavitation = Some(effect),
+                other => {
+                    let known = reference.outside.take(other);
+                    assert!(known, "the reference does not know {}", other.name());
+                }
             }
         }
         reference
@@ -94,11 +116,39 @@ impl Reference {
             self.piston_m += 0.5 * h * (rate + rate2);
             self.maxwell_m += 0.5 * h * (creep + creep2);
             x = next_x;
+            self.fill_void(x, self.piston_m - 0.5 * h * (rate + rate2));
+            let force = self.attachment(x, self.piston_m, self.maxwell_m).0;
+            let velocity = || self.velocity(force, self.piston_m);
+            let piston_m_per_s = if self.outside.strikes() { velocity() } else { 0.0 };
+            let read = self.outside.read(excitation, (i + 1) as f64 * h, force, piston_m_per_s);
             if (i + 1) % step_us == 0 {
-                forces.push(self.attachment(x, self.piston_m, self.maxwell_m).0);
+                forces.push(read);
             }
         }
         forces
+    }
+
+    /// In a void the piston follows until the attachment carries dry friction only; then the void
+    /// has grown or closed by the way of the piston since `before`, and by the refill.
+    fn fill_void(&mut self, x: f64, before: f64) {
+        let Some(cavitation) = self.cavitation else { return };
+        let side = if cavitation.refill_m_per_s < 0.0 { -1.0 } else { 1.0 };
+        let force = |piston: f64| -side * self.attachment(x, piston, self.maxwell_m).0;
+        let [dry, breakaway] = self.friction.map_or([0.0; 2], |friction| {
+            [friction.coulomb_n, friction.coulomb_n * friction.breakaway_ratio]
+        });
+        let holds = if self.sliding { dry } else { breakaway };
+        if self.void_m > 0.0 && force(self.piston_m) > holds {
+            let (mut carries, mut slack) = (self.piston_m, self.piston_m - side * 0.1);
+            for _ in 0..45 {
+                let middle = 0.5 * (carries + slack);
+                if force(middle) > dry { carries = middle } else { slack = middle }
+            }
+            self.sliding = true;
+            self.piston_m = slack;
+        }
+        let way = side * (self.piston_m - before);
+        self.void_m = (self.void_m + way - 1e-6 * cavitation.refill_m_per_s.abs()).max(0.0);
     }
 
     /// Force and deflection of the rubber.
@@ -130,9 +180,18 @@ impl Reference {
         let breakaway = friction.coulomb_n * friction.breakaway_ratio;
         if force.abs() >= breakaway {
             self.sliding = true;
+        } else if self.in_void(force) {
+            // It slides as long as the dry force is met.
+            self.sliding &= force.abs() > (1.0 - 1e-6) * friction.coulomb_n;
         } else if self.velocity(force, self.piston_m) == 0.0 {
             self.sliding = false;
         }
+    }
+
+    /// True when a force of this sign finds a void instead of oil.
+    fn in_void(&self, sign: f64) -> bool {
+        let side = self.cavitation.is_some_and(|effect| effect.refill_m_per_s * sign < 0.0);
+        side && self.void_m > 0.0
     }
 
     /// Hydraulic and dry force at a velocity whose sign is `sign`.
@@ -159,6 +218,10 @@ impl Reference {
     fn velocity(&self, force: f64, piston: f64) -> f64 {
         let sign = if force < 0.0 { -1.0 } else { 1.0 };
         let force = force.abs();
+        if self.in_void(sign) {
+            // It stands, or `fill_void` moves it.
+            return 0.0;
+        }
         if let Some(friction) = self.friction {
             let breakaway = friction.coulomb_n * friction.breakaway_ratio;
             if !self.sliding && force < breakaway {
