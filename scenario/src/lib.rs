@@ -10,6 +10,7 @@
 pub mod conicity;
 pub mod contact_geometry;
 pub mod damper;
+pub mod damper_mass;
 pub mod equilibrium;
 pub mod irregularity;
 pub mod minimum_speed;

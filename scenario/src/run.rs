@@ -1,6 +1,7 @@
 //! The scenario of a run: vehicle, speed, track, four damper slots, rig.
 
 use crate::damper::DamperFile;
+use crate::damper_mass;
 use crate::equilibrium::{self, Equilibrium};
 use crate::irregularity::IrregularityFile;
 use crate::minimum_speed::minimum_speed_m_per_s;
@@ -213,8 +214,17 @@ impl Run {
         }
         let vehicle_source = Source::read(&source.beside(&file.vehicle))?;
         let vehicle_file: VehicleFile = vehicle_source.parse()?;
-        let vehicle = vehicle_file.build(&vehicle_source)?;
+        let mut vehicle = vehicle_file.build(&vehicle_source)?;
         let contact = vehicle_file.wheel_rail.contact(&vehicle_source)?;
+        let rig_file = RigFile { damper: file.rig.damper.over(&file.damper), ..file.rig.clone() };
+        let rig = rig_file.build(source)?;
+        let mut slots = slots(&file, &vehicle_file, source, rig.damper.nominal().ke_n_per_m)?;
+        for (number, slot) in slots.iter_mut().enumerate() {
+            if let SlotForce::Modelled(damper) = &mut slot.force {
+                *damper = damper_mass::give_to_bodies(&mut vehicle, number, damper.clone())
+                    .map_err(|error| source.whole_error(error.to_string()))?;
+            }
+        }
         let table = contact.as_ref().map(|contact| &*contact.table);
 
         let speed_m_per_s = file.speed_kmh.within(
@@ -241,9 +251,6 @@ impl Run {
         start.state.distance_m.0[0] = START_M;
         let end_m = START_M + speed_m_per_s * duration_s + 20.0;
         let track = file.track.build(source, 0.0, end_m)?;
-        let rig_file = RigFile { damper: file.rig.damper.over(&file.damper), ..file.rig.clone() };
-        let rig = rig_file.build(source)?;
-        let slots = slots(&file, &vehicle_file, source, rig.damper.nominal().ke_n_per_m)?;
         let mut about: Vec<String> = vehicle_file.about.iter().cloned().collect();
         if let Some(contact) = &contact {
             for profile in &contact.profiles {
