@@ -10,7 +10,7 @@
 use heapless::Vec;
 
 /// How many knots one curve holds.
-pub const CURVE_KNOTS: usize = 32;
+pub const CURVE_KNOTS: usize = 48;
 
 /// A point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,10 +34,22 @@ impl Curve {
     pub const ZERO: Self = Self { knots: Vec::new(), slope_before: 0.0, slope_after: 0.0 };
 
     /// A curve through rising knots with a slope beyond each end. Knots beyond the capacity are
-    /// dropped; [`Curve::is_full`] then holds.
+    /// dropped: the damper is then refused, before a step is made with it.
     pub fn through(knots: &[Knot], slope_before: f64, slope_after: f64) -> Self {
         let mut curve = Self { slope_before, slope_after, ..Self::ZERO };
         for knot in knots {
+            curve.push(*knot);
+        }
+        curve
+    }
+
+    /// An odd curve from its knots at zero and above, with one slope beyond both ends.
+    pub fn odd(above: &[Knot], slope: f64) -> Self {
+        let mut curve = Self { slope_before: slope, slope_after: slope, ..Self::ZERO };
+        for knot in above.iter().rev().filter(|knot| knot.x > 0.0) {
+            curve.push(Knot { x: -knot.x, y: -knot.y });
+        }
+        for knot in above {
             curve.push(*knot);
         }
         curve
@@ -56,11 +68,6 @@ impl Curve {
     /// Slope after the last knot.
     pub fn slope_after(&self) -> f64 {
         self.slope_after
-    }
-
-    /// True when no more knots fit: the curve may be cut off.
-    pub fn is_full(&self) -> bool {
-        self.knots.is_full()
     }
 
     /// The value at `x`; at a step, the middle of it.
@@ -95,6 +102,14 @@ impl Curve {
         }
         self.slope_before += slope;
         self.slope_after += slope;
+    }
+
+    /// Adds `other`, a curve over the values of this one, to its places: two throttles side by side
+    /// add their velocities at equal force.
+    pub(super) fn add_across(&mut self, other: &Self) {
+        self.invert();
+        *self = self.plus(other);
+        self.invert();
     }
 
     /// Stretches one side of zero: `x` by `x_gain`, `y` by `y_gain`; both above zero.

@@ -41,8 +41,10 @@ pub enum DamperError {
         /// How many fit.
         limit: usize,
     },
-    /// The effects together bend the laws at more points than the tables hold.
+    /// The effects together bend a law at more points than its table holds.
     TooManyKnots {
+        /// `attachment` or `body`.
+        law: &'static str,
         /// How many fit.
         limit: usize,
     },
@@ -68,8 +70,8 @@ impl fmt::Display for DamperError {
             Self::TooManyEffects { given, limit } => {
                 write!(f, "{given} effects given, at most {limit}")
             }
-            Self::TooManyKnots { limit } => {
-                write!(f, "the laws have more than {limit} knots together")
+            Self::TooManyKnots { law, limit } => {
+                write!(f, "the law of the {law} has more than {limit} knots")
             }
             Self::NotMonotone { law } => write!(f, "the law of the {law} is not rising"),
         }

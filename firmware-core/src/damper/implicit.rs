@@ -19,7 +19,7 @@
 //! (Illinois) otherwise. Second order, and for a fast creep d1 is F1 times its compliance with no
 //! memory left: L-stable. Knots of the law stay exact.
 
-use super::law::{Law, Segments};
+use super::law::{Law, Segment};
 use super::series::{Arrival, Drive, Stand, advance};
 
 /// Most evaluations of the chain in one coupled step.
@@ -27,7 +27,7 @@ pub const MAX_COUPLING: u32 = 20;
 
 /// End deflection of one backward Euler step with the driving velocity at its end.
 pub fn backward_euler(
-    segments: &Segments,
+    segments: &[Segment],
     start_m: f64,
     velocity_m_per_s: f64,
     step_s: f64,

@@ -14,14 +14,24 @@
 //! A body whose force falls after breakaway has two laws, one for the piston at rest and one for
 //! the sliding piston. Both rise; which one holds is a memory of the piston.
 
-use heapless::Vec;
+use heapless::{Vec, VecView};
 
-use super::curve::{Curve, Knot, Side, merge};
+use super::curve::{CURVE_KNOTS, Curve, Knot, Side, merge};
 use super::error::DamperError;
 use super::series::Gains;
 
-/// How many segments the law of a chain holds.
-pub const LAW_SEGMENTS: usize = 48;
+/// Most knots of hydraulic and dry law together.
+pub const BODY_KNOTS: usize = CURVE_KNOTS - 1;
+
+/// Most knots of the attachment; wear may split the one at zero.
+pub const ATTACHMENT_KNOTS: usize = CURVE_KNOTS - 1;
+
+/// How many segments the law of a chain holds: one behind every knot, one before the first, two
+/// where clearance and friction are free at once.
+pub const LAW_SEGMENTS: usize = BODY_KNOTS + ATTACHMENT_KNOTS + 4;
+
+/// How many segments the law of a piston at rest holds.
+pub const RESTING_SEGMENTS: usize = ATTACHMENT_KNOTS + 6;
 
 /// The parts of a chain at nominal state, and what effects have made of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,16 +119,13 @@ impl Segment {
     }
 }
 
-/// Segments in rising order.
-pub type Segments = Vec<Segment, LAW_SEGMENTS>;
-
 /// The joined law of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Law {
     /// The law while the piston slides, or at all times when its force never falls.
-    pub sliding: Segments,
+    pub sliding: Vec<Segment, LAW_SEGMENTS>,
     /// The law of the piston at rest, up to breakaway; empty when its force never falls.
-    pub resting: Segments,
+    pub resting: Vec<Segment, RESTING_SEGMENTS>,
     /// Deflection range in which a sliding piston comes to rest, m.
     pub rest_from_m: f64,
     /// End of that range, m.
@@ -185,10 +192,14 @@ impl Law {
     /// # Errors
     /// [`DamperError::TooManyKnots`], [`DamperError::NotMonotone`].
     pub fn check(parts: &Parts) -> Result<(), DamperError> {
-        let curves = [&parts.hydraulic, &parts.dry, &parts.attachment];
-        let knots: usize = curves.iter().map(|curve| curve.knots().len()).sum();
-        if knots > CURVE_LIMIT || curves.iter().any(|curve| curve.is_full()) {
-            return Err(DamperError::TooManyKnots { limit: CURVE_LIMIT });
+        // A curve that has run out of room is as long as its limit allows, or longer.
+        let body = parts.hydraulic.knots().len() + parts.dry.knots().len();
+        if body > BODY_KNOTS {
+            return Err(DamperError::TooManyKnots { law: "body", limit: BODY_KNOTS });
+        }
+        if parts.attachment.knots().len() > ATTACHMENT_KNOTS {
+            let limit = ATTACHMENT_KNOTS;
+            return Err(DamperError::TooManyKnots { law: "attachment", limit });
         }
         if !parts.attachment.rises_at_least(f64::MIN_POSITIVE) {
             return Err(DamperError::NotMonotone { law: "attachment" });
@@ -199,9 +210,6 @@ impl Law {
         Ok(())
     }
 }
-
-/// Knots of all three curves together: body and law then fit whatever the factors are.
-const CURVE_LIMIT: usize = 31;
 
 /// Force of the attachment at a deflection under the given factors.
 pub fn attachment_force_n(parts: &Parts, factors: &Factors, deflection_m: f64) -> f64 {
@@ -225,7 +233,7 @@ fn attachment_under(nominal: &Curve, factors: &Factors) -> Option<Curve> {
     let gain = factors.compliance_gain;
     let positive = |y: f64| above + added + gain * (y - above);
     let negative = |y: f64| -(below + added + gain * (-y - below));
-    let mut knots: Vec<Knot, { CURVE_LIMIT + 1 }> = Vec::new();
+    let mut knots: Vec<Knot, { ATTACHMENT_KNOTS + 1 }> = Vec::new();
     for knot in nominal.knots() {
         let split = nominal.knots().iter().filter(|other| other.x == 0.0).count() == 1;
         if knot.x == 0.0 && split && added > 0.0 {
@@ -250,7 +258,7 @@ fn outer(attachment: &Curve, force_n: f64) -> f64 {
 }
 
 /// Joins a body, velocity over force, with an attachment, deflection over force.
-fn join_into(segments: &mut Segments, body: &Curve, attachment: &Curve) {
+fn join_into(segments: &mut VecView<Segment>, body: &Curve, attachment: &Curve) {
     segments.clear();
     let mut last: Option<Point> = None;
     merge(body, attachment, |force_n, velocity, deflection| {
@@ -288,7 +296,7 @@ fn join_into(segments: &mut Segments, body: &Curve, attachment: &Curve) {
 }
 
 /// The segment between two points.
-fn push_between(segments: &mut Segments, from: &Point, to: &Point) {
+fn push_between(segments: &mut VecView<Segment>, from: &Point, to: &Point) {
     let length = to.deflection_m - from.deflection_m;
     let inner = if from.deflection_m.abs() <= to.deflection_m.abs() { from } else { to };
     // Never full: `Law::check` has counted the knots.
@@ -305,7 +313,13 @@ fn push_between(segments: &mut Segments, from: &Point, to: &Point) {
 }
 
 /// The segment beyond the first or the last point, unless the force is capped there.
-fn push_end(segments: &mut Segments, at: &Point, body: &Curve, attachment: &Curve, side: f64) {
+fn push_end(
+    segments: &mut VecView<Segment>,
+    at: &Point,
+    body: &Curve,
+    attachment: &Curve,
+    side: f64,
+) {
     let (slope, compliance) = if side < 0.0 {
         (body.slope_before(), attachment.slope_before())
     } else {
@@ -455,11 +469,11 @@ mod tests {
         let mut soft = parts.clone();
         soft.attachment.add_line(-1.0 / 12.5e6);
         assert_eq!(Law::check(&soft), Err(DamperError::NotMonotone { law: "attachment" }));
-        for i in 0..40 {
+        for i in 0..60 {
             let knot = Knot { x: f64::from(i), y: f64::from(i) };
             parts.dry = parts.dry.plus(&Curve::through(&[knot], 0.0, 0.0));
         }
-        let limit = CURVE_LIMIT;
-        assert_eq!(Law::check(&parts), Err(DamperError::TooManyKnots { limit }));
+        let full = DamperError::TooManyKnots { law: "body", limit: BODY_KNOTS };
+        assert_eq!(Law::check(&parts), Err(full));
     }
 }

@@ -44,6 +44,7 @@ pub mod error;
 pub mod implicit;
 pub mod law;
 pub mod nominal;
+pub mod sampling;
 pub mod series;
 mod step;
 

@@ -18,7 +18,7 @@
 //! out; it is smaller than A h^2 / 8.
 
 use super::implicit::backward_euler;
-use super::law::{Law, Segment, Segments};
+use super::law::{Law, Segment};
 
 /// Most pieces of one step before the fallback.
 pub const MAX_VISITS: u32 = 16;
@@ -96,7 +96,7 @@ pub struct Arrival {
 #[inline]
 pub fn advance(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
     let resting = stands_at_rest(law, stand);
-    let segments = if resting { &law.resting } else { &law.sliding };
+    let segments: &[Segment] = if resting { &law.resting } else { &law.sliding };
     let e = stand.deflection_m;
     // Nearly every step begins and ends inside one segment.
     if let Some(segment) = segments.iter().find(|segment| e < segment.to_m)
@@ -191,7 +191,7 @@ fn across(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
     // Set when the segment on the other side of a knot has turned the chain back.
     let mut turned: Option<Way> = None;
     for _ in 0..MAX_VISITS {
-        let segments = if resting { &law.resting } else { &law.sliding };
+        let segments: &[Segment] = if resting { &law.resting } else { &law.sliding };
         e = clamp_to(segments, e);
         let stand = Stand { deflection_m: e, resting };
         let drive = Drive { velocity_m_per_s: velocity, acceleration_m_per_s2: acceleration };
@@ -263,7 +263,7 @@ fn across(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
 }
 
 /// The segments below and above a deflection: the same one inside it, two at a knot, one at a cap.
-fn around(segments: &Segments, e: f64) -> (Option<&Segment>, Option<&Segment>) {
+fn around(segments: &[Segment], e: f64) -> (Option<&Segment>, Option<&Segment>) {
     let Some(index) = segments.iter().position(|segment| e <= segment.to_m) else {
         return (segments.last(), None);
     };
@@ -289,7 +289,7 @@ fn leave(velocity: f64, acceleration: f64, low: f64, high: f64) -> Option<Way> {
 }
 
 /// The end of a step at a knot, the piston taking all of the motion that the law leaves it.
-fn held(segments: &Segments, stand: Stand, velocity: f64) -> Arrival {
+fn held(segments: &[Segment], stand: Stand, velocity: f64) -> Arrival {
     let e = stand.deflection_m;
     let (below, above) = around(segments, e);
     let low = below.map_or(f64::NEG_INFINITY, |s| s.velocity(e).min(s.velocity_to));
@@ -305,7 +305,7 @@ fn held(segments: &Segments, stand: Stand, velocity: f64) -> Arrival {
     }
 }
 
-fn clamp_to(segments: &Segments, e: f64) -> f64 {
+fn clamp_to(segments: &[Segment], e: f64) -> f64 {
     let from = segments.first().map_or(e, |first| first.from_m);
     let to = segments.last().map_or(e, |last| last.to_m);
     e.max(from).min(to)

@@ -41,6 +41,10 @@ pub enum Unit {
     Kelvin,
     /// 1/K.
     PerKelvin,
+    /// J/K.
+    JoulePerKelvin,
+    /// W/K.
+    WattPerKelvin,
 }
 
 impl Unit {
@@ -60,6 +64,8 @@ impl Unit {
             Self::PerMetre2 => "1/m2",
             Self::Kelvin => "K",
             Self::PerKelvin => "1/K",
+            Self::JoulePerKelvin => "J/K",
+            Self::WattPerKelvin => "W/K",
         }
     }
 
@@ -77,6 +83,8 @@ impl Unit {
             Self::Kilogram => force_n * displacement_m / (velocity_m_per_s * velocity_m_per_s),
             Self::PerMetre => 1.0 / displacement_m,
             Self::PerMetre2 => 1.0 / (displacement_m * displacement_m),
+            Self::JoulePerKelvin => force_n * displacement_m,
+            Self::WattPerKelvin => force_n * velocity_m_per_s,
         }
     }
 
@@ -116,13 +124,17 @@ impl Parameter {
         self.typical * self.unit.natural(scale)
     }
 
-    /// The bounds that hold for a damper of any size: both for a ratio or a time, the sign for
-    /// everything else.
+    /// The bounds that hold for a damper of any size: both for a ratio or a time; for everything
+    /// else the sign, and whether it can be zero.
     pub fn bounds_at_any_scale(&self) -> (f64, f64) {
         if self.unit.is_absolute() {
             return (self.lower, self.upper);
         }
-        let lower = if self.lower < 0.0 { -f64::MAX } else { 0.0 };
+        let lower = match self.lower {
+            below if below < 0.0 => -f64::MAX,
+            0.0 => 0.0,
+            _ => f64::MIN_POSITIVE,
+        };
         let upper = if self.upper > 0.0 { f64::MAX } else { 0.0 };
         (lower, upper)
     }
