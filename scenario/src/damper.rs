@@ -1,17 +1,32 @@
 //! A damper in a file: the nominal parameters and the effects that it has beyond them.
+//!
+//! Values stand in the `[damper]` of a scenario, a slot or a rig, or in a file of their own, a
+//! **model**, that `file` names:
+//! ```toml
+//! [damper]
+//! file = "model.toml"       # beside the file that says so; keys given here lie over it
+//! clearance_2a_m = 4.0e-3
+//! ```
+//! A model holds one `[damper]`, so it is a rig file too. What [`DamperFile::to_model`] writes is read
+//! back to the same bits: numbers stand with as many digits as it takes.
 
-use crate::quantity::Quantity;
+use crate::quantity::{Provenance, Quantity};
 use crate::source::{ScenarioError, Source};
 use firmware_core::damper::effects::{CATALOGUE, Effect};
 use firmware_core::damper::{Damper, Nominal};
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
 
 /// A damper. What is absent keeps the value of a new SS9 yaw damper (calibrated, not its maker's).
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct DamperFile {
+    /// A model file with the values that are absent here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// Damping below relief.
     pub ce_n_s_per_m: Option<Quantity>,
     /// Effective series stiffness.
@@ -72,6 +87,7 @@ impl DamperFile {
     pub fn new_damper() -> Self {
         let plain = |value| Some(Quantity::plain(value));
         Self {
+            file: None,
             ce_n_s_per_m: plain(Nominal::NEW.ce_n_s_per_m),
             ke_n_per_m: plain(Nominal::NEW.ke_n_per_m),
             clearance_2a_m: plain(Nominal::NEW.clearance_2a_m),
@@ -85,6 +101,7 @@ impl DamperFile {
     #[must_use]
     pub fn over(&self, base: &Self) -> Self {
         Self {
+            file: self.file.clone().or(base.file.clone()),
             ce_n_s_per_m: self.ce_n_s_per_m.clone().or(base.ce_n_s_per_m.clone()),
             ke_n_per_m: self.ke_n_per_m.clone().or(base.ke_n_per_m.clone()),
             clearance_2a_m: self.clearance_2a_m.clone().or(base.clearance_2a_m.clone()),
@@ -94,11 +111,105 @@ impl DamperFile {
         }
     }
 
+    /// This damper with the values of the model file that it names; without `file`, as it is.
+    ///
+    /// # Errors
+    /// The model cannot be read, or is no damper that can be, with its own file and line.
+    pub fn resolved(self, source: &Source) -> Result<Self, ScenarioError> {
+        let Some(file) = &self.file else { return Ok(self) };
+        let model = Self::load_model(&source.beside(file))?;
+        Ok(Self { file: None, ..self.over(&model) })
+    }
+
+    /// Reads a model file: a `[damper]`, and a `name` if it has one.
+    ///
+    /// # Errors
+    /// It cannot be read, or is no damper that can be, with file and line.
+    pub fn load_model(path: &Path) -> Result<Self, ScenarioError> {
+        let source = Source::read(path)?;
+        let ModelFile { name: _, damper } = source.parse()?;
+        if damper.file.is_some() {
+            return Err(source.whole_error("a model names another file, expected values"));
+        }
+        damper.build(&source)?;
+        Ok(damper)
+    }
+
+    /// The values of a damper. `notes` go beside values by their names, those of effects as
+    /// `effect.parameter`.
+    pub fn from_damper(
+        damper: &Damper,
+        provenance: Provenance,
+        notes: &BTreeMap<String, String>,
+    ) -> Self {
+        let told =
+            |key: &str, value| Quantity::plain(value).told(provenance, notes.get(key).cloned());
+        let nominal = damper.nominal();
+        let effect = |effect: &Effect| {
+            let (name, values) = (effect.name(), effect.values());
+            let rows = effect.parameters().iter().zip(values);
+            let entry = |(row, value): (&firmware_core::damper::effects::Parameter, f64)| {
+                (row.name.to_owned(), told(&format!("{name}.{}", row.name), value))
+            };
+            EffectFile { name: name.to_owned(), parameters: rows.map(entry).collect() }
+        };
+        Self {
+            file: None,
+            ce_n_s_per_m: Some(told("ce_n_s_per_m", nominal.ce_n_s_per_m)),
+            ke_n_per_m: Some(told("ke_n_per_m", nominal.ke_n_per_m)),
+            clearance_2a_m: Some(told("clearance_2a_m", nominal.clearance_2a_m)),
+            f_relief_n: Some(told("f_relief_n", nominal.f_relief_n)),
+            c2_n_s_per_m: Some(told("c2_n_s_per_m", nominal.c2_n_s_per_m)),
+            effect: damper.effects().iter().map(effect).collect(),
+        }
+    }
+
+    /// The text of a model file with `heading` as comment lines at its top.
+    pub fn to_model(&self, heading: &str) -> String {
+        let mut text = String::new();
+        for line in heading.lines() {
+            text.push_str(if line.is_empty() { "#" } else { "# " });
+            text.push_str(line);
+            text.push('\n');
+        }
+        text.push_str("[damper]\n");
+        let values = [
+            ("ce_n_s_per_m", &self.ce_n_s_per_m),
+            ("ke_n_per_m", &self.ke_n_per_m),
+            ("clearance_2a_m", &self.clearance_2a_m),
+            ("f_relief_n", &self.f_relief_n),
+            ("c2_n_s_per_m", &self.c2_n_s_per_m),
+        ];
+        for (key, value) in values {
+            if let Some(value) = value {
+                write_quantity(&mut text, key, value);
+            }
+        }
+        for effect in &self.effect {
+            let name = toml::Value::String(effect.name.clone());
+            let _ = writeln!(text, "\n[[damper.effect]]\nname = {name}");
+            let info = CATALOGUE.iter().find(|info| info.name == effect.name);
+            // In the order of the table, which reads better than the alphabet.
+            let place = |key: &str| {
+                info.and_then(|info| info.parameters.iter().position(|row| row.name == key))
+            };
+            let mut values: Vec<_> = effect.parameters.iter().collect();
+            values.sort_by_key(|(key, _)| place(key));
+            for (key, value) in values {
+                write_quantity(&mut text, key, value);
+            }
+        }
+        text
+    }
+
     /// Builds the damper.
     ///
     /// # Errors
     /// A value that no damper can have, an unknown effect or parameter, with file and line.
     pub fn build(&self, source: &Source) -> Result<Damper, ScenarioError> {
+        if self.file.is_some() {
+            return self.clone().resolved(source)?.build(source);
+        }
         let mut nominal = Nominal::NEW;
         let given = [
             (&self.ce_n_s_per_m, &mut nominal.ce_n_s_per_m, "ce_n_s_per_m", true),
@@ -110,7 +221,10 @@ impl DamperFile {
         let mut place = None;
         for (value, slot, key, above_zero) in given {
             if let Some(value) = value {
-                *slot = if above_zero {
+                *slot = if key == "f_relief_n" {
+                    let expected = "a positive number, or inf for a damper without relief";
+                    value.within(source, key, f64::MIN_POSITIVE, f64::INFINITY, expected)?
+                } else if above_zero {
                     value.positive(source, key)?
                 } else {
                     value.not_negative(source, key)?
@@ -127,6 +241,33 @@ impl DamperFile {
             self.effect.iter().map(|effect| effect.build(source)).collect::<Result<Vec<_>, _>>()?;
         Damper::new(nominal, &effects).map_err(|error| located(error.to_string()))
     }
+}
+
+/// A damper in a file of its own.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelFile {
+    /// What a rig file may say about itself.
+    name: Option<String>,
+    damper: DamperFile,
+}
+
+/// One line `key = ...`; `{:?}` writes the fewest digits that give the same number again.
+fn write_quantity(text: &mut String, key: &str, quantity: &Quantity) {
+    let value = quantity.value;
+    let _ = match (&quantity.provenance, &quantity.note) {
+        (None, None) => writeln!(text, "{key} = {value:?}"),
+        (provenance, note) => {
+            let _ = write!(text, "{key} = {{ value = {value:?}");
+            if let Some(provenance) = provenance {
+                let _ = write!(text, ", provenance = \"{}\"", provenance.name());
+            }
+            if let Some(note) = note {
+                let _ = write!(text, ", note = {}", toml::Value::String(note.clone()));
+            }
+            writeln!(text, " }}")
+        }
+    };
 }
 
 impl EffectFile {
@@ -174,5 +315,118 @@ impl EffectFile {
                 None => source.whole_error(error.to_string()),
             }
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::RigFile;
+    use firmware_core::damper::effects::Values;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    const SEED: u64 = 20;
+
+    fn read_back(text: &str) -> Result<Damper, ScenarioError> {
+        let source = Source::from_text(Path::new("model.toml"), text);
+        let ModelFile { name: _, damper } = source.parse()?;
+        damper.build(&source)
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_to_the_same_bits() {
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        // Numbers with all their bits set at random, over many sizes.
+        let mut number = |low: f64, high: f64| {
+            let share = random.next_u64() as f64 / 2f64.powi(64);
+            low + (high - low) * share * share * share
+        };
+        let mut written = 0;
+        for trial in 0..200 {
+            let nominal = Nominal {
+                ce_n_s_per_m: number(1.0, 1e9),
+                ke_n_per_m: number(1e2, 1e12),
+                clearance_2a_m: if trial % 3 == 0 { 0.0 } else { number(1e-9, 1e-2) },
+                f_relief_n: if trial % 5 == 0 { f64::INFINITY } else { number(1.0, 1e7) },
+                c2_n_s_per_m: if trial % 7 == 0 { 0.0 } else { number(1e-3, 1e6) },
+            };
+            let effects: Vec<Effect> = CATALOGUE
+                .iter()
+                .skip(trial % CATALOGUE.len())
+                .take(trial % 4)
+                .filter_map(|info| {
+                    let scale = nominal.scale();
+                    let value = |row: &firmware_core::damper::effects::Parameter| {
+                        let (lower, upper) = row.bounds(&scale);
+                        let usual = row.usual(&scale);
+                        number(lower.max(0.9 * usual), upper.min(1.1 * usual))
+                    };
+                    let values: Values = info.parameters.iter().map(value).collect();
+                    Effect::from_values(info.name, &values).ok()
+                })
+                .collect();
+            // Not every mixture has rising laws.
+            let Ok(damper) = Damper::new(nominal, &effects) else { continue };
+            let notes = BTreeMap::from([("ke_n_per_m".to_owned(), "+- 3 % \"95 %\"\n".to_owned())]);
+            let file = DamperFile::from_damper(&damper, Provenance::Identified, &notes);
+            let text = file.to_model("identified\n\nfrom a.csv");
+            let again =
+                read_back(&text).unwrap_or_else(|error| panic!("seed {SEED}: {error}\n{text}"));
+            assert_eq!(again, damper, "seed {SEED}, trial {trial}\n{text}");
+            assert_eq!(again.nominal().ke_n_per_m.to_bits(), nominal.ke_n_per_m.to_bits());
+            for (one, other) in again.effects().iter().zip(damper.effects()) {
+                for (a, b) in one.values().iter().zip(other.values()) {
+                    assert_eq!(a.to_bits(), b.to_bits(), "{}", one.name());
+                }
+            }
+            written += 1;
+        }
+        assert!(written > 150, "{written}");
+    }
+
+    #[test]
+    fn a_model_reads_well() {
+        let mut file = DamperFile::new_damper();
+        file.ke_n_per_m = Some(Quantity::plain(1.25e7).told(Provenance::Identified, None));
+        file.effect.push(EffectFile {
+            name: "asymmetric_damping".to_owned(),
+            parameters: BTreeMap::new(),
+        });
+        let text = file.to_model("A damper.\n\nOf nobody.");
+        assert_eq!(
+            text,
+            "# A damper.\n#\n# Of nobody.\n[damper]\nce_n_s_per_m = 1000000.0\n\
+             ke_n_per_m = { value = 12500000.0, provenance = \"identified\" }\n\
+             clearance_2a_m = 0.0002\nf_relief_n = 18000.0\nc2_n_s_per_m = 80000.0\n\n\
+             [[damper.effect]]\nname = \"asymmetric_damping\"\n"
+        );
+    }
+
+    #[test]
+    fn a_model_is_named_by_a_scenario_and_is_a_rig_of_its_own() {
+        let folder = std::env::temp_dir().join(format!("yawbench-model-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let nominal = Nominal { ke_n_per_m: 9.87e6, ..Nominal::NEW };
+        let damper = Damper::new(nominal, &[]).unwrap();
+        let file = DamperFile::from_damper(&damper, Provenance::Identified, &BTreeMap::new());
+        std::fs::write(folder.join("model.toml"), file.to_model("")).unwrap();
+        let rig = RigFile::load(&folder.join("model.toml")).unwrap();
+        assert_eq!(rig.damper, damper);
+
+        let text = "file = \"model.toml\"\nclearance_2a_m = 4e-3\n";
+        let source = Source::from_text(&folder.join("run.toml"), text);
+        let worn: DamperFile = source.parse().unwrap();
+        let worn = worn.resolved(&source).unwrap();
+        assert_eq!(worn.file, None);
+        let built = worn.build(&source).unwrap();
+        assert_eq!(*built.nominal(), Nominal { clearance_2a_m: 4e-3, ..nominal });
+
+        std::fs::write(folder.join("bad.toml"), "[damper]\n\nke_n_per_m = -1.0\n").unwrap();
+        let source = Source::from_text(&folder.join("run.toml"), "file = \"bad.toml\"\n");
+        let bad: DamperFile = source.parse().unwrap();
+        let error = bad.resolved(&source).unwrap_err();
+        assert_eq!((error.file, error.line), (folder.join("bad.toml"), Some(3)));
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

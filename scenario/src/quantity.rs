@@ -23,6 +23,21 @@ pub enum Provenance {
     Estimated,
     /// Fitted here so that the model meets a published result.
     Calibrated,
+    /// Fitted to measured records of this very damper.
+    Identified,
+}
+
+impl Provenance {
+    /// As it is written.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Published => "published",
+            Self::Derived => "derived",
+            Self::Estimated => "estimated",
+            Self::Calibrated => "calibrated",
+            Self::Identified => "identified",
+        }
+    }
 }
 
 /// A number with its provenance and its place in the file.
@@ -41,6 +56,12 @@ impl Quantity {
     /// A number that is in no file.
     pub fn plain(value: f64) -> Self {
         Self { value, ..Self::default() }
+    }
+
+    /// The same number with where it comes from and what there is to say about it.
+    #[must_use]
+    pub fn told(self, provenance: Provenance, note: Option<String>) -> Self {
+        Self { provenance: Some(provenance), note, ..self }
     }
 
     /// The value, if it is finite and above zero.

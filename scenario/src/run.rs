@@ -194,6 +194,11 @@ impl Run {
     /// One line with file, line and key for the first thing that does not fit.
     pub fn from_source(source: &Source, overrides: Overrides) -> Result<Self, ScenarioError> {
         let mut file: RunFile = source.parse()?;
+        file.damper = file.damper.resolved(source)?;
+        file.rig.damper = file.rig.damper.resolved(source)?;
+        for slot in &mut file.slot {
+            slot.damper = std::mem::take(&mut slot.damper).resolved(source)?;
+        }
         if let Some(duration) = overrides.duration_s {
             file.duration_s = Quantity::plain(duration);
         }
