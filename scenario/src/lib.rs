@@ -4,13 +4,14 @@
 //! its numbers ([`vehicle`], [`wheel_rail`]), the dampers ([`damper`]), the track ([`track`],
 //! [`irregularity`]), the rig ([`rig`]). It solves the wheel and rail [`profile`]s into the contact
 //! table of the step ([`contact_geometry`]) and finds the steady motion to start from
-//! ([`equilibrium`]). Whatever does not fit is one clear line with file, line and key
-//! ([`source::ScenarioError`]).
+//! ([`equilibrium`]). [`datasheet::Datasheet`] turns what a maker says about a damper into its numbers.
+//! Whatever does not fit is one clear line with file, line and key ([`source::ScenarioError`]).
 
 pub mod conicity;
 pub mod contact_geometry;
 pub mod damper;
 pub mod damper_mass;
+pub mod datasheet;
 pub mod equilibrium;
 pub mod irregularity;
 pub mod minimum_speed;
