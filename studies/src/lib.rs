@@ -7,13 +7,14 @@
 //! [`series_model`] is a series damper by its own integration, apart from the core's, with disturbances
 //! that no effect of the catalogue describes; [`hydraulic`] is a damper from its chambers, valves, oil
 //! and rubber; [`bench_visit`] moves a damper as a bench does.
-//! [`measurement`] is the way in for what a bench measured.
+//! [`measurement`] is the way in for what a bench measured, [`laboratory`] what a laboratory prints of it.
 
 pub mod bench_visit;
 pub mod error;
 pub mod guiding_force;
 pub mod hydraulic;
 pub mod identify;
+pub mod laboratory;
 pub mod measurement;
 pub mod series_model;
 pub mod spectrum;

@@ -32,15 +32,17 @@ pub mod specimen;
 
 pub use specimen::{HeatBalance, Modelled, NullGenerator, Specimen};
 
+use crate::measurement::{Measurement, MeasurementError, Series};
 use crate::series_model::Grid;
+use firmware_core::damper::effects::temperature_fade::AMBIENT_DEGC;
 use protocol::Test;
 use random::Random;
 use sensors::Sensors;
 use specimen::Load;
 use std::io::{self, Write};
 
-/// Temperature of the laboratory, degrees Celsius.
-pub const LABORATORY_DEGC: f64 = 23.0;
+/// Temperature of the laboratory, degrees Celsius: that at which nominal numbers hold.
+pub const LABORATORY_DEGC: f64 = AMBIENT_DEGC;
 
 /// One test as it was recorded.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,6 +91,7 @@ pub fn record_from(
         start: Random::new(seed, 0).between(-1.0, 1.0),
         start_degc,
         ambient_degc: LABORATORY_DEGC,
+        thermometer: sensors.temperature_noise_k.is_some(),
         seed,
     };
     let response = specimen.respond(&load);
@@ -115,7 +118,8 @@ pub fn record_from(
     }
 }
 
-/// Records a whole list, the oil of each test as warm as the one before has left it.
+/// Records a whole list, the oil of each test as warm as the one before has left it. (A damper of the
+/// core without a thermometer reckons its own warmth and starts every test cold.)
 pub fn visit(
     specimen: &dyn Specimen,
     tests: &[Test],
@@ -134,6 +138,17 @@ pub fn visit(
 }
 
 impl RawRecord {
+    /// The record as a measurement, ready for a model: as if it had been written and read again.
+    ///
+    /// # Errors
+    /// What makes a record unfit, such as too few samples.
+    pub fn measurement(&self) -> Result<Measurement, MeasurementError> {
+        let (x, force) = (self.displacement_m.clone(), self.force_n.clone());
+        let mut series = Series::sampled(&self.name, self.rate_hz, x, force);
+        series.temperature_degc.clone_from(&self.temperature_degc);
+        Measurement::from_series(series)
+    }
+
     /// Writes the record as the project's CSV.
     ///
     /// # Errors

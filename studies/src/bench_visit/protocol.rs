@@ -94,7 +94,7 @@ pub fn full() -> Vec<Test> {
 /// ```
 pub fn short() -> Vec<Test> {
     let leg = |to_m, hold_s| Leg { to_m, speed_m_per_s: 0.02, hold_s };
-    let ramps = [leg(4e-3, 2.0), leg(0.0, 1.5), leg(-4e-3, 2.0), leg(0.0, 1.5)];
+    let ramps = [leg(4e-3, 1.5), leg(-4e-3, 1.5), leg(4e-3, 1.5), leg(0.0, 1.5)];
     vec![
         Test::sine("sine-3.5hz-3.46mm", 3.46, 3.5, 5.0),
         Test::along("triangle-5mm-s", Excitation::triangle(5e-3, 5e-3, 2, ROUNDING_S)),

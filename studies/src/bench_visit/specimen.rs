@@ -3,7 +3,7 @@
 use super::excitation::Excitation;
 use crate::series_model::outside::{Drive, Outside};
 use crate::series_model::{Grid, SeriesModel};
-use firmware_core::damper::{Damper, DamperState, Motion};
+use firmware_core::damper::{Damper, DamperState, Effect, Motion};
 
 /// One test as a specimen meets it.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +20,8 @@ pub struct Load<'a> {
     pub start_degc: f64,
     /// Temperature around the damper, degrees Celsius.
     pub ambient_degc: f64,
+    /// The temperature of the oil is measured.
+    pub thermometer: bool,
     /// Seed of what is random in the specimen.
     pub seed: u64,
 }
@@ -81,13 +83,25 @@ impl HeatBalance {
     }
 }
 
-/// A damper of the core, with whatever effects it has.
+/// A damper of the core, with whatever effects it has. Its oil warms as its `temperature_fade` says, or
+/// as that of a yaw damper; where there is a thermometer, the effect goes by what that shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modelled {
     /// The damper.
     pub damper: Damper,
-    /// Its warming; what an effect of temperature goes by.
-    pub heat: HeatBalance,
+}
+
+impl Modelled {
+    fn heat(&self) -> HeatBalance {
+        let fades = self.damper.effects().iter().find_map(|effect| match effect {
+            Effect::TemperatureFade(oil) => Some(HeatBalance {
+                capacity_j_per_k: oil.heat_capacity_j_per_k,
+                cooling_w_per_k: oil.cooling_w_per_k,
+            }),
+            _ => None,
+        });
+        fades.unwrap_or(HeatBalance::YAW_DAMPER)
+    }
 }
 
 impl Specimen for Modelled {
@@ -102,15 +116,17 @@ impl Specimen for Modelled {
         let half_clearance_m = 0.5 * damper.nominal().clearance_2a_m;
         let mut state = DamperState::starting(Motion::new(x, v))
             .with_piston_m(x - load.start * half_clearance_m);
-        let mut degc = load.start_degc;
+        let (heat, mut degc) = (self.heat(), load.start_degc);
         let mut response = Response::default();
         response.force_n.push(0.0);
         response.temperature_degc.push(degc);
         for step in 1..=load.grid.steps {
-            state.set_temperature_degc(Some(degc));
+            if load.thermometer {
+                state.set_temperature_degc(Some(degc));
+            }
             let (x, v) = load.at(step);
             let force_n = damper.advance(&mut state, Motion::new(x, v), step_s);
-            degc = self.heat.step(degc, force_n * v, load.ambient_degc, step_s);
+            degc = heat.step(degc, force_n * v, load.ambient_degc, step_s);
             response.force_n.push(force_n);
             response.temperature_degc.push(degc);
         }

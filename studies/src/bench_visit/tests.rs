@@ -17,7 +17,7 @@ fn null() -> NullGenerator {
 fn modelled() -> Modelled {
     let nominal =
         Nominal { clearance_2a_m: 1e-3, f_relief_n: 15e3, c2_n_s_per_m: 60e3, ..Nominal::NEW };
-    Modelled { damper: Damper::new(nominal, &[]).unwrap(), heat: HeatBalance::YAW_DAMPER }
+    Modelled { damper: Damper::new(nominal, &[]).unwrap() }
 }
 
 #[test]
