@@ -5,6 +5,7 @@
 //! A full queue drops and counts when a clock rules; without a clock the loop waits for room.
 
 mod bus_log;
+pub mod measured;
 mod npy;
 mod row;
 

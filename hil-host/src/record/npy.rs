@@ -60,6 +60,17 @@ impl NpyWriter {
     }
 }
 
+/// The rows of a file of this layout; `None` for any other. A row that was cut off is no row.
+pub(super) fn rows(bytes: &[u8]) -> Option<std::slice::ChunksExact<'_, u8>> {
+    let ours = header(0);
+    let (found, body) = bytes.split_at_checked(ours.len())?;
+    // All but the number of rows, which a run that was killed has not written.
+    let count_at = ours.len() - ours.iter().rev().position(|byte| *byte == b'(')?;
+    let same = |range: std::ops::Range<usize>| found.get(range.clone()) == ours.get(range);
+    let alike = same(0..count_at) && same(count_at + COUNT_WIDTH..ours.len());
+    alike.then(|| body.chunks_exact(Row::size()))
+}
+
 /// The whole header, always of the same length.
 fn header(rows: u64) -> Vec<u8> {
     let fields: Vec<String> = Row::fields()

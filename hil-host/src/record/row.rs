@@ -65,12 +65,38 @@ macro_rules! row {
             }
         }
 
+        impl Row {
+            /// Where a field begins in the bytes of a row.
+            pub(super) fn offset(name: &str) -> Option<usize> {
+                let mut at = 0;
+                for (field, kind, shape) in Self::fields() {
+                    if field == name {
+                        return Some(at);
+                    }
+                    at += bytes_of(kind, &shape);
+                }
+                None
+            }
+
+            /// Bytes of a row.
+            pub(super) fn size() -> usize {
+                let fields = Self::fields();
+                fields.iter().map(|(_, kind, shape)| bytes_of(kind, shape)).sum()
+            }
+        }
+
         impl Default for Row {
             fn default() -> Self {
                 Self { $($name: zero::<$kind>(),)* }
             }
         }
     };
+}
+
+/// Bytes of a field; the type string ends in those of one value.
+fn bytes_of(kind: &str, shape: &[usize]) -> usize {
+    let size = kind.chars().last().and_then(|digit| digit.to_digit(10)).unwrap_or(0) as usize;
+    size * shape.iter().product::<usize>()
 }
 
 /// Zero of any field; arrays longer than 32 have no `Default`.
