@@ -10,7 +10,7 @@
 //! regressors common to all pairs: one, the force, and the differences of displacement and velocity.
 //! They take up what is no noise: drift of the offset, fading by warmth, an actuator that does
 //! not repeat itself. Noise of any colour counts as long as it is forgotten within a cycle. Limits: what
-//! repeats with the motion (ripple in phase with it, rounding of an exact cycle) is no noise here.
+//! repeats with the motion (ripple in phase with it) is no noise here.
 //!
 //! **Innovation**, for a test without cycles. Third differences of the force leave little of a
 //! smooth signal. Their variance and first covariance over the quiet blocks of the record (64 samples each, up to
@@ -54,12 +54,16 @@ impl NoiseMethod {
     }
 }
 
-/// The noise floor of one test.
+/// The noise floor of one test, never below the rounding of the force's last digit.
 pub fn floor(test: &Measurement) -> NoiseFloor {
-    match repeat_n(test) {
-        Some(rms_n) => NoiseFloor { rms_n, method: NoiseMethod::Repeat },
-        None => NoiseFloor { rms_n: innovation_n(&test.force_n), method: NoiseMethod::Innovation },
-    }
+    let changes = test.force_n.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let digit_n = changes.filter(|change| *change > 0.0).fold(f64::MAX, f64::min);
+    let rounding_n = if digit_n < f64::MAX { digit_n / 12.0_f64.sqrt() } else { 0.0 };
+    let (rms_n, method) = match repeat_n(test) {
+        Some(rms_n) => (rms_n, NoiseMethod::Repeat),
+        None => (innovation_n(&test.force_n), NoiseMethod::Innovation),
+    };
+    NoiseFloor { rms_n: rms_n.max(rounding_n), method }
 }
 
 /// The noise floor of several tests: root of the mean square over the samples that errors count.
@@ -271,6 +275,15 @@ mod tests {
         assert!(found.rms_n < 15.0, "{}", found.rms_n);
         let found = floor(&record(8, 0.0, 0.0, false));
         assert!(found.rms_n < 10.0, "{}", found.rms_n);
+    }
+
+    #[test]
+    fn a_record_that_repeats_exactly_keeps_the_rounding_of_its_last_digit() {
+        let angle = |n: u32| TAU * 2.0 * f64::from(n) * 1e-3;
+        let x = (0..4000).map(|n| 5e-3 * libm::sin(angle(n))).collect();
+        let f = (0..4000).map(|n| 0.5 * libm::round(200.0 * libm::sin(angle(n) + 0.8))).collect();
+        let test = Measurement::from_series(Series::sampled("r", 1e3, x, f)).unwrap();
+        assert!((floor(&test).rms_n - 0.5 / 12.0_f64.sqrt()).abs() < 0.02, "{:?}", floor(&test));
     }
 
     #[test]

@@ -397,8 +397,10 @@ fn records_of_other_laboratories_are_read_by_the_mappings_that_ship() {
         ("utfsm-sine", "utfsm_mr_damper_sine", 30, 122_691, 30),
         ("utfsm-earthquake", "utfsm_mr_damper_earthquake", 5, 5 * 16_162, 0),
         ("labcontrol", "labcontrol_mr_damper", 38, 87_038, 38),
+        ("utfsm-1.0A", "utfsm_mr_damper_sine", 6, 23_223, 6),
+        ("utfsm-1.0A", "utfsm_mr_damper_earthquake", 1, 16_162, 0),
     ] {
-        let mapping = here.join("../scenarios/mappings").join(mapping).with_extension("toml");
+        let mapping = here.join("../scenarios/mappings").join(format!("{mapping}.toml"));
         let read = read_tests(&[folder.join(file).with_extension("csv")], Some(&mapping)).unwrap();
         let found: usize = read.iter().map(Measurement::len).sum();
         assert_eq!((read.len(), found), (tests, samples), "{file}");
