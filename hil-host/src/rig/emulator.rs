@@ -183,6 +183,13 @@ impl Emulator {
     /// Finds the force at which fixture and damper agree, and moves the damper there.
     fn settle(&self, state: &mut EmulatorState) {
         let (ram, before) = (state.ram, state.force_n);
+        if self.fixture_m_per_n == 0.0 {
+            // Nothing to agree on: no trial, and no copy of the damper's state.
+            let motion = Motion::new(ram.displacement_m, ram.velocity_m_per_s);
+            state.force_n = self.damper.advance(&mut state.damper, motion, self.step_s);
+            state.eyes_m = ram.displacement_m;
+            return;
+        }
         let start = state.damper;
         let per_step = 1.0 / self.step_s;
         let damper_at = |force_n: f64| {
@@ -195,27 +202,25 @@ impl Emulator {
             (answer_n, damper, motion.displacement_m)
         };
         let mut found = damper_at(before);
-        if self.fixture_m_per_n > 0.0 {
-            // Force on the fixture and how far the damper's answer is off: two ends of a bracket.
-            let (mut low, mut high) = (before, found.0);
-            let mut low_off = found.0 - low;
-            found = damper_at(high);
-            let mut high_off = found.0 - high;
-            for _ in 0..SEARCH_STEPS {
-                if high_off.abs() <= 1e-9 * high.abs().max(1.0) || low_off == high_off {
-                    break;
-                }
-                let next = high - high_off * (high - low) / (high_off - low_off);
-                found = damper_at(next);
-                let off = found.0 - next;
-                if (off > 0.0) == (high_off > 0.0) {
-                    // The far end stays where it is: give it half its weight (Illinois).
-                    low_off *= 0.5;
-                } else {
-                    (low, low_off) = (high, high_off);
-                }
-                (high, high_off) = (next, off);
+        // Force on the fixture and how far the damper's answer is off: two ends of a bracket.
+        let (mut low, mut high) = (before, found.0);
+        let mut low_off = found.0 - low;
+        found = damper_at(high);
+        let mut high_off = found.0 - high;
+        for _ in 0..SEARCH_STEPS {
+            if high_off.abs() <= 1e-9 * high.abs().max(1.0) || low_off == high_off {
+                break;
             }
+            let next = high - high_off * (high - low) / (high_off - low_off);
+            found = damper_at(next);
+            let off = found.0 - next;
+            if (off > 0.0) == (high_off > 0.0) {
+                // The far end stays where it is: give it half its weight (Illinois).
+                low_off *= 0.5;
+            } else {
+                (low, low_off) = (high, high_off);
+            }
+            (high, high_off) = (next, off);
         }
         (state.force_n, state.damper, state.eyes_m) = found;
     }
