@@ -22,6 +22,12 @@ pub struct Columns {
     pub measured_m: [Vec<f64>; DAMPER_SLOTS],
     /// Force that each rig measured (N).
     pub measured_n: [Vec<f64>; DAMPER_SLOTS],
+    /// Running rms of the residual of each watched rig (N).
+    pub residual_rms_n: [Vec<f64>; DAMPER_SLOTS],
+    /// Where drift is raised (N).
+    pub residual_limit_n: [Vec<f64>; DAMPER_SLOTS],
+    /// The watch over each rig, as the whole run showed it.
+    pub watch: [Watched; DAMPER_SLOTS],
     /// Lateral and vertical acceleration of carbody, front bogie, first wheelset (m/s2).
     pub acceleration: [Vec<f64>; 6],
     /// Rows that came after the limit.
@@ -34,6 +40,36 @@ pub struct Columns {
     pub lateness_ns: Histogram<u64>,
     /// Cycles in which nothing fresh arrived for a rig, after its first answer.
     pub stale: [u64; DAMPER_SLOTS],
+}
+
+/// What the watch over a rig said in the course of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Watched {
+    /// Its last verdict: 0 none, 1 learning, 2 within its limit, 3 drift.
+    pub verdict: u8,
+    /// Last running rms (N).
+    pub rms_n: f64,
+    /// Running rms when the usual residual had been learnt (N).
+    pub learnt_rms_n: Option<f64>,
+    /// Time at which drift was first raised (s).
+    pub drift_since_s: Option<f64>,
+    /// Cycles with drift.
+    pub drift_cycles: u64,
+}
+
+impl Watched {
+    fn push(&mut self, row: &Row, slot: usize) {
+        let verdict = row.drift[slot];
+        self.rms_n = row.residual_rms_n[slot];
+        if verdict >= 2 && self.verdict < 2 {
+            self.learnt_rms_n = Some(self.rms_n);
+        }
+        if verdict == 3 {
+            self.drift_since_s.get_or_insert(row.time_s);
+            self.drift_cycles += 1;
+        }
+        self.verdict = verdict;
+    }
 }
 
 impl Default for Columns {
@@ -49,6 +85,9 @@ impl Default for Columns {
             force_n: Default::default(),
             measured_m: Default::default(),
             measured_n: Default::default(),
+            residual_rms_n: Default::default(),
+            residual_limit_n: Default::default(),
+            watch: Default::default(),
             acceleration: Default::default(),
             left_out: 0,
             compute_ns: histogram(),
@@ -68,6 +107,9 @@ impl Columns {
         for (stale, input) in self.stale.iter_mut().zip(row.input) {
             *stale += u64::from(input > 1 && row.cycle > 1);
         }
+        for (slot, watched) in self.watch.iter_mut().enumerate() {
+            watched.push(row, slot);
+        }
         if self.time_s.len() >= ROWS_MAX {
             self.left_out += 1;
             return;
@@ -79,6 +121,13 @@ impl Columns {
             self.force_n[slot].push(row.force_n[slot]);
             self.measured_m[slot].push(row.measured_m[slot]);
             self.measured_n[slot].push(row.measured_n[slot]);
+            if row.drift[slot] > 0 || !self.residual_rms_n[slot].is_empty() {
+                // Not a number before the first measurement, so that the columns stay even.
+                self.residual_rms_n[slot].resize(self.time_s.len() - 1, f64::NAN);
+                self.residual_limit_n[slot].resize(self.time_s.len() - 1, f64::NAN);
+                self.residual_rms_n[slot].push(row.residual_rms_n[slot]);
+                self.residual_limit_n[slot].push(row.residual_limit_n[slot]);
+            }
         }
         for (column, value) in self.acceleration.iter_mut().zip(row.acceleration_m_per_s2) {
             column.push(value);

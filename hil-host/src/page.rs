@@ -21,6 +21,9 @@ pub fn page(run: &Run, summary: &Summary, columns: &Columns, bus_plan: &[String]
     for section in [forces(run, columns, first), loops(run, columns, first)] {
         report = report.section(section);
     }
+    if let Some(section) = watch(run, columns) {
+        report = report.section(section);
+    }
     report
         .section(spectra(run, columns, first))
         .section(timing(summary, columns))
@@ -201,6 +204,59 @@ fn loops(run: &Run, columns: &Columns, first: usize) -> Section {
         ]);
     }
     section
+}
+
+/// Measured less modelled force of every watched rig, from the start of the run.
+fn watch(run: &Run, columns: &Columns) -> Option<Section> {
+    let mut section = Section::new("Watch over the rigs").text(
+        "Force that a rig measured less the force of the model that the scenario names for it, driven \
+         with the measured displacement. The usual residual is learnt first; drift is raised where \
+         the running rms rises above the limit and taken back below two thirds of it.",
+    );
+    let mut table = Table::new("Residual")
+        .text("damper")
+        .number("rms, learnt", "N")
+        .number("rms at the end", "N")
+        .text("drift at the end")
+        .number("drift first raised", "s")
+        .number("cycles with drift", "");
+    let mut any = false;
+    for (slot, place) in run.slots.iter().enumerate().take(DAMPER_SLOTS) {
+        let watched = &columns.watch[slot];
+        if watched.verdict == 0 {
+            continue;
+        }
+        any = true;
+        let drift = ["no watch", "still learning", "no", "yes"];
+        table = table.row([
+            Cell::from(place.place.as_str()),
+            watched.learnt_rms_n.into(),
+            Some(watched.rms_n).filter(|rms| rms.is_finite()).into(),
+            Cell::from(drift[usize::from(watched.verdict.min(3))]),
+            watched.drift_since_s.into(),
+            watched.drift_cycles.into(),
+        ]);
+        let known = columns.residual_limit_n[slot].iter().position(|limit| limit.is_finite());
+        let time = &columns.time_s[..columns.residual_rms_n[slot].len()];
+        let from = columns.residual_rms_n[slot].iter().position(|rms| rms.is_finite());
+        let mut plot =
+            Plot::new(&format!("Residual of {}", place.place)).x("time", "s").y("rms", "N");
+        if let Some(from) = from {
+            plot = plot.line("running rms", &time[from..], &columns.residual_rms_n[slot][from..]);
+        }
+        if let Some(known) = known {
+            let limit = &columns.residual_limit_n[slot][known..];
+            plot = plot.line("limit", &time[known..], limit);
+        }
+        section = section.plot(plot);
+        if let Some(since_s) = watched.drift_since_s {
+            section = section.warning(&format!(
+                "{}: the rig's damper has not behaved like its model since {since_s:.3} s, for {} cycles.",
+                place.place, watched.drift_cycles
+            ));
+        }
+    }
+    any.then(|| section.table(table))
 }
 
 /// Highest frequency that spectra show (Hz).

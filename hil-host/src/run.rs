@@ -2,7 +2,8 @@
 
 use crate::bus::{Bus, BusCounters, MemoryBus, Sent, SocketCanBus, WireFrame};
 use crate::clock::Pacer;
-use crate::columns::Columns;
+use crate::columns::{Columns, Watched};
+use crate::control::watch::Watch;
 use crate::control::{End, Pace, Port, Session, SessionState};
 use crate::page::page;
 use crate::realtime::{self, RealtimeOptions};
@@ -19,6 +20,7 @@ use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use scenario::run::{CYCLE_S, Run, SlotForce};
+use std::fmt::Write as _;
 use std::num::NonZeroU8;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -192,8 +194,14 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
     let line = line(run, &track);
     let ports = rigs
         .iter()
-        .map(|rig| Port::new(rig.node, rig.bus, rig.slot, options.profile))
-        .collect::<Result<_, _>>()?;
+        .map(|rig| {
+            let port = Port::new(rig.node, rig.bus, rig.slot, options.profile)?;
+            Ok(match watch_of(run, rig.slot) {
+                Some(watch) => port.watched(watch),
+                None => port,
+            })
+        })
+        .collect::<Result<_, can_protocol::Error>>()?;
     let body = |name: &str| run.body_names.iter().position(|body| body == name);
     let session = Session {
         line,
@@ -295,6 +303,14 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
         substeps: run.substeps,
         slots,
         guard: Guard::default(),
+    }
+}
+
+/// The watch over the rig of a slot.
+pub fn watch_of(run: &Run, slot: usize) -> Option<Watch> {
+    match run.slots.get(slot).map(|slot| &slot.force) {
+        Some(SlotForce::Rig { watch: Some(watch), .. }) => Some(Watch::new(watch)),
+        _ => None,
     }
 }
 
@@ -461,6 +477,17 @@ fn record(
     })
 }
 
+/// What the watches over the rigs say, for the line of progress.
+fn watch_words(watched: &[Watched]) -> String {
+    let mut words = String::new();
+    for (slot, watched) in watched.iter().enumerate().filter(|(_, watched)| watched.verdict > 1) {
+        let drift = if watched.verdict == 3 { " DRIFT" } else { "" };
+        // Writing to a string cannot fail.
+        let _ = write!(words, "  residual {} {:.0} N{drift}", slot + 1, watched.rms_n);
+    }
+    words
+}
+
 /// Collects the columns and shows progress.
 fn watch(rows: &Receiver<Batch>, cycles: u64, speed_kmh: f64) -> Columns {
     let mut columns = Columns::default();
@@ -479,13 +506,14 @@ fn watch(rows: &Receiver<Batch>, cycles: u64, speed_kmh: f64) -> Columns {
             bar.set_position(row.cycle);
             let stale: u64 = columns.stale.iter().sum();
             bar.set_message(format!(
-                "{:6.1} s {speed_kmh:3.0} km/h {:7.0} m  stroke {:6.2} mm  force {:6.1} kN  cycle p50 {:.0} p99 {:.0} µs  lost {stale}",
+                "{:6.1} s {speed_kmh:3.0} km/h {:7.0} m  stroke {:6.2} mm  force {:6.1} kN  cycle p50 {:.0} p99 {:.0} µs  lost {stale}{}",
                 row.time_s,
                 row.distance_m,
                 row.extension_m[0] * 1e3,
                 row.force_n[0] * 1e-3,
                 crate::summary::at(&columns.cycle_ns, 0.5),
                 crate::summary::at(&columns.cycle_ns, 0.99),
+                watch_words(&columns.watch),
             ));
         }
     }

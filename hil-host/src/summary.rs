@@ -138,6 +138,15 @@ pub struct DamperSummary {
     pub saturated_commands: Option<u64>,
     /// Measurements with a flag: limit reached, actuator lagging, saturated; null without a rig.
     pub flagged_measurements: Option<u64>,
+    /// Running rms of measured less modelled force at the end (N); null without a watch.
+    pub residual_rms_n: Option<f64>,
+    /// The same when the usual residual had been learnt (N); null before.
+    pub residual_learnt_rms_n: Option<f64>,
+    /// Whether the residual was above its limit at the end; null without a watch or before it has
+    /// learnt what is usual.
+    pub drift: Option<bool>,
+    /// Time at which drift was first raised (s); null if never.
+    pub drift_since_s: Option<f64>,
 }
 
 /// Range of a force (N).
@@ -331,6 +340,7 @@ fn damper(name: &str, rig: bool, slot: usize, first: usize, columns: &Columns) -
     // Small wiggles around the middle are no strokes: a hundredth of the rms.
     let dead_band = 0.01 * statistics::rms(stroke);
     let spectrum = Spectrum::welch(stroke, rate_hz, SEGMENT_S).ok();
+    let watch = &columns.watch[slot];
     DamperSummary {
         name: name.to_owned(),
         place: if rig { "rig" } else { "modelled" }.to_owned(),
@@ -347,6 +357,10 @@ fn damper(name: &str, rig: bool, slot: usize, first: usize, columns: &Columns) -
         stale_cycles: rig.then_some(columns.stale[slot]),
         saturated_commands: None,
         flagged_measurements: None,
+        residual_rms_n: Some(watch.rms_n).filter(|rms| watch.verdict > 0 && rms.is_finite()),
+        residual_learnt_rms_n: watch.learnt_rms_n,
+        drift: (watch.verdict >= 2).then_some(watch.verdict == 3),
+        drift_since_s: watch.drift_since_s,
     }
 }
 

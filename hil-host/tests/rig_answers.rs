@@ -93,7 +93,7 @@ fn on_the_memory_bus_pace_changes_nothing_and_every_command_has_its_answer() {
 fn a_rig_in_line_answers_as_one_that_is_fed_by_hand() {
     let mut host = Host::new(Profile::Classical);
     let mut rig = greeted(&setup(), &host, Pace::LockStep);
-    let mut bus = MemoryBus::new([RigNode::new(&setup(), host.node, host.profile)]);
+    let mut bus = MemoryBus::new(vec![RigNode::new(&setup(), host.node, host.profile)]);
     bus.send(&host.sync(Pace::LockStep));
     while bus.receive().is_some() {}
     for _ in 0..1000 {
@@ -110,7 +110,7 @@ fn a_rig_in_line_answers_as_one_that_is_fed_by_hand() {
 #[test]
 fn a_host_that_never_receives_loses_frames_and_they_are_counted() {
     let mut host = Host::new(Profile::Classical);
-    let mut bus = MemoryBus::new([RigNode::new(&setup(), host.node, host.profile)]);
+    let mut bus = MemoryBus::new(vec![RigNode::new(&setup(), host.node, host.profile)]);
     bus.send(&host.sync(Pace::LockStep));
     for _ in 0..100 {
         bus.send(&host.run());

@@ -213,7 +213,7 @@ fn in_lock_step_the_rig_answers_as_it_does_in_line() {
         answers
     };
     let sync = Host::new(Profile::Classical).sync(Pace::LockStep);
-    let mut memory = MemoryBus::new([RigNode::new(&setup(), NODE, Profile::Classical)]);
+    let mut memory = MemoryBus::new(vec![RigNode::new(&setup(), NODE, Profile::Classical)]);
     greet(&mut memory, &sync);
     let in_line = run(&mut |frame| ask(&mut memory, frame));
     let (over_can, summary) = with_rig(&vcan, |mut bus| {

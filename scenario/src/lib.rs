@@ -22,4 +22,5 @@ pub mod run;
 pub mod source;
 pub mod track;
 pub mod vehicle;
+pub mod watch;
 pub mod wheel_rail;

@@ -10,6 +10,7 @@ use crate::rig::{RigFile, RigSetup};
 use crate::source::{ScenarioError, Source};
 use crate::track::{OwnedTrack, TrackFile};
 use crate::vehicle::VehicleFile;
+use crate::watch::{WatchFile, WatchSetup};
 use crate::wheel_rail::{Contact, SurfaceFile};
 use firmware_core::damper::Damper;
 use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle};
@@ -75,6 +76,8 @@ pub struct SlotFile {
     pub damper: DamperFile,
     /// Wear injected in software in front of a rig.
     pub virtual_wear: Option<VirtualWearFile>,
+    /// A model that the rig's force is compared with.
+    pub watch: Option<WatchFile>,
 }
 
 /// Where the force of a slot comes from.
@@ -122,6 +125,8 @@ pub enum SlotForce {
         virtual_clearance_2a_m: f64,
         /// Extra series compliance in software (m/N).
         virtual_compliance_m_per_n: f64,
+        /// The model that its force is compared with.
+        watch: Option<Box<WatchSetup>>,
     },
 }
 
@@ -198,6 +203,9 @@ impl Run {
         file.rig.damper = file.rig.damper.resolved(source)?;
         for slot in &mut file.slot {
             slot.damper = std::mem::take(&mut slot.damper).resolved(source)?;
+            if let Some(watch) = &mut slot.watch {
+                watch.damper = std::mem::take(&mut watch.damper).resolved(source)?;
+            }
         }
         if let Some(duration) = overrides.duration_s {
             file.duration_s = Quantity::plain(duration);
@@ -307,6 +315,9 @@ fn effective(
     "vehicle.toml".clone_into(&mut file.vehicle);
     file.damper = file.damper.over(&DamperFile::new_damper());
     file.rig = file.rig.with_defaults(&file.damper);
+    for watch in file.slot.iter_mut().filter_map(|slot| slot.watch.as_mut()) {
+        *watch = watch.with_defaults(&file.damper);
+    }
     if let Some(IrregularityFile::Csv { path }) = &mut file.track.irregularity {
         *path = full(source, path);
     }
@@ -344,10 +355,11 @@ fn slots(
         if file.slot.iter().take(index).any(|earlier| earlier.place == *place) {
             return Err(source.whole_error(format!("slot \"{place}\" is given twice")));
         }
-        let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), slot.virtual_wear.is_some()];
+        let wear_or_watch = slot.virtual_wear.is_some() || slot.watch.is_some();
+        let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), wear_or_watch];
         if slot.on == On::Modelled && on_a_rig.contains(&true) {
             return Err(source.whole_error(format!(
-                "slot \"{place}\" is modelled: node, bus and virtual_wear are for a rig"
+                "slot \"{place}\" is modelled: node, bus, virtual_wear and watch are for a rig"
             )));
         }
     }
@@ -356,7 +368,9 @@ fn slots(
     for place in places {
         let given = file.slot.iter().find(|slot| slot.place == place);
         let force = match given {
-            Some(slot) if slot.on == On::Rig => slot.rig(source, &mut nodes, rig_ke_n_per_m)?,
+            Some(slot) if slot.on == On::Rig => {
+                slot.rig(file, source, &mut nodes, rig_ke_n_per_m)?
+            }
             given => {
                 let own = given.map(|slot| slot.damper.clone()).unwrap_or_default();
                 SlotForce::Modelled(own.over(&file.damper).build(source)?)
@@ -370,6 +384,7 @@ fn slots(
 impl SlotFile {
     fn rig(
         &self,
+        file: &RunFile,
         source: &Source,
         nodes: &mut Vec<(Option<String>, u8)>,
         rig_ke_n_per_m: f64,
@@ -412,11 +427,16 @@ impl SlotFile {
                 compliance = 1.0 / stiffness;
             }
         }
+        let watch = match &self.watch {
+            Some(watch) => Some(Box::new(watch.build(source, &file.damper)?)),
+            None => None,
+        };
         Ok(SlotForce::Rig {
             node,
             bus: self.bus.clone(),
             virtual_clearance_2a_m: clearance,
             virtual_compliance_m_per_n: compliance,
+            watch,
         })
     }
 }

@@ -35,7 +35,13 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>) -> Session<'a> {
         .enumerate()
         .filter(|(_, slot)| matches!(slot, Slot::Rig(_)))
         .zip(Node::ALL)
-        .map(|((slot, _), node)| Port::new(node, 0, slot, Profile::Classical).unwrap())
+        .map(|((slot, _), node)| {
+            let port = Port::new(node, 0, slot, Profile::Classical).unwrap();
+            match hil_host::run::watch_of(run, slot) {
+                Some(watch) => port.watched(watch),
+                None => port,
+            }
+        })
         .collect();
     Session {
         line,

@@ -10,6 +10,8 @@
 //! interpolated. Shorter steps are thinned to knots a fortieth of the delay apart, so that the
 //! line holds any number of them.
 
+use core::fmt;
+
 /// Most knots.
 const KNOTS: usize = 88;
 
@@ -24,7 +26,7 @@ struct Knot {
 }
 
 /// The forces of the last delay.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub(super) struct DelayLine {
     now_s: f64,
     first: usize,
@@ -37,6 +39,13 @@ impl Default for DelayLine {
         let knots = [Knot { time_s: 0.0, force_n: 0.0 }; KNOTS];
         // The first knot says that there was no force before the start.
         Self { now_s: 0.0, first: 0, count: 1, knots }
+    }
+}
+
+impl fmt::Debug for DelayLine {
+    /// The knots in use.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries((0..self.count).map(|place| self.knot(place))).finish()
     }
 }
 

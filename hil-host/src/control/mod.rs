@@ -4,10 +4,12 @@
 //! receive -> decode -> guard -> vehicle step -> compensate -> encode -> send -> record
 //! ```
 //! and then the wait for the next slot. [`Session::cycle`] is that line: between receive and send it
-//! neither allocates nor locks, logs or calls through a pointer.
+//! neither allocates nor locks, logs or calls through a pointer. After the send every watched rig's
+//! force is compared with its model ([`watch`]).
 
 pub mod hash;
 mod port;
+pub mod watch;
 
 pub use port::{Port, PortState};
 
@@ -280,6 +282,12 @@ impl Session<'_> {
                 frame: WireFrame::from(&frame),
             });
         }
+        // Nothing waits for this: the commands are away.
+        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            if let Some(input) = inputs.get(port.slot) {
+                port.watch(memory, *input);
+            }
+        }
         if state.line.cycle % 100 == 1 {
             let frame = self.sync(state, pace);
             for (number, bus) in buses.iter_mut().enumerate() {
@@ -392,6 +400,11 @@ impl Session<'_> {
         }
         for (port, memory) in self.ports.iter().zip(&state.ports) {
             let Some(slot) = state.line.slots.get(port.slot) else { continue };
+            let view = memory.watch.view;
+            row.residual_n[port.slot] = view.residual_n.unwrap_or(f64::NAN);
+            row.residual_rms_n[port.slot] = view.residual_rms_n.unwrap_or(f64::NAN);
+            row.residual_limit_n[port.slot] = view.limit_n.unwrap_or(f64::NAN);
+            row.drift[port.slot] = view.verdict as u8;
             row.command_m[port.slot] = slot.command.displacement_m;
             row.command_m_per_s[port.slot] = slot.command.velocity_m_per_s;
             if let Some(used) = memory.used {

@@ -1,5 +1,6 @@
 //! The host's end of one rig: what goes out to it, what has come back.
 
+use super::watch::{Watch, WatchState};
 use crate::bus::WireFrame;
 use crate::record::FrameBytes;
 use can_protocol::{
@@ -19,6 +20,7 @@ pub struct Port {
     pub slot: usize,
     profile: Profile,
     receiver: Receiver<Measurement>,
+    watch: Option<Box<Watch>>,
 }
 
 /// What a port remembers.
@@ -39,6 +41,8 @@ pub struct PortState {
     pub saturated: u64,
     /// Measurements that told of a limit, a lagging actuator or a value beyond the frame.
     pub flagged: u64,
+    /// The watch over the rig's damper.
+    pub watch: WatchState,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +65,26 @@ impl Port {
         slot: usize,
         profile: Profile,
     ) -> Result<Self, can_protocol::Error> {
-        Ok(Self { node, bus, slot, profile, receiver: Receiver::new(profile, node, MAX_DELTA)? })
+        let receiver = Receiver::new(profile, node, MAX_DELTA)?;
+        Ok(Self { node, bus, slot, profile, receiver, watch: None })
+    }
+
+    /// The same port with a watch over the rig's damper.
+    #[must_use]
+    pub fn watched(mut self, watch: Watch) -> Self {
+        self.watch = Some(Box::new(watch));
+        self
+    }
+
+    /// Compares the measurement of this cycle with the model, where there is both.
+    pub fn watch(&self, state: &mut PortState, input: ForceInput) {
+        let Some(watch) = &self.watch else { return };
+        match (input, state.used.and_then(|used| used.displacement_m)) {
+            (ForceInput::Fresh(force_n), Some(displacement_m)) => {
+                watch.take(&mut state.watch, displacement_m, force_n);
+            }
+            _ => watch.wait(&mut state.watch),
+        }
     }
 
     /// Takes in a frame, if it is this rig's measurement.

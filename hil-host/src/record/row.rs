@@ -143,6 +143,15 @@ row! {
     input: [u8; DAMPER_SLOTS],
     /// Payload of the frame that the input came from.
     frame: [FrameBytes; DAMPER_SLOTS],
+    /// Force that the rig measured less that of the model that watches it; not a number, or zero for
+    /// a modelled damper, without a watch (N).
+    residual_n: [f64; DAMPER_SLOTS],
+    /// Running rms of it (N).
+    residual_rms_n: [f64; DAMPER_SLOTS],
+    /// Where drift is raised (N).
+    residual_limit_n: [f64; DAMPER_SLOTS],
+    /// The watch: 0 none, 1 learning, 2 within its limit, 3 drift.
+    drift: [u8; DAMPER_SLOTS],
     /// Lateral and vertical acceleration of carbody, front bogie and first wheelset (m/s2).
     acceleration_m_per_s2: [f64; 6],
     /// Lateral force of the first axle's wheels on the rail, left and right, to the right (N).

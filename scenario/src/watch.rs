@@ -1,0 +1,157 @@
+//! The watch over a damper on a rig: the model that its measured force is compared with, and the
+//! limit at which its residual counts as drift.
+//!
+//! ```toml
+//! [[slot]]
+//! place = "front left"
+//! on = "rig"
+//! [slot.watch]                       # all of it may be left out: watch = {}
+//! damper = { file = "model.toml" }   # the model; the scenario's [damper] where absent
+//! settle_s = 2.0                     # left out at the start: where the dashpot starts is not known
+//! learn_s = 10.0                     # then the usual residual is learnt
+//! window_s = 10.0                    # over which the running rms forgets
+//! limit_ratio = 3.0                  # drift: running rms above so many times the learnt one
+//! limit_n = 400.0                    # or, instead: above a stated force
+//! ```
+
+use crate::damper::DamperFile;
+use crate::quantity::Quantity;
+use crate::run::CYCLE_S;
+use crate::source::{ScenarioError, Source};
+use firmware_core::damper::Damper;
+use serde::{Deserialize, Serialize};
+
+/// A watch as it stands in a scenario.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct WatchFile {
+    /// The model of the damper on the rig.
+    #[serde(default)]
+    pub damper: DamperFile,
+    /// Time at the start that is left out.
+    pub settle_s: Option<Quantity>,
+    /// Time over which the usual residual is learnt.
+    pub learn_s: Option<Quantity>,
+    /// Time constant of the running rms.
+    pub window_s: Option<Quantity>,
+    /// Drift is a running rms above so many times the learnt one.
+    pub limit_ratio: Option<Quantity>,
+    /// Drift is a running rms above this force.
+    pub limit_n: Option<Quantity>,
+}
+
+/// A watch ready to run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WatchSetup {
+    /// The model.
+    pub damper: Damper,
+    /// Time at the start that is left out (s).
+    pub settle_s: f64,
+    /// Time over which the usual residual is learnt (s).
+    pub learn_s: f64,
+    /// Time constant of the running rms (s).
+    pub window_s: f64,
+    /// When the residual counts as drift.
+    pub limit: Limit,
+}
+
+/// When a residual counts as drift.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limit {
+    /// Above so many times the learnt rms.
+    Ratio(f64),
+    /// Above a force (N).
+    Force(f64),
+}
+
+const SETTLE_S: f64 = 2.0;
+const LEARN_S: f64 = 10.0;
+const WINDOW_S: f64 = 10.0;
+const LIMIT_RATIO: f64 = 3.0;
+
+impl WatchFile {
+    /// This watch with every default written out; `base` is the scenario's damper.
+    #[must_use]
+    pub fn with_defaults(&self, base: &DamperFile) -> Self {
+        let or = |given: &Option<Quantity>, default| {
+            Some(given.clone().unwrap_or_else(|| Quantity::plain(default)))
+        };
+        let limit_ratio =
+            if self.limit_n.is_none() { or(&self.limit_ratio, LIMIT_RATIO) } else { None };
+        Self {
+            damper: self.damper.over(base),
+            settle_s: or(&self.settle_s, SETTLE_S),
+            learn_s: or(&self.learn_s, LEARN_S),
+            window_s: or(&self.window_s, WINDOW_S),
+            limit_ratio,
+            limit_n: self.limit_n.clone(),
+        }
+    }
+
+    /// Builds the watch; `base` is the scenario's damper.
+    ///
+    /// # Errors
+    /// The first number that does not fit, with file and line.
+    pub fn build(&self, source: &Source, base: &DamperFile) -> Result<WatchSetup, ScenarioError> {
+        let time = |given: &Option<Quantity>, key: &str, least: f64, default: f64| match given {
+            Some(value) => {
+                let range = format!("{least} to 86400 s");
+                value.within(source, key, least, 86_400.0, &range)
+            }
+            None => Ok(default),
+        };
+        if let (Some(_), Some(force)) = (&self.limit_ratio, &self.limit_n) {
+            return Err(force.error(source, "limit_ratio and limit_n given, expected one of them"));
+        }
+        let limit = match (&self.limit_ratio, &self.limit_n) {
+            (_, Some(force)) => Limit::Force(force.positive(source, "limit_n")?),
+            (Some(ratio), None) => {
+                Limit::Ratio(ratio.within(source, "limit_ratio", 1.1, 1e6, "1.1 to 1e6")?)
+            }
+            (None, None) => Limit::Ratio(LIMIT_RATIO),
+        };
+        let damper = self.damper.clone().resolved(source)?.over(base).build(source)?;
+        Ok(WatchSetup {
+            damper,
+            settle_s: time(&self.settle_s, "settle_s", 0.0, SETTLE_S)?,
+            learn_s: time(&self.learn_s, "learn_s", CYCLE_S, LEARN_S)?,
+            window_s: time(&self.window_s, "window_s", CYCLE_S, WINDOW_S)?,
+            limit,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn built(text: &str) -> Result<WatchSetup, String> {
+        let source = Source::from_text(Path::new("watch.toml"), text);
+        let file: WatchFile = source.parse().map_err(|error| error.to_string())?;
+        let base = DamperFile { ke_n_per_m: Some(Quantity::plain(9e6)), ..DamperFile::default() };
+        file.build(&source, &base).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn an_empty_watch_has_the_scenarios_damper_and_the_defaults() {
+        let watch = built("").unwrap();
+        assert_eq!((watch.settle_s, watch.learn_s, watch.window_s), (2.0, 10.0, 10.0));
+        assert_eq!(watch.limit, Limit::Ratio(3.0));
+        assert_eq!(watch.damper.nominal().ke_n_per_m, 9e6);
+        let written = WatchFile::default().with_defaults(&DamperFile::default());
+        let text = toml::to_string(&written).unwrap();
+        assert_eq!(built(&text).unwrap(), watch);
+        let own = built("limit_n = 400.0\ndamper = { ke_n_per_m = 1.1e7 }").unwrap();
+        assert_eq!((own.limit, own.damper.nominal().ke_n_per_m), (Limit::Force(400.0), 1.1e7));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        let both = built("limit_n = 400.0\nlimit_ratio = 3.0").unwrap_err();
+        assert!(both.contains("watch.toml:1") && both.contains("expected one of them"), "{both}");
+        let low = built("limit_ratio = 0.5").unwrap_err();
+        assert!(low.contains("limit_ratio") && low.contains("1.1 to 1e6"), "{low}");
+        assert!(built("window_s = 0.0").unwrap_err().contains("window_s"));
+    }
+}
