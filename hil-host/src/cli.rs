@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 a check or target failed; 2 bad input, nothing written; 3 ended in the safe
 //! state.
 
+use crate::characterise::{self, CharacteriseArgs};
 use crate::realtime::RealtimeOptions;
 use crate::run::{self, BusChoice, PaceChoice, RunOptions, SilentRigs};
 use crate::summary::Summary;
@@ -33,6 +34,13 @@ enum Command {
         after_help = "Example: yawbench rig scenarios/rigs/laboratory-rig.toml --bus socketcan:vcan0 --node 1"
     )]
     Rig(RigArgs),
+    /// Visit a damper bench: records and figures of a damper that exists only as a model, or the
+    /// figures of measured records.
+    #[command(
+        after_help = "Examples: yawbench characterise --physical scenarios/dampers/hydraulic-yaw-damper.toml --tests short
+          yawbench characterise --from sine.csv triangle.csv --datasheet sheet.toml"
+    )]
+    Characterise(CharacteriseArgs),
 }
 
 #[derive(Debug, Args)]
@@ -156,6 +164,7 @@ pub fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Run(args) => run_command(args),
         Command::Rig(args) => rig_command(args),
+        Command::Characterise(args) => characterise::command(args).map(|()| ExitCode::SUCCESS),
     };
     match result {
         Ok(code) => code,
@@ -215,7 +224,8 @@ fn run_command(args: &RunArgs) -> anyhow::Result<ExitCode> {
     })
 }
 
-fn stem(path: &Path) -> String {
+/// The name of a file without its ending.
+pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "run".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 

@@ -29,6 +29,7 @@ pub mod protocol;
 pub mod random;
 pub mod sensors;
 pub mod specimen;
+pub mod test_list;
 
 pub use specimen::{HeatBalance, Modelled, NullGenerator, Specimen};
 

@@ -1,17 +1,17 @@
 //! Which tests a visit makes.
 //!
-//! [`full`] is a visit of about ten minutes after which every effect that can be told apart on a bench
+//! [`full`] is a visit of five minutes of records after which every effect that can be told apart on a bench
 //! has had its test: warm-up, static holds approached from both sides, slow triangles, an amplitude
 //! sweep at the working frequency of a yaw damper, a frequency sweep at small amplitude, repeats away
 //! from mid-stroke, relaxation after a ramp, the first sine again, and a random record for test
 //! only. [`short`] is what a campaign of many visits can afford. Strokes and speeds are those of a yaw
-//! damper of the SS9's class.
+//! damper of the SS9's class; a list of one's own comes from a file ([`super::test_list`]).
 
 use super::excitation::{Excitation, Leg, Tone};
 use super::random::Random;
 
 /// Time to speed up and slow down at every reversal of a triangle, s.
-const ROUNDING_S: f64 = 0.05;
+pub const ROUNDING_S: f64 = 0.05;
 
 /// One test of a visit.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,7 +109,8 @@ pub fn short() -> Vec<Test> {
     ]
 }
 
-/// Holds at several positions, each reached from below and from above.
+/// Holds at several rising positions, reached from below on the way up and from above on the way
+/// down.
 pub fn static_holds(
     positions_m: &[f64],
     speed_m_per_s: f64,
@@ -118,9 +119,11 @@ pub fn static_holds(
 ) -> Excitation {
     let leg = |to_m, hold_s| Leg { to_m, speed_m_per_s, hold_s };
     let mut legs = Vec::new();
-    for at_m in positions_m {
-        legs.extend([leg(at_m - approach_m, 0.0), leg(*at_m, hold_s)]);
-        legs.extend([leg(at_m + approach_m, 0.0), leg(*at_m, hold_s)]);
+    if let (Some(first), Some(last)) = (positions_m.first(), positions_m.last()) {
+        legs.push(leg(first - approach_m, 0.0));
+        legs.extend(positions_m.iter().map(|at_m| leg(*at_m, hold_s)));
+        legs.push(leg(last + approach_m, 0.0));
+        legs.extend(positions_m.iter().rev().map(|at_m| leg(*at_m, hold_s)));
     }
     Excitation::path(&legs, ROUNDING_S)
 }
@@ -156,6 +159,7 @@ pub fn reach(tests: &[Test]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measurement::{Measurement, Series};
     use crate::statistics::rms;
 
     #[test]
@@ -171,6 +175,14 @@ mod tests {
                 );
             }
             assert_eq!(tests.iter().filter(|test| test.test_only).count(), 1);
+            for test in &tests {
+                let count = (500.0 * test.duration_s) as usize;
+                let x = (0..count).map(|n| test.excitation.displacement_m(n as f64 * 2e-3));
+                let x: Vec<f64> = x.collect();
+                // Any force will do: the record has to be fit to be read.
+                let series = Series::sampled(&test.name, 500.0, x.clone(), x);
+                assert_eq!(Measurement::from_series(series).err(), None, "{}", test.name);
+            }
             let (speed, way) = reach(&tests);
             assert!(speed < 1.0 && way < 0.1, "{speed} {way}");
         }
@@ -186,10 +198,13 @@ mod tests {
 
     #[test]
     fn holds_are_approached_from_both_sides() {
-        let holds = static_holds(&[10e-3], 0.02, 5e-3, 3.0);
+        let holds = static_holds(&[-10e-3, 10e-3], 0.02, 5e-3, 3.0);
         let end = holds.end_s().unwrap();
-        assert_eq!(holds.at(end - 0.1), (10e-3, 0.0));
+        assert_eq!(holds.at(end - 0.1), (-10e-3, 0.0));
         let (x, v) = holds.at(end - 3.1);
-        assert!(x > 10e-3 && v < 0.0, "{x} {v}");
+        assert!(x > -10e-3 && v < 0.0, "{x} {v}");
+        // 15 mm down, 5 mm up.
+        let (x, v) = holds.at(0.9);
+        assert!(x < -10e-3 && v > 0.0, "{x} {v}");
     }
 }

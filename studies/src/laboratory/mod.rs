@@ -38,8 +38,6 @@ const SINE: f64 = 0.02;
 /// All figures of a visit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Laboratory {
-    /// Format of this structure.
-    pub format: u32,
     /// Positive is known to be extension; else directions are side A (positive) and side B.
     pub direction_declared: bool,
     /// One entry per test.
@@ -150,7 +148,6 @@ impl Laboratory {
             tests.iter().filter_map(|test| force_point(test, datasheet)).collect();
         force_velocity.sort_by(|a, b| a.velocity_m_per_s.total_cmp(&b.velocity_m_per_s));
         Self {
-            format: 1,
             direction_declared: tests.iter().all(|test| test.direction_declared),
             tests: tests.iter().map(TestFigures::of).collect(),
             force_velocity,
@@ -282,14 +279,19 @@ fn force_point(test: &Measurement, datasheet: &[Limit]) -> Option<ForcePoint> {
 /// Rests of at least half a second, in blocks of a tenth.
 fn holds(test: &Measurement) -> Vec<Hold> {
     let block = (libm::round(0.1 * test.rate_hz()) as usize).max(1);
-    let means: Vec<f64> = test.displacement_m.chunks_exact(block).map(mean).collect();
-    // A thousandth of the range in a second is rest.
-    let (low, high) = min_max(&test.displacement_m).unwrap_or_default();
-    let still = 1e-4 * (high - low);
+    // A ten-thousandth of the range in a block is rest; within it, noise may be larger.
+    let range = |values: &[f64]| min_max(values).map_or(0.0, |(low, high)| high - low);
+    let whole = range(&test.displacement_m);
+    let blocks: Vec<&[f64]> = test.displacement_m.chunks_exact(block).collect();
+    let at_rest = |pair: &[&[f64]]| {
+        (mean(pair[1]) - mean(pair[0])).abs() <= 1e-4 * whole
+            && range(pair[0]).max(range(pair[1])) <= 0.02 * whole
+    };
+    let still: Vec<bool> = blocks.windows(2).map(at_rest).collect();
     let mut found = Vec::new();
     let mut from = 0;
-    for index in 1..=means.len() {
-        if index < means.len() && (means[index] - means[index - 1]).abs() <= still {
+    for index in 1..=blocks.len() {
+        if still.get(index - 1) == Some(&true) {
             continue;
         }
         // The block in which a motion ends or begins is not at rest.

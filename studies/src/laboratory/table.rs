@@ -66,7 +66,8 @@ impl fmt::Display for Laboratory {
             writeln!(f, "{:<width$} {:>9} {:>9} {:>9}", "test", "at mm", "for s", "force N")?;
             for test in holds {
                 for hold in &test.holds {
-                    let (at_mm, for_s) = (hold.displacement_m * 1e3, hold.duration_s);
+                    let at_mm = no_minus_zero(hold.displacement_m * 1e3, 100.0);
+                    let for_s = hold.duration_s;
                     writeln!(
                         f,
                         "{:<width$} {at_mm:>9.2} {for_s:>9.1} {:>9.1}",
@@ -138,12 +139,17 @@ impl TestFigures {
             "{:<width$} {:>6.1} {:>8.2} {:>8.3} {:>6} {:>9.3} {:>9.3} {:>9.4} {work:>8}  {oil}",
             self.name,
             self.duration_s,
-            self.mean_m * 1e3,
+            no_minus_zero(self.mean_m * 1e3, 100.0),
             self.amplitude_m * 1e3,
             self.cycles_used,
             self.force_max_n * 1e-3,
             self.force_min_n * 1e-3,
-            self.force_mean_n * 1e-3,
+            no_minus_zero(self.force_mean_n * 1e-3, 1e4),
         )
     }
+}
+
+/// Rounded to one part in `per_unit`, with zero without a sign.
+fn no_minus_zero(value: f64, per_unit: f64) -> f64 {
+    libm::rint(value * per_unit) / per_unit + 0.0
 }
