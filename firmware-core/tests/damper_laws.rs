@@ -3,7 +3,9 @@
 
 mod damper_reference;
 
-use damper_reference::{EXCITATIONS, effects_at, outside_effects_at, rms, simulate};
+use damper_reference::{
+    EXCITATIONS, catalogue_at, effects_at, inside_effects_at, outside_effects_at, rms, simulate,
+};
 use firmware_core::damper::effects::{
     Cavitation, PositionDependentDamping, RubberHysteresis, SealFriction,
 };
@@ -113,6 +115,8 @@ fn symmetric_dampers_are_odd_to_the_bit() {
         let bore: Effect =
             PositionDependentDamping { gradient_per_m: 0.0, curvature_per_m2: 900.0 }.into();
         let [impact, mass, .., delay] = outside_effects_at(&nominal, 1.0);
+        let [quadratic, leak, stage, fade, _, stiffening, air, fixture, _, foam, wear] =
+            inside_effects_at(&nominal, 1.0);
         let sets = [
             vec![],
             vec![friction],
@@ -120,6 +124,9 @@ fn symmetric_dampers_are_odd_to_the_bit() {
             vec![bore],
             vec![folded, rubber, bore],
             vec![impact, mass, delay],
+            vec![quadratic, leak, stage, fade],
+            vec![stiffening, rubber, air, fixture],
+            vec![stage, air, foam, wear],
         ];
         for effects in sets {
             let damper = Damper::new(nominal, &effects).unwrap().prepared(1e-3);
@@ -223,7 +230,7 @@ fn late_and_switching_dampers_are_kept_and_restored() {
 }
 
 #[test]
-fn voids_blows_masses_and_stops_give_no_work() {
+fn no_effect_gives_work() {
     for seed in 1..=25 {
         let mut scatter = Scatter::seeded(seed);
         let nominal = scatter.nominal();
@@ -233,7 +240,9 @@ fn voids_blows_masses_and_stops_give_no_work() {
         let mut effects = void_and_outside(&nominal);
         // A late force gives work where the damper is a spring; that is its nature.
         effects.pop();
-        for effects in combinations(&effects) {
+        let mut sets = combinations(&effects);
+        sets.extend(inside_effects_at(&nominal, 1.0).map(|effect| vec![effect]));
+        for effects in sets {
             let damper = Damper::new(nominal, &effects).unwrap();
             let mut state = DamperState::starting(Motion::new(0.0, amplitude * w));
             let step_s = 2.0 * std::f64::consts::PI / w / f64::from(per_cycle);
@@ -296,6 +305,45 @@ fn absurd_motion_stays_bounded_and_finite() {
             let v = 2.0 * (scatter.next() - 0.5) * scatter.log(1e-9, 1e4);
             let step_s = scatter.log(1e-6, 10.0);
             assert!(damper.advance(&mut state, Motion::new(x, v), step_s).is_finite());
+        }
+    }
+}
+
+#[test]
+fn every_three_effects_fit_together() {
+    // Three are refused for nothing; what the tables cannot hold is refused by name (`law`).
+    let viscous = Nominal { f_relief_n: f64::INFINITY, ..Nominal::NEW };
+    let capped = Nominal { c2_n_s_per_m: 0.0, clearance_2a_m: 0.0, ..Nominal::NEW };
+    for nominal in [Nominal::NEW, viscous, capped] {
+        for size in [1.0, 3.0] {
+            let effects = catalogue_at(&Nominal::NEW, size);
+            for (i, a) in effects.iter().enumerate() {
+                for (j, b) in effects.iter().enumerate().skip(i + 1) {
+                    for c in &effects[j + 1..] {
+                        let names = [a.name(), b.name(), c.name()];
+                        assert!(Damper::new(nominal, &[*a, *b, *c]).is_ok(), "{names:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_pair_stays_finite_in_absurd_motion() {
+    let effects = catalogue_at(&Nominal::NEW, 3.0);
+    for (i, a) in effects.iter().enumerate() {
+        for b in &effects[i + 1..] {
+            let damper = Damper::new(Nominal::NEW, &[*a, *b]).unwrap();
+            let mut state = DamperState::rest();
+            let mut scatter = Scatter::seeded(91);
+            for _ in 0..200 {
+                let x = 2.0 * (scatter.next() - 0.5) * scatter.log(1e-9, 10.0);
+                let v = 2.0 * (scatter.next() - 0.5) * scatter.log(1e-9, 1e4);
+                let step_s = scatter.log(1e-6, 10.0);
+                let force = damper.advance(&mut state, Motion::new(x, v), step_s);
+                assert!(force.is_finite(), "{} {}", a.name(), b.name());
+            }
         }
     }
 }

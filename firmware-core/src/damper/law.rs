@@ -44,6 +44,16 @@ pub struct Parts {
     pub attachment: Curve,
 }
 
+impl Parts {
+    /// Scales the elastic deflection of the attachment; its clearance stays.
+    pub(super) fn scale_compliance(&mut self, gain: f64) {
+        let scaled = Factors { compliance_gain: gain, ..Factors::NONE };
+        if let Some(curve) = attachment_under(&self.attachment, &scaled) {
+            self.attachment = curve;
+        }
+    }
+}
+
 /// What slow states do to the parts, frozen for one step. All gains are above zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Factors {

@@ -16,7 +16,7 @@ use super::curve::{Curve, Knot};
 use heapless::Vec;
 
 /// Most knots on one side of zero.
-pub const SIDE_KNOTS: usize = 10;
+pub const SIDE_KNOTS: usize = 13;
 
 /// Places of knots on the positive side, rising, zero left out.
 pub type Places = Vec<f64, SIDE_KNOTS>;

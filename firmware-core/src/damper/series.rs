@@ -20,8 +20,9 @@
 use super::implicit::backward_euler;
 use super::law::{Law, Segment};
 
-/// Most pieces of one step before the fallback.
-pub const MAX_VISITS: u32 = 16;
+/// Most pieces of one step before the fallback: a quick stroke of a stiff damper runs through all the
+/// knots of a sampled law.
+pub const MAX_VISITS: u32 = 64;
 
 /// Most iterations for one crossing time.
 const MAX_CROSSING_ITERATIONS: u32 = 24;

@@ -1,17 +1,21 @@
 //! An independent damper: the equations as they are written in the literature, integrated by Heun's
-//! rule in steps of one microsecond, with the exact motion. It shares no code with the damper under
-//! test: friction is inverted piece by piece, the rubber is a spring with a Maxwell branch instead
-//! of a creep, position factors are evaluated all the time.
+//! rule in steps of some microseconds, with the exact motion. It shares no code with the damper
+//! under test: smooth laws are evaluated, not sampled; friction is inverted by Newton's rule, the
+//! rubber is a spring with a Maxwell branch instead of a creep, and what changes slowly is evaluated
+//! all the time.
 
 #![allow(dead_code, unused_imports, reason = "each test uses a part of it")]
 
+mod body;
+mod joint;
 mod outside;
+mod sizes;
 
-pub(crate) use outside::{Outside, outside_effects_at};
+pub(crate) use body::{Body, Piston};
+pub(crate) use joint::{Joint, Worked};
+pub(crate) use outside::Outside;
+pub(crate) use sizes::{catalogue_at, effects_at, inside_effects_at, outside_effects_at};
 
-use firmware_core::damper::effects::{
-    AsymmetricDamping, Cavitation, PositionDependentDamping, RubberHysteresis, SealFriction,
-};
 use firmware_core::damper::{Damper, DamperState, Effect, Motion, Nominal};
 
 /// A sum of sines: amplitude m, frequency Hz, phase.
@@ -22,24 +26,46 @@ pub(crate) struct Excitation {
     pub(crate) duration_s: f64,
 }
 
+/// The motion between the eyes at one time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Instant {
+    pub(crate) displacement_m: f64,
+    pub(crate) velocity_m_per_s: f64,
+    pub(crate) acceleration_m_per_s2: f64,
+}
+
 impl Excitation {
-    pub(crate) fn motion(&self, time_s: f64) -> Motion {
-        let (mut x, mut v) = (0.0, 0.0);
+    pub(crate) fn at(&self, time_s: f64) -> Instant {
+        let (mut x, mut v, mut a) = (0.0, 0.0, 0.0);
         for &(amplitude, hz, phase) in self.tones {
             let w = 2.0 * std::f64::consts::PI * hz;
-            x += amplitude * (libm::sin(w * time_s + phase) - libm::sin(phase));
-            v += amplitude * w * libm::cos(w * time_s + phase);
+            let (sine, cosine) = libm::sincos(w * time_s + phase);
+            x += amplitude * (sine - libm::sin(phase));
+            v += amplitude * w * cosine;
+            a -= amplitude * w * w * sine;
         }
-        Motion::new(x, v)
+        Instant { displacement_m: x, velocity_m_per_s: v, acceleration_m_per_s2: a }
     }
 
-    pub(crate) fn acceleration(&self, time_s: f64) -> f64 {
-        let tones = self.tones.iter().map(|&(amplitude, hz, phase)| {
-            let w = 2.0 * std::f64::consts::PI * hz;
-            -amplitude * w * w * libm::sin(w * time_s + phase)
-        });
-        tones.sum()
+    pub(crate) fn motion(&self, time_s: f64) -> Motion {
+        let at = self.at(time_s);
+        Motion::new(at.displacement_m, at.velocity_m_per_s)
     }
+
+    /// The motion at every step of a reference, the start included.
+    pub(crate) fn path(&self, step_us: usize) -> Path {
+        let steps = (self.duration_s * 1e6) as usize / step_us;
+        let instants = (0..=steps).map(|i| self.at((i * step_us) as f64 * 1e-6)).collect();
+        Path { excitation: *self, step_us, instants }
+    }
+}
+
+/// A motion prepared for many references.
+#[derive(Clone, Debug)]
+pub(crate) struct Path {
+    pub(crate) excitation: Excitation,
+    step_us: usize,
+    instants: Vec<Instant>,
 }
 
 /// The working point, a small fast one, a large slow one, two tones.
@@ -54,196 +80,163 @@ pub(crate) const EXCITATIONS: [Excitation; 4] = [
     },
 ];
 
-/// Parameters in the form of the written equations.
+/// A damper in the form of the written equations, and what it remembers.
 #[derive(Clone, Debug)]
 pub(crate) struct Reference {
-    pub(crate) nominal: Nominal,
-    pub(crate) friction: Option<SealFriction>,
-    pub(crate) asymmetry: Option<AsymmetricDamping>,
-    pub(crate) position: Option<PositionDependentDamping>,
-    pub(crate) rubber: Option<RubberHysteresis>,
-    pub(crate) cavitation: Option<Cavitation>,
+    nominal: Nominal,
+    body: Body,
+    joint: Joint,
     outside: Outside,
-    void_m: f64,
+    inner: Inner,
     sliding: bool,
-    piston_m: f64,
-    maxwell_m: f64,
+    void_m: f64,
+    force_n: f64,
 }
+
+/// Position of the piston, deflection of the Maxwell branch, travel, foam, warmth.
+type Inner = [f64; 5];
 
 impl Reference {
     pub(crate) fn new(nominal: Nominal, effects: &[Effect]) -> Self {
         let mut reference = Self {
             nominal,
-            friction: None,
-            asymmetry: None,
-            position: None,
-            rubber: None,
-            cavitation: None,
+            body: Body::default(),
+            joint: Joint::default(),
             outside: Outside::default(),
-            void_m: 0.0,
+            inner: [0.0; 5],
             sliding: false,
-            piston_m: 0.0,
-            maxwell_m: 0.0,
+            void_m: 0.0,
+            force_n: 0.0,
         };
-        for effect in effects {
-            match *effect {
-                Effect::SealFriction(effect) => reference.friction = Some(effect),
-                Effect::AsymmetricDamping(effect) => reference.asymmetry = Some(effect),
-                Effect::PositionDependentDamping(effect) => reference.position = Some(effect),
-                Effect::RubberHysteresis(effect) => reference.rubber = Some(effect),
-                Effect::Cavitation(effect) => reference.cavitation = Some(effect),
-                other => {
-                    let known = reference.outside.take(other);
-                    assert!(known, "the reference does not know {}", other.name());
-                }
-            }
+        for &effect in effects {
+            let known = reference.body.take(effect)
+                || reference.joint.take(effect)
+                || reference.outside.take(effect);
+            assert!(known, "the reference does not know {}", effect.name());
         }
         reference
     }
 
-    /// Force at the ends of steps of `step_us` microseconds.
-    pub(crate) fn forces(mut self, excitation: &Excitation, step_us: usize) -> Vec<f64> {
-        let h = 1e-6;
-        let steps = (excitation.duration_s * 1e6) as usize;
-        let mut forces = Vec::with_capacity(steps / step_us);
-        let mut x = excitation.motion(0.0).displacement_m;
-        for i in 0..steps {
-            let next_x = excitation.motion((i + 1) as f64 * h).displacement_m;
-            self.switch(x);
-            let (rate, creep) = self.rates(x, self.piston_m, self.maxwell_m);
-            let (piston, maxwell) = (self.piston_m + h * rate, self.maxwell_m + h * creep);
-            let (rate2, creep2) = self.rates(next_x, piston, maxwell);
-            self.piston_m += 0.5 * h * (rate + rate2);
-            self.maxwell_m += 0.5 * h * (creep + creep2);
-            x = next_x;
-            self.fill_void(x, self.piston_m - 0.5 * h * (rate + rate2));
-            let force = self.attachment(x, self.piston_m, self.maxwell_m).0;
-            let velocity = || self.velocity(force, self.piston_m);
-            let piston_m_per_s = if self.outside.strikes() { velocity() } else { 0.0 };
-            let read = self.outside.read(excitation, (i + 1) as f64 * h, force, piston_m_per_s);
-            if (i + 1) % step_us == 0 {
+    /// Force at the ends of steps of `step_us` microseconds, integrated at one.
+    pub(crate) fn forces(self, excitation: &Excitation, step_us: usize) -> Vec<f64> {
+        self.forces_along(&excitation.path(1), step_us)
+    }
+
+    /// The same with the step of the path.
+    pub(crate) fn forces_along(mut self, path: &Path, step_us: usize) -> Vec<f64> {
+        let h = path.step_us as f64 * 1e-6;
+        let every = step_us / path.step_us;
+        let mut forces = Vec::with_capacity(path.instants.len() / every);
+        for (i, pair) in path.instants.windows(2).enumerate() {
+            let next_x = pair[1].displacement_m;
+            self.switch();
+            let begin = self.inner;
+            // The force is still that of the end of the last step.
+            let rate = self.rates(&begin);
+            let euler = along(&begin, h, &rate);
+            self.force_n = self.attachment_n(next_x, &euler);
+            let rate2 = self.rates(&euler);
+            self.inner = along(&along(&begin, 0.5 * h, &rate), 0.5 * h, &rate2);
+            self.fill_void(next_x, begin[0], h);
+            self.force_n = self.attachment_n(next_x, &self.inner);
+            let strikes = self.outside.strikes();
+            let piston_m_per_s = if strikes { self.velocity(&self.inner) } else { 0.0 };
+            let tight = self.joint.half_clearance_m(&self.nominal, self.inner[2]) == 0.0;
+            let read = self.outside.read(h, &pair[1], self.force_n, piston_m_per_s, tight);
+            if (i + 1) % every == 0 {
                 forces.push(read);
             }
         }
         forces
     }
 
-    /// In a void the piston follows until the attachment carries dry friction only; then the void
-    /// has grown or closed by the way of the piston since `before`, and by the refill.
-    fn fill_void(&mut self, x: f64, before: f64) {
-        let Some(cavitation) = self.cavitation else { return };
-        let side = if cavitation.refill_m_per_s < 0.0 { -1.0 } else { 1.0 };
-        let force = |piston: f64| -side * self.attachment(x, piston, self.maxwell_m).0;
-        let [dry, breakaway] = self.friction.map_or([0.0; 2], |friction| {
-            [friction.coulomb_n, friction.coulomb_n * friction.breakaway_ratio]
+    fn attachment_n(&self, x: f64, inner: &Inner) -> f64 {
+        let [piston_m, maxwell_m, travelled_m, foam, _] = *inner;
+        let worked = Worked { piston_m, maxwell_m, travelled_m, foam };
+        self.joint.force_n(&self.nominal, x - piston_m, &worked, self.force_n)
+    }
+
+    fn piston(&self, inner: &Inner) -> Piston {
+        let [position_m, .., warmth_k] = *inner;
+        Piston { position_m, warmth_k, void_m: self.void_m, sliding: self.sliding }
+    }
+
+    /// Velocity of the piston under the force of the chain.
+    fn velocity(&self, inner: &Inner) -> f64 {
+        self.body.velocity(&self.nominal, self.force_n, &self.piston(inner))
+    }
+
+    fn rates(&self, inner: &Inner) -> Inner {
+        let force = self.force_n;
+        let v = self.velocity(inner);
+        let [_, maxwell, _, foam, warmth] = *inner;
+        let creep = self.joint.rubber.map_or(0.0, |rubber| {
+            let slow = rubber.relaxation_time_s * (1.0 + rubber.dynamic_stiffening);
+            (force / self.nominal.ke_n_per_m - maxwell) / slow
         });
-        let holds = if self.sliding { dry } else { breakaway };
-        if self.void_m > 0.0 && force(self.piston_m) > holds {
-            let (mut carries, mut slack) = (self.piston_m, self.piston_m - side * 0.1);
-            for _ in 0..45 {
-                let middle = 0.5 * (carries + slack);
-                if force(middle) > dry { carries = middle } else { slack = middle }
-            }
-            self.sliding = true;
-            self.piston_m = slack;
-        }
-        let way = side * (self.piston_m - before);
-        self.void_m = (self.void_m + way - 1e-6 * cavitation.refill_m_per_s.abs()).max(0.0);
-    }
-
-    /// Force and deflection of the rubber.
-    fn attachment(&self, x: f64, piston: f64, maxwell: f64) -> (f64, f64) {
-        let (e, a) = (x - piston, 0.5 * self.nominal.clearance_2a_m);
-        let ke = self.nominal.ke_n_per_m;
-        let r = self.rubber.map_or(0.0, |rubber| rubber.dynamic_stiffening);
-        let free = r * maxwell / (1.0 + r);
-        let force = |d: f64| ke * d + r * ke * (d - maxwell);
-        if e - a > free {
-            (force(e - a), e - a)
-        } else if e + a < free {
-            (force(e + a), e + a)
-        } else {
-            (0.0, free)
-        }
-    }
-
-    fn rates(&self, x: f64, piston: f64, maxwell: f64) -> (f64, f64) {
-        let (force, d) = self.attachment(x, piston, maxwell);
-        let creep = self.rubber.map_or(0.0, |rubber| (d - maxwell) / rubber.relaxation_time_s);
-        (self.velocity(force, piston), creep)
+        let foaming = self
+            .joint
+            .foam
+            .map_or(0.0, |oil| v.abs() / oil.travel_m * (1.0 - foam) - foam / oil.recovery_s);
+        let warming = self.body.fade.map_or(0.0, |oil| {
+            ((force * v).abs() - oil.cooling_w_per_k * warmth) / oil.heat_capacity_j_per_k
+        });
+        [v, creep, v.abs(), foaming, warming]
     }
 
     /// Whether the piston breaks away or comes to rest.
-    fn switch(&mut self, x: f64) {
-        let Some(friction) = self.friction else { return };
-        let force = self.attachment(x, self.piston_m, self.maxwell_m).0;
-        let breakaway = friction.coulomb_n * friction.breakaway_ratio;
-        if force.abs() >= breakaway {
+    fn switch(&mut self) {
+        if self.body.friction.is_none() {
+            return;
+        }
+        let piston = self.piston(&self.inner);
+        let net = self.body.net_n(self.force_n, piston.position_m);
+        let (dry, breakaway) = self.body.dry_n();
+        if net.abs() >= breakaway {
             self.sliding = true;
-        } else if self.in_void(force) {
+        } else if self.body.in_void(net, &piston) {
             // It slides as long as the dry force is met.
-            self.sliding &= force.abs() > (1.0 - 1e-6) * friction.coulomb_n;
-        } else if self.velocity(force, self.piston_m) == 0.0 {
+            self.sliding &= net.abs() > (1.0 - 1e-6) * dry;
+        } else if self.velocity(&self.inner) == 0.0 {
             self.sliding = false;
         }
     }
 
-    /// True when a force of this sign finds a void instead of oil.
-    fn in_void(&self, sign: f64) -> bool {
-        let side = self.cavitation.is_some_and(|effect| effect.refill_m_per_s * sign < 0.0);
-        side && self.void_m > 0.0
-    }
-
-    /// Hydraulic and dry force at a velocity whose sign is `sign`.
-    fn body(&self, speed: f64, sign: f64, piston: f64) -> f64 {
-        let (g, gr) = self
-            .asymmetry
-            .map_or((0.0, 0.0), |effect| (effect.damping_asymmetry, effect.relief_asymmetry));
-        let ce = self.nominal.ce_n_s_per_m * (1.0 + g * sign);
-        let relief = self.nominal.f_relief_n * (1.0 + gr * sign);
-        let c2 = self.nominal.c2_n_s_per_m * (1.0 + g * sign);
-        let opens = relief / ce;
-        let hydraulic = if speed < opens { ce * speed } else { relief + c2 * (speed - opens) };
-        let factor = self.position.map_or(1.0, |effect| {
-            1.0 + effect.gradient_per_m * piston + effect.curvature_per_m2 * piston * piston
-        });
-        let dry = self.friction.map_or(0.0, |f| {
-            let stribeck = (1.0 - speed / f.stribeck_m_per_s).max(0.0);
-            f.coulomb_n * (1.0 + (f.breakaway_ratio - 1.0) * stribeck)
-        });
-        factor * hydraulic + dry
-    }
-
-    /// Velocity of the piston under a force: the outermost rising piece that carries it.
-    fn velocity(&self, force: f64, piston: f64) -> f64 {
-        let sign = if force < 0.0 { -1.0 } else { 1.0 };
-        let force = force.abs();
-        if self.in_void(sign) {
-            // It stands, or `fill_void` moves it.
-            return 0.0;
-        }
-        if let Some(friction) = self.friction {
-            let breakaway = friction.coulomb_n * friction.breakaway_ratio;
-            if !self.sliding && force < breakaway {
-                return 0.0;
+    /// In a void the piston follows until the attachment carries dry friction only; then the void
+    /// has grown or closed by the way of the piston since `before`, and by the refill.
+    fn fill_void(&mut self, x: f64, before: f64, h: f64) {
+        let Some(cavitation) = self.body.cavitation else { return };
+        let side = if cavitation.refill_m_per_s < 0.0 { -1.0 } else { 1.0 };
+        let (dry, breakaway) = self.body.dry_n();
+        let net = |position: f64| {
+            let mut inner = self.inner;
+            inner[0] = position;
+            -side * self.body.net_n(self.attachment_n(x, &inner), position)
+        };
+        let holds = if self.sliding { dry } else { breakaway };
+        if self.void_m > 0.0 && net(self.inner[0]) > holds {
+            let (mut carries, mut slack) = (self.inner[0], self.inner[0] - side * 0.1);
+            for _ in 0..45 {
+                let middle = 0.5 * (carries + slack);
+                if net(middle) > dry { carries = middle } else { slack = middle }
             }
+            self.sliding = true;
+            // What travels with the piston: wear, foam, the heat of the seal.
+            let way = (slack - self.inner[0]).abs();
+            self.inner[2] += way;
+            self.inner[3] +=
+                self.joint.foam.map_or(0.0, |oil| way / oil.travel_m * (1.0 - self.inner[3]));
+            self.inner[4] +=
+                self.body.fade.map_or(0.0, |oil| dry * way / oil.heat_capacity_j_per_k);
+            self.inner[0] = slack;
         }
-        let (g, gr) = self
-            .asymmetry
-            .map_or((0.0, 0.0), |effect| (effect.damping_asymmetry, effect.relief_asymmetry));
-        let opens = self.nominal.f_relief_n * (1.0 + gr * sign)
-            / (self.nominal.ce_n_s_per_m * (1.0 + g * sign));
-        let falls = self.friction.map_or(opens, |friction| friction.stribeck_m_per_s);
-        let (first, second) = if falls < opens { (falls, opens) } else { (opens, falls) };
-        let far = second + 10.0;
-        for (low, high) in [(second, far), (first, second), (0.0, first)] {
-            let (f_low, f_high) = (self.body(low, sign, piston), self.body(high, sign, piston));
-            if f_high > f_low && force >= f_low {
-                return sign * (low + (high - low) * (force - f_low) / (f_high - f_low));
-            }
-        }
-        0.0
+        let way = side * (self.inner[0] - before);
+        self.void_m = (self.void_m + way - h * cavitation.refill_m_per_s.abs()).max(0.0);
     }
+}
+
+fn along(from: &Inner, h: f64, rate: &Inner) -> Inner {
+    std::array::from_fn(|i| from[i] + h * rate[i])
 }
 
 /// Forces of the damper under test at the ends of its steps.
@@ -268,22 +261,4 @@ pub(crate) fn relative_error(forces: &[f64], reference: &[f64]) -> f64 {
     assert_eq!(forces.len(), reference.len());
     let miss: Vec<f64> = forces.iter().zip(reference).map(|(a, b)| a - b).collect();
     rms(&miss) / rms(reference)
-}
-
-/// The four effects of a damper with the given relief point, at sizes seen in service.
-pub(crate) fn effects_at(nominal: &Nominal, size: f64) -> [Effect; 4] {
-    let f = nominal.f_relief_n;
-    let v = nominal.v_relief_m_per_s();
-    [
-        SealFriction {
-            coulomb_n: 0.03 * size * f,
-            breakaway_ratio: 1.5,
-            stribeck_m_per_s: 0.1 * v,
-        }
-        .into(),
-        AsymmetricDamping { damping_asymmetry: 0.1 * size, relief_asymmetry: 0.06 * size }.into(),
-        PositionDependentDamping { gradient_per_m: 6.0 * size, curvature_per_m2: 800.0 * size }
-            .into(),
-        RubberHysteresis { dynamic_stiffening: 0.15 * size, relaxation_time_s: 5e-3 }.into(),
-    ]
 }

@@ -1,11 +1,11 @@
 //! What acts on the force of the chain: blows, mass, stops, the sensor. Written with the exact
-//! motion, its exact derivatives, and Runge-Kutta at one microsecond.
+//! motion, its exact derivatives, and Runge-Kutta.
 
-use super::Excitation;
+use super::Instant;
+use firmware_core::damper::Effect;
 use firmware_core::damper::effects::{
     BumpStop, ClearanceImpact, ForceOffset, MovingMass, SensorDelay,
 };
-use firmware_core::damper::{Effect, Nominal};
 
 /// The effects outside of the chain and what they remember.
 #[derive(Clone, Debug, Default)]
@@ -41,32 +41,32 @@ impl Outside {
         self.impact.is_some()
     }
 
-    /// The reading one microsecond later, from the force of the chain and the velocity of the piston.
+    /// The reading `h` later, from the force of the chain and the velocity of the piston.
     pub(crate) fn read(
         &mut self,
-        excitation: &Excitation,
-        time_s: f64,
+        h: f64,
+        at: &Instant,
         chain_n: f64,
         piston_m_per_s: f64,
+        tight: bool,
     ) -> f64 {
         if !self.acts {
             return chain_n;
         }
-        let motion = excitation.motion(time_s);
-        let (x, v) = (motion.displacement_m, motion.velocity_m_per_s);
+        let (x, v) = (at.displacement_m, at.velocity_m_per_s);
         let mut force = chain_n;
         if let Some(impact) = self.impact {
             let (k, m) = (impact.seat_n_per_m, impact.end_mass_kg);
             let c = 2.0 * impact.damping_ratio * libm::sqrt(k * m);
-            self.ringing = runge_kutta(self.ringing, |[z, u]| [u, -(k * z + c * u) / m]);
-            if chain_n != 0.0 && !self.touching {
+            self.ringing = runge_kutta(self.ringing, h, |[z, u]| [u, -(k * z + c * u) / m]);
+            if chain_n != 0.0 && !self.touching && !tight {
                 self.ringing[1] += v - piston_m_per_s;
             }
             self.touching = chain_n != 0.0;
             force += k * self.ringing[0];
         }
         if let Some(mass) = self.mass {
-            force += mass.mass_kg * excitation.acceleration(time_s);
+            force += mass.mass_kg * at.acceleration_m_per_s2;
         }
         if let Some(stop) = self.stop {
             for (sign, from) in [(1.0, stop.extension_stop_m), (-1.0, stop.compression_stop_m)] {
@@ -80,13 +80,12 @@ impl Outside {
         force += self.offset.map_or(0.0, |offset| offset.offset_n);
         let Some(delay) = self.delay else { return force };
         self.past_n.push(force);
-        let late = (delay.delay_s * 1e6).round() as usize;
+        let late = (delay.delay_s / h).round() as usize;
         self.past_n.len().checked_sub(late + 1).map_or(0.0, |i| self.past_n[i])
     }
 }
 
-fn runge_kutta(at: [f64; 2], rate: impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
-    let h = 1e-6;
+fn runge_kutta(at: [f64; 2], h: f64, rate: impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
     let on = |k: [f64; 2], share: f64| [at[0] + share * h * k[0], at[1] + share * h * k[1]];
     let a = rate(at);
     let b = rate(on(a, 0.5));
@@ -94,29 +93,4 @@ fn runge_kutta(at: [f64; 2], rate: impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
     let d = rate(on(c, 1.0));
     let sum = |i: usize| at[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
     [sum(0), sum(1)]
-}
-
-/// The effects outside of the chain for a damper with the given relief point.
-pub(crate) fn outside_effects_at(nominal: &Nominal, size: f64) -> [Effect; 5] {
-    let (f, v) = (nominal.f_relief_n, nominal.v_relief_m_per_s());
-    let ring_per_s = 2.0 * std::f64::consts::PI * 150.0;
-    let impedance = 0.05 * size * f / v;
-    [
-        ClearanceImpact {
-            end_mass_kg: impedance / ring_per_s,
-            seat_n_per_m: impedance * ring_per_s,
-            damping_ratio: 0.15,
-        }
-        .into(),
-        MovingMass { mass_kg: 0.003 * size * f }.into(),
-        BumpStop {
-            extension_stop_m: 2.5e-3,
-            compression_stop_m: 3.1e-3,
-            stiffness_n_per_m: 100.0 * size * f,
-            damping_n_s_per_m: 0.3 * size * f,
-        }
-        .into(),
-        ForceOffset { offset_n: 0.01 * size * f }.into(),
-        SensorDelay { delay_s: 0.0023 * size }.into(),
-    ]
 }

@@ -7,9 +7,10 @@
 //! Air bubbles of the volume `d_max` times the piston's area are squeezed by the pressure `F/A` against
 //! the pressure `F_a/A` that they have at rest, polytropically with n = 1.4 for a quick change. The
 //! deflection is beside that of Ke and saturates: the loop gets soft toes on both sides of zero, the
-//! flanks stay as they are at high force. Eight straight pieces to twice the force scale of the
-//! nominal damper, short where it bends, and straight on beyond: the deflection is off by at most 1.1 %
-//! of `d_max`. `F_a` below 1e-4 of that scale counts as 1e-4: the toe is a clearance then.
+//! flanks stay as they are at high force. Twelve straight pieces to 1.5 times the force scale of the
+//! nominal damper, short where it bends, and straight on beyond: the deflection is off by at most 1 %
+//! of `d_max`. In motions that reach relief that is 0.03 % of the rms force; small ones that never leave
+//! the toe see up to 0.4 %. `F_a` below 1e-4 of the scale counts as 1e-4: the toe is a clearance then.
 //!
 //! Limits: the same air in both chambers, none redissolves (see `aeration_memory`). Source: the
 //! polytropic law of gas in an oil of constant bulk modulus.
@@ -60,9 +61,10 @@ impl DamperEffect for EntrainedAir {
         }
         let scale_n = nominal.scale().force_n;
         let air = Self { air_force_n: self.air_force_n.max(1e-4 * scale_n), ..*self };
-        let (pressed_n, last_n) = (air.air_force_n, 2.0 * scale_n);
-        // Evenly in (1 + F/F_a)^(-1/2n), the integral of the root of the bend: equal deviations.
-        let power = 0.5 / POLYTROPIC;
+        let (pressed_n, last_n) = (air.air_force_n, 1.5 * scale_n);
+        // Evenly in (1 + F/F_a)^-0.36 the deviations are equal (the integral of the root of the bend);
+        // a higher power gives more of them to large forces, where few motions are.
+        let power = 0.5;
         let spread = -libm::expm1(-power * libm::log1p(last_n / pressed_n));
         let place = |u: f64| {
             let force_n = pressed_n * libm::expm1(-libm::log1p(-u * spread) / power);
@@ -70,7 +72,7 @@ impl DamperEffect for EntrainedAir {
         };
         let stretched = libm::pow(1.0 + last_n / pressed_n, -1.0 - 1.0 / POLYTROPIC);
         let slope = air.toe_m / (POLYTROPIC * pressed_n) * stretched;
-        let toe = sampling::odd(&sampling::places(8, place), slope, |f| air.squeezed_m(f));
+        let toe = sampling::odd(&sampling::places(12, place), slope, |f| air.squeezed_m(f));
         parts.attachment = parts.attachment.plus(&toe);
     }
 }
@@ -100,12 +102,12 @@ mod tests {
                 let x = 0.1e-3 + (toe_m + 2e-3) * f64::from(i) / 2000.0;
                 let force = force_n(&damper, x);
                 let expected = 0.1e-3 + force / 12.5e6 + air.squeezed_m(force);
-                if force < 36e3 {
+                if force < 27e3 {
                     worst = worst.max((x - expected).abs() / toe_m);
                 }
                 assert_eq!(force_n(&damper, -x), -force);
             }
-            assert!(worst < 0.011, "{toe_m} {air_force_n}: {worst}");
+            assert!(worst < 0.01, "{toe_m} {air_force_n}: {worst}");
         }
     }
 

@@ -12,7 +12,8 @@
 //! ```
 //!
 //! which needs no case for the open clearance: there F is zero and the rubber springs back slowly.
-//! Limit: linear rubber, no softening with amplitude.
+//! Limits: no softening with amplitude. Where the attachment stiffens (`stiffening_attachment`), the
+//! quick deflection follows the cubic law at 1 + r times its stiffness and the creep stays linear.
 
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place};
@@ -50,9 +51,8 @@ impl DamperEffect for RubberHysteresis {
     const STARTS: &'static [&'static [f64]] = &[&[0.15, 0.001], &[0.15, 0.1], &[0.15, 1.0]];
     const CREEPS: bool = true;
 
-    fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
-        let (compliance, _) = self.creep_of(nominal);
-        parts.attachment.add_line(-compliance);
+    fn shape(&self, parts: &mut Parts, _nominal: &Nominal) {
+        parts.scale_compliance(1.0 / (1.0 + self.dynamic_stiffening));
     }
 
     fn creep(&self, nominal: &Nominal, memory: &Memory, start_force_n: f64, step_s: f64) -> Creep {
