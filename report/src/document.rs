@@ -78,6 +78,7 @@ impl Report {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Block {
     Text(String),
+    Heading(String),
     Preformatted(String),
     Note(String),
     Warning(String),
@@ -103,6 +104,12 @@ impl Section {
     #[must_use]
     pub fn text(self, text: &str) -> Self {
         self.block(Block::Text(text.to_owned()))
+    }
+
+    /// A smaller heading for what follows within the section.
+    #[must_use]
+    pub fn heading(self, text: &str) -> Self {
+        self.block(Block::Heading(text.to_owned()))
     }
 
     /// Text kept as it is set, in equal widths: an equation, a command, a file.

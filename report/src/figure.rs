@@ -35,18 +35,32 @@ pub(crate) fn view(plot: &Plot, zoom: Option<&Zoom>) -> Value {
             }
         }
     }
-    json!({"data": data, "layout": layout(plot, zoom, names.len())})
+    json!({"data": data, "layout": layout(plot, zoom, legend_entries(plot))})
 }
 
-/// The names in order of first appearance: place in this list is colour and legend entry.
+/// The names in order of palette and first appearance: place in this list is colour and legend
+/// entry. Backdrops come last, whenever they are drawn: they have no colour to take.
 fn names(plot: &Plot) -> Vec<&str> {
+    let mut names: Vec<&str> = plot.palette.iter().map(String::as_str).collect();
+    let traces = || plot.panels.iter().flat_map(|p| &p.traces);
+    let coloured = traces().filter(|t| t.kind != Kind::Backdrop);
+    for trace in coloured.chain(traces()) {
+        if !names.contains(&trace.name.as_str()) {
+            names.push(trace.name.as_str());
+        }
+    }
+    names
+}
+
+/// How many names the legend lists.
+fn legend_entries(plot: &Plot) -> usize {
     let mut names = Vec::new();
     for trace in plot.panels.iter().flat_map(|p| &p.traces) {
         if !names.contains(&trace.name.as_str()) {
             names.push(trace.name.as_str());
         }
     }
-    names
+    names.len()
 }
 
 fn draw(trace: &Trace, slot: usize, log_x: bool, log_y: bool, zoom: Option<&Zoom>) -> Vec<Value> {
@@ -60,6 +74,13 @@ fn draw(trace: &Trace, slot: usize, log_x: bool, log_y: bool, zoom: Option<&Zoom
             let k = chosen();
             vec![json!({
                 "type": "scatter", "mode": "lines", "line": style::line(slot, trace.x.len(), k.len(), *dashed),
+                "x": numbers(&trace.x, &k, log_x), "y": numbers(&trace.y, &k, log_y),
+            })]
+        }
+        Kind::Backdrop => {
+            let k = chosen();
+            vec![json!({
+                "type": "scatter", "mode": "lines", "line": style::backdrop(),
                 "x": numbers(&trace.x, &k, log_x), "y": numbers(&trace.y, &k, log_y),
             })]
         }
@@ -168,7 +189,8 @@ fn numbers(values: &[f64], chosen: &Drawn, log: bool) -> Value {
 fn layout(plot: &Plot, zoom: Option<&Zoom>, names: usize) -> Value {
     let count = plot.panels.len();
     let mut layout = Map::new();
-    let has_names = plot.panels.iter().flat_map(|p| &p.traces).any(|t| t.name_count().is_some());
+    let bar_names = bar_names(plot);
+    let has_names = !bar_names.is_empty();
     let x_range = zoom.map(|z| &z.x).or(plot.x.range.as_ref());
     let mut x = axis(&plot.x, x_range.map(|r| (*r.start(), *r.end())));
     x.insert("anchor".into(), axis_id("y", count - 1).into());
@@ -201,6 +223,11 @@ fn layout(plot: &Plot, zoom: Option<&Zoom>, names: usize) -> Value {
         layout.insert(format!("yaxis{}", suffix(index)), y.into());
     }
     layout.insert("bargap".into(), if has_names { 0.35 } else { 0.0 }.into());
+    let lone = (1..bar_names.len()).all(|k| !bar_names[..k].contains(&bar_names[k]));
+    if has_names && lone {
+        // Every row has one bar, so none needs to make room for another.
+        layout.insert("barmode".into(), "overlay".into());
+    }
     let (shapes, notes) = marks(plot, zoom);
     layout.insert("shapes".into(), shapes.into());
     layout.insert("annotations".into(), notes.into());
@@ -208,6 +235,12 @@ fn layout(plot: &Plot, zoom: Option<&Zoom>, names: usize) -> Value {
     let along_x = plot.panels.iter().flat_map(|p| &p.traces).all(Trace::runs_along_x);
     layout.insert("hovermode".into(), if along_x { "x unified" } else { "closest" }.into());
     layout.into()
+}
+
+/// The names of all lying bars, in order of traces.
+pub(crate) fn bar_names(plot: &Plot) -> Vec<&str> {
+    let traces = plot.panels.iter().flat_map(|p| &p.traces);
+    traces.flat_map(Trace::bar_names).map(String::as_str).collect()
 }
 
 fn axis(axis: &Axis, range: Option<(f64, f64)>) -> Map<String, Value> {

@@ -7,7 +7,6 @@ use crate::error::Error;
 use crate::figure;
 use crate::html::{escape, escape_json};
 use crate::plot::Plot;
-use crate::series::Trace;
 use crate::small_print;
 use crate::tile::Tile;
 
@@ -96,6 +95,9 @@ fn section_html(section: &Section, number: usize, figures: &mut Figures) -> Resu
                     push(&mut out, format_args!("<p>{}</p>\n", escape(paragraph)));
                 }
             }
+            Block::Heading(text) => {
+                push(&mut out, format_args!("<h3>{}</h3>\n", escape(text)));
+            }
             Block::Preformatted(text) => {
                 push(&mut out, format_args!("<pre>{}</pre>\n", escape(text)));
             }
@@ -131,7 +133,8 @@ impl Figures {
         let number = self.count;
         let height = plot.height_px.unwrap_or_else(|| default_height(plot));
         let mut out = format!(
-            "<figure id=\"f{number}\">\n<figcaption><b>Figure {number}.</b> {}</figcaption>\n",
+            "<figure id=\"f{number}\"{}>\n<figcaption><b>Figure {number}.</b> {}</figcaption>\n",
+            if plot.marked { " class=\"marked\"" } else { "" },
             escape(&plot.title)
         );
         push(&mut out, format_args!("<div class=\"views zooms-{}\">\n", plot.zooms.len().min(2)));
@@ -167,11 +170,11 @@ impl Figures {
 }
 
 fn default_height(plot: &Plot) -> u32 {
-    let bars = plot.panels.iter().flat_map(|p| &p.traces).filter_map(Trace::name_count).max();
+    let bars = figure::bar_names(plot).len();
     match (bars, plot.panels.len() as u32) {
-        (Some(bars), _) => FRAME_HEIGHT_PX + BAR_HEIGHT_PX * bars as u32,
-        (None, 1) => SINGLE_HEIGHT_PX,
-        (None, panels) => FRAME_HEIGHT_PX + PANEL_HEIGHT_PX * panels,
+        (0, 1) => SINGLE_HEIGHT_PX,
+        (0, panels) => FRAME_HEIGHT_PX + PANEL_HEIGHT_PX * panels,
+        (bars, _) => FRAME_HEIGHT_PX + BAR_HEIGHT_PX * bars as u32,
     }
 }
 

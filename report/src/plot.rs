@@ -53,6 +53,8 @@ pub struct Plot {
     pub(crate) zooms: Vec<Zoom>,
     pub(crate) equal_aspect: bool,
     pub(crate) height_px: Option<u32>,
+    pub(crate) palette: Vec<String>,
+    pub(crate) marked: bool,
 }
 
 impl Plot {
@@ -66,6 +68,8 @@ impl Plot {
             zooms: Vec::new(),
             equal_aspect: false,
             height_px: None,
+            palette: Vec::new(),
+            marked: false,
         }
     }
 
@@ -137,6 +141,20 @@ impl Plot {
         Self { height_px: Some(height), ..self }
     }
 
+    /// Gives these names the first colours, in this order, drawn or not: what is the same in several
+    /// plots of a report looks the same in all of them.
+    #[must_use]
+    pub fn palette<S: AsRef<str>>(mut self, names: &[S]) -> Self {
+        self.palette = names.iter().map(|name| name.as_ref().to_owned()).collect();
+        self
+    }
+
+    /// Marks the plot among its neighbours: the one to look at.
+    #[must_use]
+    pub fn marked(self) -> Self {
+        Self { marked: true, ..self }
+    }
+
     /// Draws a line through samples; a loop where x goes back and forth.
     #[must_use]
     pub fn line(self, name: &str, x: &[f64], y: &[f64]) -> Self {
@@ -147,6 +165,13 @@ impl Plot {
     #[must_use]
     pub fn dashed(self, name: &str, x: &[f64], y: &[f64]) -> Self {
         self.trace(Trace::new(name, Kind::Line { dashed: true }, x, y))
+    }
+
+    /// Draws a wide grey line for others to be compared with: the record under its models. It takes
+    /// none of the colours.
+    #[must_use]
+    pub fn backdrop(self, name: &str, x: &[f64], y: &[f64]) -> Self {
+        self.trace(Trace::new(name, Kind::Backdrop, x, y))
     }
 
     /// Draws a line with a mark at every sample: a sweep of few points.
@@ -167,7 +192,8 @@ impl Plot {
         self.trace(Trace::new(name, Kind::Bars, edges, heights))
     }
 
-    /// Draws lying bars, one for each name, the first on top: a ranking. Lengths go along x.
+    /// Draws lying bars, one for each name, the first on top: a ranking. Lengths go along x. Names of
+    /// further traces follow below.
     #[must_use]
     pub fn named_bars<S: AsRef<str>>(self, name: &str, names: &[S], lengths: &[f64]) -> Self {
         let names = names.iter().map(|n| n.as_ref().to_owned()).collect();

@@ -16,6 +16,8 @@ pub(crate) enum Kind {
     Line {
         dashed: bool,
     },
+    /// A wide grey line for others to be compared with.
+    Backdrop,
     LineWithPoints,
     Scatter,
     /// `x` are edges, one more than `y`.
@@ -46,7 +48,7 @@ impl Trace {
             |x, y| Error::TraceLength { plot: plot.to_owned(), trace: self.name.clone(), x, y };
         let (x, y) = (self.x.len(), self.y.len());
         match &self.kind {
-            Kind::Line { .. } | Kind::LineWithPoints | Kind::Scatter if x != y => {
+            Kind::Line { .. } | Kind::Backdrop | Kind::LineWithPoints | Kind::Scatter if x != y => {
                 Err(mismatch(x, y))
             }
             Kind::Bars if x.saturating_sub(1) != y => Err(mismatch(x.saturating_sub(1), y)),
@@ -61,18 +63,20 @@ impl Trace {
         }
     }
 
-    /// How many named bars the trace has, if it has any.
-    pub(crate) fn name_count(&self) -> Option<usize> {
+    /// The names of lying bars, if it has any.
+    pub(crate) fn bar_names(&self) -> &[String] {
         match &self.kind {
-            Kind::NamedBars { names } => Some(names.len()),
-            _ => None,
+            Kind::NamedBars { names } => names,
+            _ => &[],
         }
     }
 
     /// True for what is read along x: one value of y over each x.
     pub(crate) fn runs_along_x(&self) -> bool {
         match self.kind {
-            Kind::Line { .. } | Kind::LineWithPoints => crate::thin::rises(&self.x),
+            Kind::Line { .. } | Kind::Backdrop | Kind::LineWithPoints => {
+                crate::thin::rises(&self.x)
+            }
             Kind::Bars | Kind::Band { .. } => true,
             Kind::Scatter | Kind::NamedBars { .. } | Kind::Map { .. } => false,
         }

@@ -14,13 +14,17 @@ pub(crate) fn lines(plot: &Plot) -> Vec<String> {
         let how = match trace.kind {
             Kind::Bars | Kind::Map { .. } | Kind::NamedBars { .. } => continue,
             Kind::Scatter => "the outermost of every stretch".to_owned(),
-            Kind::Line { .. } | Kind::LineWithPoints | Kind::Band { .. } => match off_by() {
-                Some(share) => {
-                    let percent = significant(100.0 * share, 2);
-                    format!("so that the line is off by less than {percent} % of its span")
+            Kind::Line { .. } | Kind::Backdrop | Kind::LineWithPoints | Kind::Band { .. } => {
+                match off_by() {
+                    Some(share) => {
+                        let percent = significant(100.0 * share, 2);
+                        format!("so that the line is off by less than {percent} % of its span")
+                    }
+                    None => {
+                        "the smallest and the largest of every step, so peaks are true".to_owned()
+                    }
                 }
-                None => "the smallest and the largest of every step, so peaks are true".to_owned(),
-            },
+            }
         };
         let line =
             format!("Drawn with at most about {MAX_DRAWN} of {} samples, {how}.", trace.y.len());
@@ -53,7 +57,7 @@ fn gaps(trace: &Trace, log_x: bool, log_y: bool) -> (usize, usize) {
         // A bar of height zero is an empty bin and no gap.
         Kind::Bars => (in_values(&trace.y, false), trace.y.len()),
         Kind::Band { upper } => (in_pairs(&trace.y).max(in_pairs(upper)), trace.x.len()),
-        Kind::Line { .. } | Kind::LineWithPoints | Kind::Scatter => {
+        Kind::Line { .. } | Kind::Backdrop | Kind::LineWithPoints | Kind::Scatter => {
             (in_pairs(&trace.y), trace.x.len())
         }
     }

@@ -50,6 +50,11 @@ pub(crate) fn line(slot: usize, samples: usize, drawn: usize, dashed: bool) -> V
     json!({"color": colour(slot), "dash": dash, "width": width})
 }
 
+/// A wide grey line that others are drawn over; light enough to show them in print.
+pub(crate) fn backdrop() -> Value {
+    json!({"color": "#cdd3d8", "dash": "solid", "width": 5})
+}
+
 /// The line between marks: solid, the marks tell traces apart.
 pub(crate) fn joint(slot: usize) -> Value {
     json!({"color": colour(slot), "width": 1.5})
@@ -66,6 +71,8 @@ pub(crate) fn marker(slot: usize, points: usize) -> Value {
 pub(crate) fn bar(slot: usize) -> Value {
     json!({
         "color": colour(slot), "opacity": 0.85, "line": {"width": 0.5, "color": "#ffffff"},
-        "pattern": {"shape": PATTERNS[slot % PATTERNS.len()], "fgcolor": "#ffffff", "size": 6},
+        // Without its own background a pattern is drawn on nothing, and white on nothing is nothing.
+        "pattern": {"shape": PATTERNS[slot % PATTERNS.len()], "fgcolor": "#ffffff",
+                    "bgcolor": colour(slot), "size": 6},
     })
 }

@@ -242,3 +242,39 @@ fn a_hostile_name_stays_text() {
     assert!(!page.contains("<script>"));
     assert!(page.contains("&lt;/script&gt;&lt;script&gt;alert(1)"));
 }
+
+#[test]
+fn a_backdrop_takes_no_colour_and_a_palette_keeps_its_own() {
+    let x = [0.0, 1.0];
+    let plot = Plot::new("Force")
+        .palette(&["after", "before"])
+        .backdrop("measured", &x, &x)
+        .line("before", &x, &x)
+        .marked();
+    let report = Report::new("t").section(Section::new("s").heading("Part <1>").plot(plot));
+    let html = skeleton(&report);
+    assert!(html.contains("<h3>Part &lt;1&gt;</h3>"), "{html}");
+    assert!(html.contains("<figure id=\"f1\" class=\"marked\">"), "{html}");
+    // Wide and grey; the second colour for the second name, although the first is not drawn.
+    assert!(html.contains("\"color\":\"#cdd3d8\",\"dash\":\"solid\",\"width\":5"), "{html}");
+    assert!(html.contains("\"color\":\"#e0700a\""), "{html}");
+    assert!(html.contains("\"showlegend\":true"), "{html}");
+}
+
+#[test]
+fn bars_of_two_kinds_stand_in_rows_of_their_own_and_are_filled() {
+    let plot = Plot::new("Ranking").named_bars("added", &["friction"], &[90.0]).named_bars(
+        "not added",
+        &["delay", "offset"],
+        &[3.0, -1.0],
+    );
+    let html = skeleton(&Report::new("t").section(Section::new("s").plot(plot)));
+    assert!(html.contains("\"barmode\":\"overlay\""), "{html}");
+    // A pattern without a background would be white on white.
+    assert!(html.contains("\"bgcolor\":\"#e0700a\""), "{html}");
+    // Three rows.
+    assert!(html.contains("height:182px"), "{html}");
+    let same = Plot::new("Pairs").named_bars("a", &["x"], &[1.0]).named_bars("b", &["x"], &[2.0]);
+    let html = skeleton(&Report::new("t").section(Section::new("s").plot(same)));
+    assert!(!html.contains("barmode"), "{html}");
+}
