@@ -20,6 +20,7 @@
 //! | [`left_over`] | is the rest noise? |
 //! | [`uncertainty`] | how well parameters are known |
 //! | [`identification`], [`result`] | the whole, and how it is written |
+//! | [`page`] | the report for people |
 
 pub mod candidate;
 pub mod colour;
@@ -30,6 +31,7 @@ pub mod gram;
 pub mod grey_box;
 pub mod identification;
 pub mod left_over;
+pub mod page;
 pub mod result;
 pub mod screening;
 pub mod search;
