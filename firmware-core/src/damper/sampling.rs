@@ -21,10 +21,16 @@ pub const SIDE_KNOTS: usize = 13;
 /// Places of knots on the positive side, rising, zero left out.
 pub type Places = Vec<f64, SIDE_KNOTS>;
 
-/// The places `place(i/n)` for i from 1 to n, at most [`SIDE_KNOTS`].
-pub fn places(n: usize, place: impl Fn(f64) -> f64) -> Places {
-    let n = n.min(SIDE_KNOTS);
-    (1..=n).map(|i| place(i as f64 / n as f64)).collect()
+/// The places `place(i/n)` for i from 1 to n, then those beyond; at most [`SIDE_KNOTS`] in all.
+pub fn places(n: u8, place: impl Fn(f64) -> f64, beyond: &[f64]) -> Places {
+    let mut places = Places::new();
+    for i in 1..=n {
+        let _ = places.push(place(f64::from(i) / f64::from(n)));
+    }
+    for &x in beyond {
+        let _ = places.push(x);
+    }
+    places
 }
 
 /// The odd law `law(x)` with knots at zero and at the given places on both sides, and `slope`
@@ -60,7 +66,7 @@ mod tests {
     #[test]
     fn deviation_of_a_parabola_is_a_third_of_the_sagitta_of_its_chords() {
         let parabola = |x: f64| x * x.abs();
-        let curve = odd(&places(8, |u| u), 2.0, parabola);
+        let curve = odd(&places(8, |u| u, &[]), 2.0, parabola);
         assert_eq!(curve.knots().len(), 17);
         let sagitta = 1.0 / 64.0 / 4.0;
         let mut mean = 0.0;
@@ -78,7 +84,7 @@ mod tests {
 
     #[test]
     fn straight_law_stays_straight() {
-        let curve = odd(&places(5, |u| u * u), 3.0, |x| 3.0 * x);
+        let curve = odd(&places(5, |u| u * u, &[]), 3.0, |x| 3.0 * x);
         for x in [-2.0, -0.3, 0.01, 0.7, 5.0] {
             assert!((curve.at(x) - 3.0 * x).abs() < 1e-14);
         }

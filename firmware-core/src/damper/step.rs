@@ -116,7 +116,7 @@ impl Damper {
             let share = if attempt % 3 == 0 { 0.5 } else { early.1 / (early.1 - late.1) };
             // Never on an end of the bracket itself.
             let inset = 0.25 * least_s;
-            let end_s = early.0 + (share * length_s).clamp(inset, length_s - inset);
+            let end_s = early.0 + (share * length_s).max(inset).min(length_s - inset);
             let tried = self.attempt(state, sample, at_s, end_s);
             let margin = self.margin(state, index, &tried);
             let is_late = margin < 0.0;

@@ -72,7 +72,7 @@ impl DamperEffect for EntrainedAir {
         };
         let stretched = libm::pow(1.0 + last_n / pressed_n, -1.0 - 1.0 / POLYTROPIC);
         let slope = air.toe_m / (POLYTROPIC * pressed_n) * stretched;
-        let toe = sampling::odd(&sampling::places(12, place), slope, |f| air.squeezed_m(f));
+        let toe = sampling::odd(&sampling::places(12, place, &[]), slope, |f| air.squeezed_m(f));
         parts.attachment = parts.attachment.plus(&toe);
     }
 }

@@ -43,13 +43,12 @@ impl DamperEffect for OrificeLeakage {
             return;
         }
         let scale_n = nominal.scale().force_n;
-        let mut places = sampling::places(8, |u| scale_n * u * u);
-        let mut slope = 0.0;
         // Beyond a hard cap there is no force at which a flow could be added.
-        if nominal.f_relief_n.is_infinite() || nominal.c2_n_s_per_m > 0.0 {
-            places.extend([2.0 * scale_n, 4.0 * scale_n]);
-            slope = v_l / (4.0 * scale_n);
-        }
+        let capped = nominal.f_relief_n.is_finite() && nominal.c2_n_s_per_m == 0.0;
+        let far = [2.0 * scale_n, 4.0 * scale_n];
+        let beyond = if capped { &[][..] } else { &far };
+        let places = sampling::places(8, |u| scale_n * u * u, beyond);
+        let slope = if capped { 0.0 } else { v_l / (4.0 * scale_n) };
         let leak = |force_n: f64| v_l * libm::sqrt(force_n / scale_n);
         parts.hydraulic.add_across(&sampling::odd(&places, slope, leak));
     }

@@ -61,11 +61,11 @@ impl DamperEffect for QuadraticOrifice {
         let (places, slope) = if relief_n.is_finite() {
             let opens = self.velocity_m_per_s(ce, relief_n);
             let at = |u: f64| if u == 1.0 { relief_n } else { opens * u * (ce + b * opens * u) };
-            (sampling::places(10, at), 0.0)
+            (sampling::places(10, at, &[]), 0.0)
         } else {
             let last = 5.0 * nominal.scale().velocity_m_per_s;
             let at = |u: f64| last * u * u * (ce + b * last * u * u);
-            (sampling::places(10, at), 1.0 / (ce + 2.0 * b * last) - 1.0 / ce)
+            (sampling::places(10, at, &[]), 1.0 / (ce + 2.0 * b * last) - 1.0 / ce)
         };
         parts.hydraulic.add_across(&sampling::odd(&places, slope, gained));
     }

@@ -61,8 +61,7 @@ impl DamperEffect for StiffeningAttachment {
         let (dense_n, last_n) = (1.5 * scale_n, 6.0 * scale_n);
         let reach_m = self.deflection_m(ke, dense_n);
         let place = |u: f64| if u == 1.0 { dense_n } else { force(reach_m * u) };
-        let mut places = sampling::places(11, place);
-        places.extend([0.5 * last_n, last_n]);
+        let places = sampling::places(11, place, &[0.5 * last_n, last_n]);
         let last_m = self.deflection_m(ke, last_n);
         let slope = 1.0 / (ke * (1.0 + 3.0 * k * last_m * last_m)) - 1.0 / ke;
         let gained = |force_n: f64| self.deflection_m(ke, force_n) - force_n / ke;
