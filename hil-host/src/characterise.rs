@@ -131,6 +131,12 @@ pub fn command(args: &CharacteriseArgs) -> anyhow::Result<()> {
     let (source, path, specimen) = specimen(args, &list.tests)?;
     let sensors = sensors(specimen.as_ref(), &list);
     let records = records(specimen.as_ref(), &list.tests, &sensors, args.seed);
+    for record in records.iter().filter(|record| record.doubtful_steps > 0) {
+        let (name, count) = (&record.name, record.doubtful_steps);
+        eprintln!(
+            "warning: {name}: {count} steps of the simulation were not solved as they should"
+        );
+    }
     let tests: Vec<Measurement> =
         records.iter().map(RawRecord::measurement).collect::<Result<_, _>>()?;
     let file = LaboratoryFile {

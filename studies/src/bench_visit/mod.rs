@@ -64,6 +64,8 @@ pub struct RawRecord {
     pub temperature_degc: Option<Vec<f64>>,
     /// Oil temperature at the end, degrees Celsius, for the test that follows.
     pub end_degc: f64,
+    /// Steps that the simulation could not solve as it should; none is usual.
+    pub doubtful_steps: u32,
 }
 
 /// Records one test with the oil at the temperature of the laboratory.
@@ -116,6 +118,7 @@ pub fn record_from(
         force_n,
         temperature_degc,
         end_degc: response.temperature_degc.last().copied().unwrap_or(start_degc),
+        doubtful_steps: response.doubtful_steps,
     }
 }
 

@@ -41,6 +41,8 @@ pub struct Response {
     pub force_n: Vec<f64>,
     /// Temperature of the oil, degrees Celsius.
     pub temperature_degc: Vec<f64>,
+    /// Steps that the simulation could not solve as it should; none is usual.
+    pub doubtful_steps: u32,
 }
 
 /// Something with two eyes that a bench can move.
@@ -132,6 +134,7 @@ impl Specimen for Modelled {
         }
         // The first force is not known before the first step; a bench reads it at rest.
         response.force_n[0] = response.force_n.get(1).copied().unwrap_or(0.0);
+        response.doubtful_steps = state.fallbacks();
         response
     }
 }
@@ -159,6 +162,6 @@ impl Specimen for NullGenerator {
         };
         let force_n = self.model.simulate_with(&self.outside, &drive, load.grid).force_n;
         let temperature_degc = HeatBalance::YAW_DAMPER.over(load, &force_n);
-        Response { force_n, temperature_degc }
+        Response { force_n, temperature_degc, doubtful_steps: 0 }
     }
 }

@@ -201,8 +201,14 @@ impl HydraulicDamper {
 
     fn advance_halving(&self, state: &mut State, x: &dyn Fn(f64) -> f64, at: [f64; 3], depth: u32) {
         let [start_s, step_s, ambient_degc] = at;
-        if let Some(arrived) = self.try_step(state, x, at, depth == HALVINGS_MAX) {
+        let shortest = depth == HALVINGS_MAX;
+        if let Some(arrived) = self.try_step(state, x, at, shortest) {
             *state = arrived;
+            return;
+        }
+        if shortest {
+            // No number came out: everything stays where it is.
+            state.unsolved += 1;
             return;
         }
         let half_s = 0.5 * step_s;
@@ -295,6 +301,7 @@ impl Specimen for HydraulicDamper {
             response.force_n.push(state.force_n);
             response.temperature_degc.push(state.oil_degc);
         }
+        response.doubtful_steps = state.unsolved;
         response
     }
 }

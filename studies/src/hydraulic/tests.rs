@@ -230,3 +230,20 @@ fn reduced_it_is_a_yaw_damper_of_its_class() {
         assert!((6e6..13e6).contains(&in_phase), "{name}: {in_phase}");
     }
 }
+
+#[test]
+fn motions_far_beyond_any_use_are_solved_too() {
+    for name in BOTH {
+        let mut damper = shipped(name);
+        for (air_share, viscosity_pa_s) in [(0.005, 0.019), (0.0, 2.0), (0.05, 1e-3)] {
+            damper.oil.air_share = air_share;
+            damper.oil.viscosity_pa_s = viscosity_pa_s;
+            for (amplitude_m, frequency_hz) in
+                [(20e-3, 20.0), (2e-6, 20.0), (0.109, 1.0), (1e-3, 150.0)]
+            {
+                let states = moved(&damper, &sine(amplitude_m, frequency_hz), 50e-6, 4_000);
+                assert!(states.iter().all(|state| state.force_n.is_finite()));
+            }
+        }
+    }
+}

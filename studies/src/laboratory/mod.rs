@@ -124,7 +124,7 @@ pub struct ForcePoint {
     pub compression_n: f64,
     /// What the datasheet allows at this velocity, if it covers it.
     pub limit: Option<Limit>,
-    /// Both forces are within it.
+    /// Both forces are within it; without a declared direction, one way round or the other.
     pub within_limit: Option<bool>,
 }
 
@@ -272,7 +272,10 @@ fn force_point(test: &Measurement, datasheet: &[Limit]) -> Option<ForcePoint> {
         extension_n,
         compression_n,
         limit,
-        within_limit: limit.map(|limit| limit.holds(extension_n, compression_n)),
+        within_limit: limit.map(|limit| {
+            limit.holds(extension_n, compression_n)
+                || !test.direction_declared && limit.holds(compression_n, extension_n)
+        }),
     })
 }
 
