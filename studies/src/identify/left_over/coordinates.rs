@@ -4,8 +4,9 @@
 //! stiffness: a valve's knee is single-valued over the dashpot's velocity and a loop over that of
 //! the end.
 
+use crate::identify::simulation::walk;
 use crate::identify::tests_at_hand::Test;
-use firmware_core::damper::{Damper, DamperState, Motion};
+use firmware_core::damper::Damper;
 
 /// A coordinate of a residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,27 +78,12 @@ impl Track {
     /// Simulates the test once more and keeps what the dashpot does.
     pub fn of(damper: &Damper, test: &Test, start_m: f64) -> Self {
         let record = &test.record;
-        let step_s = test.model_step_s();
-        let damper = damper.clone().prepared(step_s);
-        let motion = |i: usize| Motion::new(record.displacement_m[i], record.velocity_m_per_s[i]);
-        let mut state =
-            DamperState::starting(motion(0)).with_piston_m(record.displacement_m[0] - start_m);
         let samples = record.force_n.len();
-        let mut dashpot = Vec::with_capacity(samples);
-        let mut force = Vec::with_capacity(samples);
-        for i in 0..samples {
-            let mut last = 0.0;
-            if i == 0 {
-                last = damper.advance(&mut state, motion(0), 1e-9);
-            } else {
-                for k in 1..=test.substeps {
-                    let (x, v) = record.motion_between(i - 1, k as f64 / test.substeps as f64);
-                    last = damper.advance(&mut state, Motion::new(x, v), step_s);
-                }
-            }
+        let (mut dashpot, mut force) = (Vec::with_capacity(samples), Vec::with_capacity(samples));
+        walk(damper, test, start_m, samples, |force_n, state| {
+            force.push(force_n);
             dashpot.push(state.piston_velocity_m_per_s());
-            force.push(last);
-        }
+        });
         let largest = record.velocity_m_per_s.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let (mut forward, mut since, mut now, mut reversed) = (vec![], vec![], true, 0);
         for (i, v) in record.velocity_m_per_s.iter().enumerate() {

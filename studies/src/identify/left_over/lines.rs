@@ -2,8 +2,9 @@
 //! that is not a whole one, a frame's resonance, a valve that flutters.
 //!
 //! The residual, whitened by a first-order filter, is cut into few and into many segments. A line is
-//! a stretch of its spectrum above the median of its surroundings by more than chance allows: with K
-//! segments, 2 K times the ratio follows chi-square with 2 K degrees of freedom.
+//! a stretch of its spectrum above the medians of what lies below and of what lies above it (a
+//! spectrum that only falls has none), by more than chance allows: with K segments, 2 K times the
+//! ratio follows chi-square with 2 K degrees of freedom.
 
 use crate::identify::tests_at_hand::TestsAtHand;
 use crate::spectrum::Spectrum;
@@ -13,6 +14,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 const SURROUNDINGS: usize = 24;
 /// Lines on either side that belong to the same tone.
 const SAME: usize = 3;
+/// Fewest lines on a side that make a background.
+const FEWEST_ON_A_SIDE: usize = 6;
 /// Numbers of segments tried.
 const CUTS: [f64; 3] = [1.0, 8.0, 32.0];
 /// Largest probability of a line by chance in one test.
@@ -68,12 +71,15 @@ fn line_of(residual_n: &[f64], rate_hz: f64, segment_s: f64) -> Option<(f64, f64
     let mut power = 0.0;
     let mut strongest: Option<(f64, f64)> = None;
     for k in first..density.len() - 1 {
-        let near = |i: usize| i + SAME >= k && i <= k + SAME;
-        let range =
-            k.saturating_sub(SURROUNDINGS).max(first)..(k + SURROUNDINGS).min(density.len() - 1);
-        let mut around: Vec<f64> = range.filter(|i| !near(*i)).map(|i| density[i]).collect();
-        around.sort_unstable_by(f64::total_cmp);
-        let background = around[around.len() / 2] / median_share;
+        let side = |from: usize, to: usize| {
+            let mut around = density.get(from..to).unwrap_or_default().to_vec();
+            around.sort_unstable_by(f64::total_cmp);
+            around.get(around.len() / 2).copied().filter(|_| around.len() >= FEWEST_ON_A_SIDE)
+        };
+        let below = side(k.saturating_sub(SURROUNDINGS + SAME).max(first - 2), k - SAME.min(k));
+        let above = side(k + SAME + 1, (k + SAME + 1 + SURROUNDINGS).min(density.len() - 1));
+        let (Some(below), Some(above)) = (below, above) else { continue };
+        let background = below.max(above) / median_share;
         let ratio = density[k] / background;
         let p = chi.sf(freedom * ratio) * density.len() as f64;
         if p < LARGEST_P {
