@@ -23,6 +23,7 @@
 //! | [`page`] | the report for people |
 
 pub mod candidate;
+pub mod chance;
 pub mod colour;
 pub mod coordinate;
 pub mod fit;

@@ -15,8 +15,10 @@ use super::candidate::{Candidate, candidates};
 use super::fit::{Fit, fit};
 use super::grey_box::GreyBox;
 use super::screening::{Screened, screen};
+use super::start::{BEGINNING_S, NominalFit};
 use super::tests_at_hand::TestsAtHand;
-use super::trial::{Evidence, Judged, Trial, evidence, try_candidate};
+use super::trial::{Evidence, Judged, Trial, evidence, rehearse, starts, try_candidate};
+use rayon::prelude::*;
 
 /// Most effects that are accepted.
 pub const MOST_EFFECTS: usize = 4;
@@ -32,8 +34,12 @@ const LARGEST_P: f64 = 0.01;
 const MARGIN: f64 = 2.5;
 /// A candidate that screens below this share is not fitted.
 const LEAST_SCREENED: f64 = 0.005;
-/// Candidates fitted per round, by plain and by whitened gain.
-const FITTED: (usize, usize) = (4, 2);
+/// Candidates rehearsed per round, by plain and by whitened gain.
+const LISTED: (usize, usize) = (6, 3);
+/// Candidates fitted to the whole tests per round.
+const TRIED: usize = 5;
+/// A model is far off when its error is more than this share of the force.
+const FAR_OFF: f64 = 0.03;
 /// Start values of a candidate that are fitted.
 const STARTS: usize = 2;
 /// Nominal parameters absorb an effect of which they leave less than this share.
@@ -92,8 +98,10 @@ pub struct Found {
 }
 
 /// Searches from a fitted nominal model. `progress` is told what is being done.
-pub fn search(nominal: Fit, tests: &TestsAtHand, progress: &dyn Fn(&str)) -> Option<Found> {
-    let refitted = Judged::new(nominal, tests)?;
+pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str)) -> Option<Found> {
+    let NominalFit { fit, others } = nominal;
+    let refitted = Judged::new(fit, tests)?;
+    let beginnings = tests.beginnings(BEGINNING_S);
     let mut standing = refitted.clone();
     let mut accepted: Vec<Accepted> = Vec::new();
     let mut not_testable: Option<Vec<NotTestable>> = None;
@@ -110,11 +118,20 @@ pub fn search(nominal: Fit, tests: &TestsAtHand, progress: &dyn Fn(&str)) -> Opt
         let shown: Vec<usize> =
             (0..tried.len()).filter(|index| !hidden.iter().any(|(i, _)| i == index)).collect();
         not_testable.get_or_insert(hidden.into_iter().map(|(_, hidden)| hidden).collect());
-        let short_list = short_list(&screened, &shown, tests);
+        progress("rehearsing");
+        let far = far_off(&standing, tests);
+        let minima = if far { others.as_slice() } else { &[] };
+        let mut rehearsed =
+            rehearsals(&standing, &tried, &shown, &screened, far, |index, which| {
+                let starts = starts(&standing, &tried[index], which, minima);
+                rehearse(&standing, &tried[index], &starts, &beginnings)
+            });
+        rehearsed.sort_by(|a, b| a.1.total_n2().total_cmp(&b.1.total_n2()).then(a.0.cmp(&b.0)));
+        rehearsed.truncate(TRIED);
         let mut trials: Vec<Trial> = Vec::new();
-        for (index, starts) in &short_list {
+        for (index, fit) in &rehearsed {
             progress(tried[*index].effect.name);
-            trials.extend(try_candidate(&standing, &tried[*index], (*index, starts), tests));
+            trials.extend(try_candidate(&standing, &tried[*index], (*index, &fit.values), tests));
         }
         trials
             .sort_by(|a, b| a.judged.left_out.total_n2().total_cmp(&b.judged.left_out.total_n2()));
@@ -181,12 +198,45 @@ fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, NotTestable
     hidden
 }
 
-/// The candidates worth a fit, each with its best start values; chosen again without every piece.
-fn short_list(
-    screened: &[Screened],
+/// True when the standing model is so far off that first-order screening says little.
+fn far_off(standing: &Judged, tests: &TestsAtHand) -> bool {
+    let squares = standing.standing.fit.total_n2() / tests.counted_samples() as f64;
+    squares.sqrt() > FAR_OFF * tests.rms_force_n()
+}
+
+/// Fits to the beginnings of the tests: of all candidates where the model is far off, otherwise of
+/// those that screening puts on top, chosen again without every piece.
+fn rehearsals(
+    standing: &Judged,
+    tried: &[Candidate],
     shown: &[usize],
-    tests: &TestsAtHand,
-) -> Vec<(usize, Vec<usize>)> {
+    screened: &[Screened],
+    far: bool,
+    rehearse: impl Fn(usize, &[usize]) -> Option<Fit> + Sync,
+) -> Vec<(usize, Fit)> {
+    let listed = if far {
+        shown.to_vec()
+    } else {
+        short_list(screened, shown, standing.left_out.squares_n2.len())
+    };
+    listed
+        .par_iter()
+        .filter_map(|index| {
+            let which: Vec<usize> = if far {
+                (0..tried[*index].starts.len()).collect()
+            } else {
+                let mut starts: Vec<&Screened> =
+                    screened.iter().filter(|s| s.candidate == *index).collect();
+                starts.sort_by(|a, b| b.gain(None).total_cmp(&a.gain(None)));
+                starts.iter().take(STARTS).map(|s| s.start).collect()
+            };
+            rehearse(*index, &which).map(|fit| (*index, fit))
+        })
+        .collect()
+}
+
+/// The candidates on top of the screening, also when a piece is left out.
+fn short_list(screened: &[Screened], shown: &[usize], pieces: usize) -> Vec<usize> {
     let ranked = |gain: &dyn Fn(&Screened) -> f64| {
         let mut best: Vec<(f64, usize)> = shown
             .iter()
@@ -207,17 +257,12 @@ fn short_list(
             }
         }
     };
-    list(ranked(&|s| s.gain(None)), FITTED.0);
-    list(ranked(&|s| s.whitened_gain(None)), FITTED.1);
-    for piece in 0..tests.pieces.len() {
+    list(ranked(&|s| s.gain(None)), LISTED.0);
+    list(ranked(&|s| s.whitened_gain(None)), LISTED.1);
+    for piece in 0..pieces {
         list(ranked(&|s| s.gain(Some(piece))), 1);
     }
-    let starts_of = |index: usize| {
-        let mut starts: Vec<&Screened> = screened.iter().filter(|s| s.candidate == index).collect();
-        starts.sort_by(|a, b| b.gain(None).total_cmp(&a.gain(None)));
-        starts.iter().take(STARTS).map(|s| s.start).collect()
-    };
-    listed.into_iter().map(|index| (index, starts_of(index))).collect()
+    listed
 }
 
 /// The trial to accept, with the trials that cannot be told from it.

@@ -46,8 +46,8 @@ pub fn walk(
     let step_s = test.model_step_s();
     let damper = damper.clone().prepared(step_s);
     let motion = |i: usize| Motion::new(record.displacement_m[i], record.velocity_m_per_s[i]);
-    let mut state = DamperState::starting(motion(0))
-        .with_piston_m(record.displacement_m[0] - deflection_m);
+    let mut state =
+        DamperState::starting(motion(0)).with_piston_m(record.displacement_m[0] - deflection_m);
     for i in 0..samples.min(record.force_n.len()) {
         if let Some(degc) = &record.temperature_degc {
             state.set_temperature_degc(Some(degc[i]));

@@ -1,19 +1,32 @@
 //! Where the fit of the nominal damper starts: a coarse grid over everything possible, then a fit of
 //! the best few on the beginnings of the tests.
 
-use super::fit::{Fit, fit};
+use super::fit::{Fit, fit, squares_of};
 use super::grey_box::GreyBox;
+use super::simulation::simulate;
 use super::tests_at_hand::TestsAtHand;
 use firmware_core::damper::effects::Scale;
 use rayon::prelude::*;
 
 /// How much of each test the search looks at, s, after the run-in.
-const BEGINNING_S: f64 = 2.0;
+pub const BEGINNING_S: f64 = 2.0;
+/// Other minima that are kept.
+const OTHERS: usize = 3;
 /// Grid points that are fitted.
 const FITTED: usize = 6;
 
-/// The nominal damper, fitted from many starts; `given` are start values from a datasheet.
-pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Fit> {
+/// The nominal damper fitted from many starts.
+#[derive(Debug, Clone)]
+pub struct NominalFit {
+    /// The best fit to the whole tests.
+    pub fit: Fit,
+    /// Parameters of other minima, the next best first. Where an effect is large, the best fit
+    /// without it may be far from the truth, and one of these nearer.
+    pub others: Vec<Vec<f64>>,
+}
+
+/// Fits the nominal damper; `given` are start values from a datasheet.
+pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<NominalFit> {
     let beginnings = tests.beginnings(BEGINNING_S);
     let model = GreyBox::nominal(&tests.scale);
     let grid = grid(&tests.scale);
@@ -21,18 +34,27 @@ pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Fit> {
         .par_iter()
         .enumerate()
         .filter_map(|(index, values)| {
-            let fit = Fit::of(&model, values, &beginnings)?;
-            Some((fit.total_n2(), index))
+            let damper = model.damper(values)?;
+            let force_n: Vec<Vec<f64>> =
+                beginnings.tests.iter().map(|test| simulate(&damper, test, 0.0)).collect();
+            Some((squares_of(&beginnings, &force_n).iter().sum(), index))
         })
         .collect();
     tried.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut starts: Vec<Vec<f64>> = given.iter().map(|values| values.to_vec()).collect();
     starts.extend(tried.iter().take(FITTED).map(|(_, index)| grid[*index].clone()));
     let mut fitted: Vec<Fit> =
-        starts.iter().filter_map(|start| fit(&model, start, &[], &beginnings, 2)).collect();
+        starts.par_iter().filter_map(|start| fit(&model, start, &[], &beginnings, 2)).collect();
     fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
-    let whole = fitted.iter().take(2).filter_map(|start| fit(&model, &start.values, &[], tests, 3));
-    whole.min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))
+    let mut whole: Vec<Fit> = fitted
+        .iter()
+        .take(2)
+        .filter_map(|start| fit(&model, &start.values, &[], tests, 3))
+        .collect();
+    whole.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
+    let others = given.iter().map(|values| values.to_vec());
+    let others = others.chain(fitted.iter().map(|fit| fit.values.clone())).take(OTHERS).collect();
+    whole.into_iter().next().map(|fit| NominalFit { fit, others })
 }
 
 fn grid(scale: &Scale) -> Vec<Vec<f64>> {

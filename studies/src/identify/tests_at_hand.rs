@@ -57,6 +57,10 @@ impl TestsAtHand {
     /// Prepares records.
     pub fn new(records: Vec<Measurement>) -> Self {
         let scale = scale_of(&records);
+        Self::with_scale(records, scale)
+    }
+
+    fn with_scale(records: Vec<Measurement>, scale: Scale) -> Self {
         let tests: Vec<Test> = records.into_iter().map(Test::new).collect();
         let whole_tests = tests.len() >= FEWEST_WHOLE_TESTS;
         let mut pieces = Vec::new();
@@ -91,7 +95,8 @@ impl TestsAtHand {
         (sum / self.counted_samples().max(1) as f64).sqrt()
     }
 
-    /// The same tests cut short after their run-in: enough to look for start values.
+    /// The same tests cut short after their run-in: enough to look for start values. Their size stays
+    /// that of the whole.
     #[must_use]
     pub fn beginnings(&self, longest_s: f64) -> Self {
         let records = self.tests.iter().map(|test| {
@@ -99,7 +104,7 @@ impl TestsAtHand {
             let samples = (longest_s / record.step_s) as usize;
             record.until(record.run_in + samples.max(20))
         });
-        Self::new(records.collect())
+        Self::with_scale(records.collect(), self.scale)
     }
 }
 

@@ -2,13 +2,13 @@
 //! has seen.
 
 use super::candidate::Candidate;
-use super::fit::fit;
+use super::chance::one_sided;
+use super::fit::{Fit, fit};
 use super::folds::{LeftOut, change_shares};
 use super::gram::Gram;
 use super::screening::Standing;
 use super::tests_at_hand::TestsAtHand;
 use rayon::prelude::*;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// A standing model with what it says of pieces left out.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ pub struct Judged {
 
 impl Judged {
     /// Judges a fitted model.
-    pub fn new(fit: super::fit::Fit, tests: &TestsAtHand) -> Option<Self> {
+    pub fn new(fit: Fit, tests: &TestsAtHand) -> Option<Self> {
         let standing = Standing::new(fit, tests);
         let left_out = LeftOut::of(&standing, tests)?;
         Some(Self { standing, left_out })
@@ -56,21 +56,49 @@ const UNCHANGED: f64 = 0.01;
 /// the piece the candidate would not have been found.
 const LONE_SHARE: f64 = 0.98;
 
-/// Fits a candidate from the given starts and judges it against the model without it.
+/// Start parameters of a candidate: the standing model's with those of the effect, and the same from
+/// other minima of the nominal damper.
+pub fn starts(
+    base: &Judged,
+    candidate: &Candidate,
+    which: &[usize],
+    others: &[Vec<f64>],
+) -> Vec<Vec<f64>> {
+    let standing = &base.standing.fit.values;
+    let mut all = Vec::new();
+    for start in which.iter().filter_map(|index| candidate.starts.get(*index)) {
+        all.push([standing.as_slice(), start].concat());
+        for other in others {
+            // The nominal parameters of the other minimum, the effects of the standing model.
+            all.push([other.as_slice(), &standing[other.len()..], start].concat());
+        }
+    }
+    all
+}
+
+/// The best fit of a candidate to the beginnings of the tests.
+pub fn rehearse(
+    base: &Judged,
+    candidate: &Candidate,
+    starts: &[Vec<f64>],
+    beginnings: &TestsAtHand,
+) -> Option<Fit> {
+    let model = base.standing.fit.model.with(candidate.effect, &beginnings.scale);
+    let fits = starts.par_iter().filter_map(|start| fit(&model, start, &[], beginnings, 1));
+    let fits: Vec<Fit> = fits.collect();
+    fits.into_iter().min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))
+}
+
+/// Fits a candidate from the given parameters and judges it against the model without it.
 pub fn try_candidate(
     base: &Judged,
     candidate: &Candidate,
-    (index, starts): (usize, &[usize]),
+    (index, start): (usize, &[f64]),
     tests: &TestsAtHand,
 ) -> Option<Trial> {
     let standing = &base.standing;
     let model = standing.fit.model.with(candidate.effect, &tests.scale);
-    let fits = starts.iter().filter_map(|start| {
-        let mut values = standing.fit.values.clone();
-        values.extend(&candidate.starts[*start]);
-        fit(&model, &values, &[], tests, 2)
-    });
-    let best = fits.min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))?;
+    let best = fit(&model, start, &[], tests, 3)?;
     let mut judged = Judged::new(best, tests)?;
     let shares = change_shares(&standing.fit, &judged.standing.fit, tests);
     for (piece, share) in shares.iter().enumerate() {
@@ -132,7 +160,9 @@ fn p_value(poorer: &Judged, richer: &Judged, tests: &TestsAtHand) -> f64 {
         .collect();
     let Some(whole) = Gram::sum(grams.iter()) else { return 1.0 };
     let explained = whole.solve();
-    let mut scores = Vec::new();
+    // Each block's sum, plainly and over the length of its change: the first is sharper where all
+    // blocks are alike, the second where a few are much larger than the rest.
+    let (mut plain, mut even) = (Vec::new(), Vec::new());
     for (piece, (columns, residual)) in tests.pieces.iter().zip(&whitened) {
         let test = &tests.tests[piece.test];
         for block in &test.blocks {
@@ -141,25 +171,18 @@ fn p_value(poorer: &Judged, richer: &Judged, tests: &TestsAtHand) -> f64 {
                 continue;
             }
             let range = range.start - piece.samples.start..range.end - piece.samples.start;
-            let score: f64 = range
-                .map(|i| {
-                    let own = columns.iter().zip(explained.iter()).map(|(c, a)| a * c[i]);
-                    let change = columns[own_count(columns)][i] - own.sum::<f64>();
-                    change * residual[i]
-                })
-                .sum();
-            scores.push(score);
+            let (mut score, mut square) = (0.0, 0.0);
+            for i in range {
+                let own: f64 = columns.iter().zip(explained.iter()).map(|(c, a)| a * c[i]).sum();
+                let change = columns[own_count(columns)][i] - own;
+                score += change * residual[i];
+                square += change * change;
+            }
+            plain.push(score);
+            even.push(if square > 0.0 { score / square.sqrt() } else { 0.0 });
         }
     }
-    let scatter = scores.iter().map(|score| score * score).sum::<f64>().sqrt();
-    if scatter <= 0.0 || scores.len() < 2 {
-        return 1.0;
-    }
-    let t = scores.iter().sum::<f64>() / scatter;
-    match StudentsT::new(0.0, 1.0, (scores.len() - 1) as f64) {
-        Ok(distribution) => distribution.sf(t),
-        Err(_) => 1.0,
-    }
+    (2.0 * one_sided(&plain).min(one_sided(&even))).min(1.0)
 }
 
 /// The change stands behind the columns of the poorer model.

@@ -10,8 +10,8 @@
 //! whose mean is below zero where the residual knows nothing of the coordinate.
 
 use super::coordinates::{Coordinate, Track};
+use crate::identify::chance::one_sided;
 use crate::identify::tests_at_hand::TestsAtHand;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Bins of a coordinate.
 const BINS: usize = 20;
@@ -105,16 +105,6 @@ pub fn map(
         rms_n: (sum.max(0.0) / samples).sqrt(),
         p_value: one_sided(&explained),
     })
-}
-
-/// Probability that scores of independent blocks with mean zero add up to as much.
-pub fn one_sided(scores: &[f64]) -> f64 {
-    let scatter = scores.iter().map(|score| score * score).sum::<f64>().sqrt();
-    if scatter <= 0.0 || scores.len() < 2 {
-        return 1.0;
-    }
-    let t = scores.iter().sum::<f64>() / scatter;
-    StudentsT::new(0.0, 1.0, (scores.len() - 1) as f64).map_or(1.0, |student| student.sf(t))
 }
 
 /// Inner edges of bins with equal content.

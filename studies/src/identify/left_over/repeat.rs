@@ -11,7 +11,7 @@
 //! anything that repeats and of slow drift. Neighbouring cycles closer than the memory of ordinary
 //! noise make no pair.
 
-use super::maps::one_sided;
+use crate::identify::chance::one_sided;
 use crate::identify::tests_at_hand::TestsAtHand;
 
 /// Points of phase that a cycle is averaged into.
