@@ -14,8 +14,23 @@ use rayon::prelude::*;
 
 /// Step of a derivative, in a free coordinate.
 const DERIVATIVE_STEP: f64 = 2e-4;
-/// Most evaluations, in multiples of the number of parameters plus one.
-const PATIENCE: usize = 12;
+/// How long a fit goes on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Runs of the solver, each with new starts of the dashpots.
+    pub rounds: usize,
+    /// Most evaluations of a run, in multiples of the number of parameters plus one.
+    pub patience: usize,
+    /// Relative gain below which a run ends.
+    pub gain: f64,
+}
+
+impl Effort {
+    /// To the bottom.
+    pub const FULL: Self = Self { rounds: 3, patience: 12, gain: 1e-7 };
+    /// Enough to compare starts.
+    pub const SHORT: Self = Self { rounds: 1, patience: 2, gain: 1e-3 };
+}
 
 /// A model fitted to records.
 #[derive(Debug, Clone)]
@@ -79,18 +94,18 @@ pub fn fit(
     from: &[f64],
     held: &[usize],
     tests: &TestsAtHand,
-    rounds: usize,
+    effort: Effort,
 ) -> Option<Fit> {
     let mut best = Fit::of(model, from, tests)?;
-    for round in 0..rounds {
+    for round in 0..effort.rounds {
         let before = best.total_n2();
-        let fitted = descend(&best, held, tests)?;
+        let fitted = descend(&best, held, tests, effort)?;
         let gained = before - fitted.total_n2();
         if gained > 0.0 {
             best = fitted;
         }
         // A new start of the dashpots may open the way further.
-        if round + 1 < rounds && gained < 1e-4 * before {
+        if round + 1 < effort.rounds && gained < 1e-4 * before {
             break;
         }
     }
@@ -98,16 +113,16 @@ pub fn fit(
 }
 
 /// One run of the solver with the starts of the dashpots as they are.
-fn descend(from: &Fit, held: &[usize], tests: &TestsAtHand) -> Option<Fit> {
+fn descend(from: &Fit, held: &[usize], tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
     let free = from.model.free(&from.values);
     let moved: Vec<usize> = (0..free.len()).filter(|i| !held.contains(i)).collect();
     let problem = Problem::new(&from.model, &free, moved, &from.starts_m, tests);
     let solver = LevenbergMarquardt::new()
-        .with_ftol(1e-7)
-        .with_xtol(1e-7)
+        .with_ftol(effort.gain)
+        .with_xtol(effort.gain)
         .with_gtol(1e-9)
         .with_stepbound(10.0)
-        .with_patience(PATIENCE);
+        .with_patience(effort.patience);
     let (problem, _) = solver.minimize(problem);
     let values = from.model.values(&problem.free);
     Fit::of(&from.model, &values, tests)

@@ -12,7 +12,7 @@
 //! earlier one is dropped if the model predicts as well without it.
 
 use super::candidate::{Candidate, candidates};
-use super::fit::{Fit, fit};
+use super::fit::{Effort, Fit, fit};
 use super::grey_box::GreyBox;
 use super::screening::{Screened, screen};
 use super::start::{BEGINNING_S, NominalFit};
@@ -93,8 +93,6 @@ pub struct Found {
     pub rejected: Vec<Rejected>,
     /// Those that cannot show here.
     pub not_testable: Vec<NotTestable>,
-    /// Candidates that were screened in the first round.
-    pub screened: usize,
 }
 
 /// Searches from a fitted nominal model. `progress` is told what is being done.
@@ -104,22 +102,17 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
     let beginnings = tests.beginnings(BEGINNING_S);
     let mut standing = refitted.clone();
     let mut accepted: Vec<Accepted> = Vec::new();
-    let mut not_testable: Option<Vec<NotTestable>> = None;
-    let mut rejected = Vec::new();
-    let mut screened_first = 0;
     loop {
         progress("screening");
         let tried = candidates(&standing.standing.fit.model, tests);
         let screened = screen(&standing.standing, &tried, tests);
         let hidden = hidden(&tried, &screened);
-        if not_testable.is_none() {
-            screened_first = tried.len();
-        }
-        let shown: Vec<usize> =
-            (0..tried.len()).filter(|index| !hidden.iter().any(|(i, _)| i == index)).collect();
-        not_testable.get_or_insert(hidden.into_iter().map(|(_, hidden)| hidden).collect());
-        progress("rehearsing");
+        // What a model that is far off cannot show may show when it is near.
         let far = far_off(&standing, tests);
+        let shown: Vec<usize> = (0..tried.len())
+            .filter(|index| far || !hidden.iter().any(|(i, _)| i == index))
+            .collect();
+        progress("rehearsing");
         let minima = if far { others.as_slice() } else { &[] };
         let mut rehearsed =
             rehearsals(&standing, &tried, &shown, &screened, far, |index, which| {
@@ -141,8 +134,21 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
             None
         };
         let Some((winner, alternatives)) = winner else {
-            rejected.extend(rejections(&standing, &trials, &tried, &shown, &screened, tests));
-            break;
+            let open: Vec<usize> = (0..tried.len())
+                .filter(|index| {
+                    let fitted = trials.iter().any(|trial| trial.candidate == *index);
+                    fitted || !hidden.iter().any(|(i, _)| i == index)
+                })
+                .collect();
+            let rejected = rejections(&standing, &trials, &tried, &open, &screened, tests);
+            let unseen = hidden.into_iter().filter(|(index, _)| !open.contains(index));
+            return Some(Found {
+                refitted,
+                with_effects: standing,
+                accepted,
+                rejected,
+                not_testable: unseen.map(|(_, hidden)| hidden).collect(),
+            });
         };
         let trial = &trials[winner];
         accepted.push(Accepted {
@@ -156,14 +162,6 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
         standing = trial.judged.clone();
         standing = drop_idle(standing, &mut accepted, tests, progress);
     }
-    Some(Found {
-        refitted,
-        with_effects: standing,
-        accepted,
-        rejected,
-        not_testable: not_testable.unwrap_or_default(),
-        screened: screened_first,
-    })
 }
 
 fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {
@@ -377,7 +375,8 @@ fn drop_idle(
                 values.extend(&fitted.values[fitted.model.range_of(k)]);
             }
         }
-        let without = fit(&model, &values, &[], tests, 2).and_then(|fit| Judged::new(fit, tests));
+        let without =
+            fit(&model, &values, &[], tests, Effort::FULL).and_then(|fit| Judged::new(fit, tests));
         let idle = without.as_ref().is_some_and(|without| {
             let gain = evidence(without, &standing, tests).holdout_gain;
             let seen = 1.0 - fitted.total_n2() / without.standing.fit.total_n2();

@@ -1,7 +1,7 @@
 //! Where the fit of the nominal damper starts: a coarse grid over everything possible, then a fit of
 //! the best few on the beginnings of the tests.
 
-use super::fit::{Fit, fit, squares_of};
+use super::fit::{Effort, Fit, fit, squares_of};
 use super::grey_box::GreyBox;
 use super::simulation::simulate;
 use super::tests_at_hand::TestsAtHand;
@@ -9,7 +9,9 @@ use firmware_core::damper::effects::Scale;
 use rayon::prelude::*;
 
 /// How much of each test the search looks at, s, after the run-in.
-pub const BEGINNING_S: f64 = 2.0;
+pub const BEGINNING_S: f64 = 1.5;
+/// To near the bottom: the rest is done on the whole tests.
+const HALF: Effort = Effort { rounds: 2, patience: 8, gain: 1e-5 };
 /// Other minima that are kept.
 const OTHERS: usize = 3;
 /// Grid points that are fitted.
@@ -44,12 +46,12 @@ pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Nominal
     let mut starts: Vec<Vec<f64>> = given.iter().map(|values| values.to_vec()).collect();
     starts.extend(tried.iter().take(FITTED).map(|(_, index)| grid[*index].clone()));
     let mut fitted: Vec<Fit> =
-        starts.par_iter().filter_map(|start| fit(&model, start, &[], &beginnings, 2)).collect();
+        starts.par_iter().filter_map(|start| fit(&model, start, &[], &beginnings, HALF)).collect();
     fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let mut whole: Vec<Fit> = fitted
         .iter()
         .take(2)
-        .filter_map(|start| fit(&model, &start.values, &[], tests, 3))
+        .filter_map(|start| fit(&model, &start.values, &[], tests, Effort::FULL))
         .collect();
     whole.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let others = given.iter().map(|values| values.to_vec());

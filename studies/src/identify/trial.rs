@@ -3,7 +3,7 @@
 
 use super::candidate::Candidate;
 use super::chance::one_sided;
-use super::fit::{Fit, fit};
+use super::fit::{Effort, Fit, fit};
 use super::folds::{LeftOut, change_shares};
 use super::gram::Gram;
 use super::screening::Standing;
@@ -50,6 +50,8 @@ pub struct Trial {
     pub evidence: Evidence,
 }
 
+/// Starts of a candidate that are fitted in its rehearsal.
+const REHEARSED: usize = 2;
 /// A piece may be worse by this share and still counts as unchanged.
 const UNCHANGED: f64 = 0.01;
 /// A piece that holds more than this share of all that a candidate changes cannot judge it: without
@@ -84,8 +86,16 @@ pub fn rehearse(
     beginnings: &TestsAtHand,
 ) -> Option<Fit> {
     let model = base.standing.fit.model.with(candidate.effect, &beginnings.scale);
-    let fits = starts.par_iter().filter_map(|start| fit(&model, start, &[], beginnings, 1));
-    let fits: Vec<Fit> = fits.collect();
+    let mut tried: Vec<Fit> =
+        starts.par_iter().filter_map(|start| Fit::of(&model, start, beginnings)).collect();
+    let mut seen = tried.iter().map(Fit::total_n2).enumerate().collect::<Vec<_>>();
+    seen.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let best: Vec<usize> = seen.iter().take(REHEARSED).map(|(index, _)| *index).collect();
+    tried = best.iter().map(|index| tried[*index].clone()).collect();
+    let fits: Vec<Fit> = tried
+        .par_iter()
+        .filter_map(|start| fit(&model, &start.values, &[], beginnings, Effort::SHORT))
+        .collect();
     fits.into_iter().min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))
 }
 
@@ -98,7 +108,7 @@ pub fn try_candidate(
 ) -> Option<Trial> {
     let standing = &base.standing;
     let model = standing.fit.model.with(candidate.effect, &tests.scale);
-    let best = fit(&model, start, &[], tests, 3)?;
+    let best = fit(&model, start, &[], tests, Effort::FULL)?;
     let mut judged = Judged::new(best, tests)?;
     let shares = change_shares(&standing.fit, &judged.standing.fit, tests);
     for (piece, share) in shares.iter().enumerate() {
