@@ -3,10 +3,13 @@
 //! ```text
 //! spread   lower > 0, upper / lower large     ln t = ln lower + L / (1 + e^-u),  L = ln(upper / lower)
 //! from 0   lower = 0                          t = s ln(1 + e^u), capped at upper
+//! of either sign                              t = d sinh u, capped at both bounds
 //! between                                     t = lower + (upper - lower) / (1 + e^-u)
 //! ```
 //!
-//! with s a tenth of the usual value: nearly linear in what matters, and never flat at zero.
+//! with s a tenth of the usual value and d the usual value: nearly linear in what matters. Close to
+//! zero a parameter from 0 is flat: a fit that is to leave zero has to be started above it
+//! ([`Coordinate::lifted`]).
 
 /// How one parameter is written for the solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +25,15 @@ pub enum Coordinate {
     FromZero {
         /// Where it turns from exponential to linear.
         bend: f64,
+        /// Upper bound.
+        upper: f64,
+    },
+    /// Of either sign, over several decades.
+    Signed {
+        /// Where it turns from linear to exponential.
+        bend: f64,
+        /// Lower bound.
+        lower: f64,
         /// Upper bound.
         upper: f64,
     },
@@ -46,8 +58,18 @@ impl Coordinate {
             Self::FromZero { bend: 0.1 * usual.abs(), upper }
         } else if lower > 0.0 && upper / lower > SPREAD {
             Self::Spread { ln_lower: libm::log(lower), ln_ratio: libm::log(upper / lower) }
+        } else if lower < 0.0 && upper > 0.0 && usual != 0.0 {
+            Self::Signed { bend: usual.abs(), lower, upper }
         } else {
             Self::Between { lower, upper }
+        }
+    }
+
+    /// A start value that is not stuck at zero.
+    pub fn lifted(&self, value: f64) -> f64 {
+        match *self {
+            Self::FromZero { bend, .. } => value.max(bend),
+            _ => value,
         }
     }
 
@@ -59,6 +81,9 @@ impl Coordinate {
             Self::FromZero { bend, upper } => {
                 let rise = if u > 30.0 { u } else { libm::log1p(libm::exp(u)) };
                 (bend * rise).min(upper)
+            }
+            Self::Signed { bend, lower, upper } => {
+                (bend * libm::sinh(u.min(FAR))).clamp(lower, upper)
             }
             Self::Between { lower, upper } => lower + (upper - lower) * logistic(u),
         }
@@ -78,6 +103,7 @@ impl Coordinate {
                 let rise = (value.clamp(0.0, upper) / bend).max(1e-6);
                 if rise > 30.0 { rise } else { libm::log(libm::expm1(rise)) }
             }
+            Self::Signed { bend, lower, upper } => libm::asinh(value.clamp(lower, upper) / bend),
             Self::Between { lower, upper } => between((value - lower) / (upper - lower)),
         }
     }
@@ -103,6 +129,7 @@ mod tests {
             (1e-5, 100.0, 0.01, [2e-5, 0.01, 50.0]),
             (0.0, 1.0, 0.05, [1e-4, 0.05, 0.9]),
             (-1.0, 1.0, 0.05, [-0.9, 0.0, 0.5]),
+            (-100.0, 100.0, 0.3, [-50.0, 0.02, 3.0]),
             (1.0, 10.0, 1.3, [1.01, 1.3, 9.0]),
         ] {
             let coordinate = Coordinate::new(lower, upper, usual);

@@ -71,6 +71,11 @@ impl GreyBox {
         self.coordinates.iter().zip(values).map(|(coordinate, v)| coordinate.at(*v)).collect()
     }
 
+    /// Start values of which none is stuck at zero.
+    pub fn lifted(&self, values: &[f64]) -> Vec<f64> {
+        self.coordinates.iter().zip(values).map(|(coordinate, v)| coordinate.lifted(*v)).collect()
+    }
+
     /// The damper, if these values make one.
     pub fn damper(&self, values: &[f64]) -> Option<Damper> {
         let [ce, ke, two_a, f_relief, c2] = *values.first_chunk::<5>()?;

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 pub const BEGINNING_S: f64 = 1.5;
 /// To near the bottom: the rest is done on the whole tests.
 const HALF: Effort = Effort { rounds: 2, patience: 8, gain: 1e-5 };
-/// Other minima that are kept.
-const OTHERS: usize = 3;
+/// Other starts that are kept.
+const OTHERS: usize = 5;
 /// Grid points that are fitted.
 const FITTED: usize = 6;
 
@@ -22,8 +22,8 @@ const FITTED: usize = 6;
 pub struct NominalFit {
     /// The best fit to the whole tests.
     pub fit: Fit,
-    /// Parameters of other minima, the next best first. Where an effect is large, the best fit
-    /// without it may be far from the truth, and one of these nearer.
+    /// Other start parameters, the next best first. Where an effect is large, the best fit without
+    /// it may be far from the truth, and one of these nearer.
     pub others: Vec<Vec<f64>>,
 }
 
@@ -55,7 +55,9 @@ pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Nominal
         .collect();
     whole.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let others = given.iter().map(|values| values.to_vec());
-    let others = others.chain(fitted.iter().map(|fit| fit.values.clone())).take(OTHERS).collect();
+    // As the grid has them: a fit without the effect has bent the fitted ones.
+    let others = others.chain(tried.iter().map(|(_, index)| grid[*index].clone()));
+    let others = others.take(OTHERS).collect();
     whole.into_iter().next().map(|fit| NominalFit { fit, others })
 }
 

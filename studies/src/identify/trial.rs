@@ -51,7 +51,7 @@ pub struct Trial {
 }
 
 /// Starts of a candidate that are fitted in its rehearsal.
-const REHEARSED: usize = 2;
+const REHEARSED: usize = 3;
 /// A piece may be worse by this share and still counts as unchanged.
 const UNCHANGED: f64 = 0.01;
 /// A piece that holds more than this share of all that a candidate changes cannot judge it: without
@@ -67,9 +67,13 @@ pub fn starts(
     others: &[Vec<f64>],
 ) -> Vec<Vec<f64>> {
     let standing = &base.standing.fit.values;
+    let lifted = base.standing.fit.model.lifted(standing);
     let mut all = Vec::new();
     for start in which.iter().filter_map(|index| candidate.starts.get(*index)) {
         all.push([standing.as_slice(), start].concat());
+        if lifted != *standing {
+            all.push([lifted.as_slice(), start].concat());
+        }
         for other in others {
             // The nominal parameters of the other minimum, the effects of the standing model.
             all.push([other.as_slice(), &standing[other.len()..], start].concat());
