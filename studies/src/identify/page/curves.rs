@@ -16,6 +16,8 @@ pub(super) const WITH_EFFECTS: &str = "with effects";
 /// Colours of the models, the same in every plot.
 pub(super) const PALETTE: [&str; 3] = [WITH_EFFECTS, DATASHEET, REFITTED];
 
+/// A whole record and its enlarged stretch stand below each other on one sheet of A4.
+const TIME_HEIGHT_PX: u32 = 420;
 const LOOP_HEIGHT_PX: u32 = 360;
 
 /// Which models are drawn.
@@ -54,6 +56,7 @@ pub(super) fn over_time(title: &str, shown: &Shown<'_>, which: Which) -> Plot {
         .palette(&PALETTE)
         .x("time", "s")
         .y("force", &force.unit)
+        .height_px(TIME_HEIGHT_PX)
         .backdrop(MEASURED, &time_s, &force.values(&record.force_n));
     let models = which.of(shown);
     for (name, simulated) in &models {

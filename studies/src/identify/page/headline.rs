@@ -4,7 +4,7 @@ use super::super::identification::Identification;
 use super::super::result::Errors;
 use super::curves::{DATASHEET, REFITTED, WITH_EFFECTS};
 use super::prefix::{Prefixed, quantity};
-use super::words::percent;
+use super::words::{floor_has_lines, percent};
 use crate::identify::tests_at_hand::TestsAtHand;
 use report::{Cell, Section, Table, Tile, significant};
 
@@ -130,7 +130,10 @@ fn story(identification: &Identification, held_out: bool) -> String {
     }
     let floor = result.noise_floor_n / identification.train.rms_force_n();
     let (floor, method) = (percent(floor), &result.noise_floor_method);
-    sentences.push(format!("Noise alone is {floor} of the force of the fitted tests ({method})."));
+    let lines = if floor_has_lines(result) { ", lines of the spectrum counted in" } else { "" };
+    sentences.push(format!(
+        "Noise alone is {floor} of the force of the fitted tests ({method}{lines})."
+    ));
     sentences.join(" ")
 }
 

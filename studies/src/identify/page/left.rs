@@ -31,11 +31,7 @@ pub(super) fn section(identification: &Identification) -> Section {
                 lives(part.coordinate),
                 part.description
             ))
-            .text(&format!(
-                "In all {} rms are left, of which {} are noise.",
-                quantity(after.rms_n, "N"),
-                quantity(after.noise_floor_n, "N")
-            )),
+            .text(&format!("In all {} rms are left.", quantity(after.rms_n, "N"))),
     };
     section = section.text(&repeat(after));
     section = if added {

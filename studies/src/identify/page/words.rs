@@ -31,6 +31,12 @@ pub(super) fn lives(coordinate: &str) -> String {
     }
 }
 
+/// True where lines of the spectrum are left: they do not repeat with the cycle, and so the noise floor
+/// counts them in.
+pub(super) fn floor_has_lines(result: &IdentifyResult) -> bool {
+    result.unexplained.as_ref().is_some_and(|part| part.coordinate == "frequency")
+}
+
 /// An effect with its rivals.
 fn group(effect: &EffectFound) -> String {
     let rivals = effect.alternatives.iter().map(|name| format!(" or {}", spoken(name)));
@@ -53,14 +59,26 @@ pub(super) fn sentence(identification: &Identification) -> String {
                  {} rms, is noise ({floor}).",
                 quantity(identification.left_before.rms_n, "N")
             ),
-            Some(left) => format!(
-                "Something is left that no effect of the catalogue explains: {left}, where the noise \
-                 is {floor}."
-            ),
+            Some(left) => {
+                let at_noise = if floor_has_lines(result) {
+                    String::new()
+                } else {
+                    format!(", where the noise is {floor}")
+                };
+                format!(
+                    "Something is left that no effect of the catalogue explains: {left}{at_noise}."
+                )
+            }
         };
     }
     let verb = if effects.len() == 1 { "explains" } else { "together explain" };
     let text = match explained(identification) {
+        // It can happen, and then the reader must know.
+        Explained::BeyondNoise(share) | Explained::OfAll(share) if share <= 0.0 => format!(
+            "{} {} on pieces left out of the fit, but not on the tests held out.",
+            listed(&effects),
+            if effects.len() == 1 { "gains" } else { "gain" }
+        ),
         Explained::BeyondNoise(share) => format!(
             "{} {verb} {} of what the refitted model left over beyond noise.",
             listed(&effects),
