@@ -182,9 +182,8 @@ pub(super) fn about(identification: &Identification) -> Section {
              Uncertainties are one standard deviation from the scatter of independent blocks.",
         )
         .text(&format!(
-            "Candidates were judged by leaving out {left_out}; {} candidates were screened in the first \
-             round. Tests held out were used for nothing but the errors shown.",
-            identification.found.screened
+            "Candidates were judged by leaving out {left_out}. Tests held out were used for nothing but \
+             the errors shown."
         ))
         .text(
             "The numbers are in result.json, the damper in model.toml, every simulated sample in the \
