@@ -4,14 +4,15 @@
 #[allow(dead_code, reason = "shared by several tests")]
 mod support;
 
+use can_protocol::{Frame, Residual, Watch};
 use firmware_core::damper::effects::ClearanceGrowth;
 use firmware_core::damper::{Damper, Effect};
+use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::control::Slots;
-use hil_host::control::watch::Verdict;
 use hil_host::record::Queues;
 use scenario::run::{Run, SlotForce};
 use scenario::watch::Limit;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use support::{ready, scenario, session};
 
 /// One damper on a rig at 160 km/h, watched with short times, and `effects` in the mounted damper.
@@ -35,16 +36,42 @@ struct Course {
     learnt_n: f64,
     /// Cycle, residual and measured force of every measurement that the model was compared with.
     compared: Vec<(u64, f64, f64)>,
+    /// What went out on the bus.
+    told: Vec<Residual>,
+}
+
+/// The bus of the rig, with an ear on it.
+struct Tap {
+    bus: MemoryBus,
+    told: Vec<Residual>,
+}
+
+impl Bus for Tap {
+    fn send(&mut self, frame: &Frame) -> Sent {
+        self.told.extend(Residual::decode(frame.id(), frame.data()));
+        self.bus.send(frame)
+    }
+    fn receive(&mut self) -> Option<WireFrame> {
+        self.bus.receive()
+    }
+    fn wait(&mut self, timeout: Duration) -> bool {
+        self.bus.wait(timeout)
+    }
+    fn counters(&self) -> BusCounters {
+        self.bus.counters()
+    }
 }
 
 fn course(run: &Run) -> Course {
     let track = run.track.view();
     let session = session(run, &track);
-    let (mut state, mut buses) = ready(run, &session);
+    let (mut state, [bus]) = ready(run, &session);
+    let mut buses = vec![Tap { bus, told: Vec::new() }];
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
     let begin = Instant::now();
-    let mut course = Course { raised: None, learnt_n: f64::NAN, compared: Vec::new() };
+    let mut course =
+        Course { raised: None, learnt_n: f64::NAN, compared: Vec::new(), told: Vec::new() };
     for _ in 0..run.cycles() {
         let row = session.cycle(
             &mut state,
@@ -54,10 +81,10 @@ fn course(run: &Run) -> Course {
             &begin,
             Slots::default(),
         );
-        if row.drift[0] == Verdict::Steady as u8 && course.learnt_n.is_nan() {
+        if row.drift[0] == Watch::Steady.code() && course.learnt_n.is_nan() {
             course.learnt_n = row.residual_rms_n[0];
         }
-        if row.drift[0] == Verdict::Drift as u8 {
+        if row.drift[0] == Watch::Drift.code() {
             course.raised.get_or_insert(row.cycle);
         }
         if row.residual_n[0].is_finite() {
@@ -66,6 +93,7 @@ fn course(run: &Run) -> Course {
         // The modelled dampers are not watched.
         assert_eq!(row.drift[1..], [0; 3]);
     }
+    course.told = buses.into_iter().flat_map(|tap| tap.told).collect();
     course
 }
 
@@ -105,4 +133,11 @@ fn a_damper_that_wears_raises_the_flag_at_its_cycle() {
     assert_eq!(course.raised, raised_by_the_rule(&course.compared));
     // It changes with the physics and with nothing else, as the trajectory hash does.
     assert_eq!(course.raised, Some(9290));
+    // The bus is told every 50 cycles: first drift in cycle 9301.
+    assert_eq!(course.told.len(), 240);
+    let drift = course.told.iter().position(|residual| residual.watch == Watch::Drift);
+    assert_eq!(drift, Some(9300 / 50));
+    let sequence =
+        course.told.iter().enumerate().all(|(i, told)| usize::from(told.counter) == i % 15);
+    assert!(sequence && course.told[0].rms_n.is_none());
 }

@@ -64,7 +64,7 @@ impl BusPlan {
         f64::from(self.rigs) * self.rate_hz * pair_s
     }
 
-    /// Worst-case share of sync, heartbeats and telemetry at their usual rates; faults not counted.
+    /// Worst-case share of sync, heartbeats, telemetry and residuals at their usual rates; faults not counted.
     pub fn background_load(&self) -> f64 {
         let node = Node::ALL[0];
         let share = |message: MessageId| {
@@ -75,7 +75,8 @@ impl BusPlan {
             + share(MessageId::Heartbeat(Sender::Host))
             + f64::from(self.rigs)
                 * (share(MessageId::Heartbeat(Sender::Rig(node)))
-                    + share(MessageId::Telemetry(node)))
+                    + share(MessageId::Telemetry(node))
+                    + share(MessageId::Residual(node)))
     }
 
     /// The verdict on [`BusPlan::cyclic_load`].
@@ -224,8 +225,8 @@ mod tests {
             nominal_bits_per_s: 1e6,
             data_bits_per_s: 1e6,
         };
-        // Sync 10 x 135, two heartbeats 50 x 65, telemetry 20 x 115, all per million.
-        let expected = (1350.0 + 2.0 * 3250.0 + 2300.0) * 1e-6;
+        // Sync 10 x 135, two heartbeats 50 x 65, telemetry and residual 20 x 115, all per million.
+        let expected = (1350.0 + 2.0 * 3250.0 + 2.0 * 2300.0) * 1e-6;
         assert!((plan.background_load() - expected).abs() < 1e-12);
     }
 }

@@ -1,7 +1,7 @@
 //! Who is on the bus and which id says what.
 //!
 //! Ids are ordered by urgency, since the lower id wins: sync, commands, measurements, faults,
-//! telemetry, heartbeats. The `DataID` that enters a frame's CRC is `0x5000 + id`, so that a frame
+//! telemetry, residuals, heartbeats. The `DataID` that enters a frame's CRC is `0x5000 + id`, so that a frame
 //! sent under a wrong id fails its check.
 use crate::{Error, Profile};
 use core::fmt;
@@ -87,6 +87,8 @@ pub enum MessageId {
     Fault(Sender),
     /// `0x400 + n`: slow values of a rig.
     Telemetry(Node),
+    /// `0x500 + n`: how far a rig's damper is from its model, from the host.
+    Residual(Node),
     /// `0x700 + n`: alive, and in which state.
     Heartbeat(Sender),
 }
@@ -108,6 +110,7 @@ impl MessageId {
             Self::Measurement(Profile::Fd, node) => (0x210, node.number()),
             Self::Fault(sender) => (0x300, sender.number()),
             Self::Telemetry(node) => (0x400, node.number()),
+            Self::Residual(node) => (0x500, node.number()),
             Self::Heartbeat(sender) => (0x700, sender.number()),
         };
         base + number as u16
@@ -126,6 +129,7 @@ impl MessageId {
             0x210 => node.map(|node| Self::Measurement(Profile::Fd, node)),
             0x300 => sender.map(Self::Fault),
             0x400 => node.map(Self::Telemetry),
+            0x500 => node.map(Self::Residual),
             0x700 => sender.map(Self::Heartbeat),
             _ => None,
         }
@@ -146,7 +150,7 @@ impl MessageId {
         match self {
             Self::Sync => 8,
             Self::Command(profile, _) | Self::Measurement(profile, _) => profile.cyclic_len(),
-            Self::Fault(_) | Self::Telemetry(_) => 6,
+            Self::Fault(_) | Self::Telemetry(_) | Self::Residual(_) => 6,
             Self::Heartbeat(_) => 1,
         }
     }
@@ -169,7 +173,7 @@ impl MessageId {
             }
             Self::Command(Profile::Fd, _) | Self::Measurement(Profile::Fd, _) => Some(500),
             Self::Fault(_) => None,
-            Self::Telemetry(_) => Some(50_000),
+            Self::Telemetry(_) | Self::Residual(_) => Some(50_000),
             Self::Heartbeat(_) => Some(20_000),
         }
     }
@@ -186,6 +190,7 @@ impl fmt::Display for MessageId {
             Self::Measurement(Profile::Fd, node) => write!(f, "MEAS_FD_{node}"),
             Self::Fault(sender) => write!(f, "FAULT_{sender}"),
             Self::Telemetry(node) => write!(f, "TELEMETRY_{node}"),
+            Self::Residual(node) => write!(f, "RESIDUAL_{node}"),
             Self::Heartbeat(sender) => write!(f, "HEARTBEAT_{sender}"),
         }
     }
@@ -202,8 +207,8 @@ mod tests {
                 assert_eq!(message.raw(), id);
             }
         }
-        // Sync, 4 x (command + measurement) x 2, 5 faults, 4 telemetry, 5 heartbeats.
-        assert_eq!(MessageId::all().count(), 1 + 16 + 5 + 4 + 5);
+        // Sync, 4 x (command + measurement) x 2, 5 faults, 4 telemetry, 4 residuals, 5 heartbeats.
+        assert_eq!(MessageId::all().count(), 1 + 16 + 5 + 4 + 4 + 5);
     }
 
     #[test]

@@ -4,8 +4,8 @@
 //!
 //! One **host** computes a vehicle; up to four **rigs** (nodes 1 to 4) carry one damper each. Once
 //! per cycle the host sends every rig a [`Command`] (where the damper's eyes should be) and every
-//! rig answers with a [`Measurement`] (the force it felt). Four slow messages go beside them:
-//! [`Sync`], [`Heartbeat`], [`Fault`] and [`Telemetry`].
+//! rig answers with a [`Measurement`] (the force it felt). Five slow messages go beside them:
+//! [`Sync`], [`Heartbeat`], [`Fault`], [`Telemetry`] and [`Residual`].
 //!
 //! | id | message | sender | bytes | when |
 //! | --- | --- | --- | --- | --- |
@@ -16,6 +16,7 @@
 //! | `0x210 + n` | [`Measurement`], FD | rig n | 16 | every cycle |
 //! | `0x300 + n` | [`Fault`], n = 0 is the host | both | 6 | on change |
 //! | `0x400 + n` | [`Telemetry`] | rig n | 6 | 20 Hz |
+//! | `0x500 + n` | [`Residual`] of rig n | host | 6 | 20 Hz, while it is watched |
 //! | `0x700 + n` | [`Heartbeat`], n = 0 is the host | both | 1 | 50 Hz |
 //!
 //! All ids are standard (11 bit); the lower id wins the bus, so nothing slow delays the loop by
@@ -97,6 +98,7 @@ mod message;
 mod profile;
 pub mod protection;
 mod receiver;
+mod residual;
 pub mod signal;
 mod state;
 mod sync;
@@ -114,6 +116,7 @@ pub use measurement::{Measurement, MeasurementFlags, MeasurementLayout};
 pub use message::Message;
 pub use profile::Profile;
 pub use receiver::{Counts, Cyclic, Receiver, ReceiverState, Reception, Status};
+pub use residual::{Residual, Watch};
 pub use signal::Saturated;
 pub use state::RunState;
 pub use sync::{PROTOCOL_VERSION, Pace, Sync};

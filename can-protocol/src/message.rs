@@ -1,6 +1,7 @@
 //! Any frame of the protocol: for logs, monitors and tests.
 use crate::{
-    Command, Error, Fault, Frame, Heartbeat, Measurement, MessageId, Saturated, Sync, Telemetry,
+    Command, Error, Fault, Frame, Heartbeat, Measurement, MessageId, Residual, Saturated, Sync,
+    Telemetry,
 };
 use core::fmt;
 
@@ -17,6 +18,8 @@ pub enum Message {
     Fault(Fault),
     /// A rig's slow values.
     Telemetry(Telemetry),
+    /// How far a rig's damper is from its model.
+    Residual(Residual),
     /// Alive.
     Heartbeat(Heartbeat),
 }
@@ -33,6 +36,7 @@ impl Message {
             MessageId::Measurement(..) => Measurement::decode(id, data).map(Self::Measurement),
             MessageId::Fault(_) => Fault::decode(id, data).map(Self::Fault),
             MessageId::Telemetry(_) => Telemetry::decode(id, data).map(Self::Telemetry),
+            MessageId::Residual(_) => Residual::decode(id, data).map(Self::Residual),
             MessageId::Heartbeat(_) => Heartbeat::decode(id, data).map(Self::Heartbeat),
         }
     }
@@ -46,6 +50,7 @@ impl Message {
             Self::Measurement(measurement) => measurement.encode(profile),
             Self::Fault(fault) => fault.encode(),
             Self::Telemetry(telemetry) => telemetry.encode(),
+            Self::Residual(residual) => residual.encode(),
             Self::Heartbeat(heartbeat) => (heartbeat.encode(), Saturated::empty()),
         }
     }
@@ -59,6 +64,7 @@ impl fmt::Display for Message {
             Self::Measurement(measurement) => measurement.fmt(f),
             Self::Fault(fault) => fault.fmt(f),
             Self::Telemetry(telemetry) => telemetry.fmt(f),
+            Self::Residual(residual) => residual.fmt(f),
             Self::Heartbeat(heartbeat) => heartbeat.fmt(f),
         }
     }

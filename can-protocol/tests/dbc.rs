@@ -79,9 +79,10 @@ fn signals_fill_their_message_without_overlap() {
                 *bit = true;
             }
         }
-        // Only telemetry has spare bits, four.
+        // Only telemetry and the residual have spare bits, four each.
         let spare = used.iter().filter(|used| !**used).count();
-        assert_eq!(spare, if message.name.starts_with("TELEMETRY") { 4 } else { 0 });
+        let has_spare = ["TELEMETRY", "RESIDUAL"].iter().any(|name| message.name.starts_with(name));
+        assert_eq!(spare, if has_spare { 4 } else { 0 });
     }
 }
 
@@ -175,7 +176,7 @@ proptest! {
                 let senders_own = field == "sender" && i64::from(code) != i64::from(id & 0xF);
                 prop_assert!(
                     senders_own || name == Some("INVALID") || f64::from(code) < minimum
-                        || (name.is_none() && ["state", "mode", "pressure", "profile", "pace"].contains(&field)),
+                        || (name.is_none() && ["state", "mode", "pressure", "profile", "pace", "watch"].contains(&field)),
                     "{field} {code}"
                 );
             }

@@ -6,7 +6,7 @@ mod samples;
 use can_protocol::signal::FixedPoint;
 use can_protocol::{
     CommandLayout, MeasurementFlags, MeasurementLayout, Message, MessageId, Profile, Receiver,
-    ReceiverState, Saturated, Telemetry, protection,
+    ReceiverState, Residual, Saturated, Telemetry, protection,
 };
 use proptest::prelude::*;
 
@@ -68,6 +68,11 @@ fn check(profile: Profile, sent: &Message) {
             let (signal, flag) = (Telemetry::TEMPERATURE, Saturated::TEMPERATURE);
             assert!(same(signal, sent.temperature_degc, read.temperature_degc, has(flag)));
             let bare = |message| Telemetry { temperature_degc: None, ..message };
+            assert_eq!(bare(*sent), bare(read));
+        }
+        (Message::Residual(sent), Message::Residual(read)) => {
+            assert!(same(Residual::RMS, sent.rms_n, read.rms_n, has(Saturated::FORCE)));
+            let bare = |message| Residual { rms_n: None, ..message };
             assert_eq!(bare(*sent), bare(read));
         }
         (sent, read) => {

@@ -5,8 +5,8 @@ use core::num::{NonZeroU8, NonZeroU16};
 
 use can_protocol::{
     BusPlan, Command, Cyclic, Fault, FaultCode, Frame, Heartbeat, Measurement, MeasurementFlags,
-    Message, Mode, Node, Pace, Pressure, Profile, Receiver, ReceiverState, RunState, Sender, Sync,
-    Telemetry, Trips, from_embedded, to_embedded,
+    Message, Mode, Node, Pace, Pressure, Profile, Receiver, ReceiverState, Residual, RunState,
+    Sender, Sync, Telemetry, Trips, Watch, from_embedded, to_embedded,
 };
 use embedded_can::Id;
 
@@ -66,7 +66,7 @@ fn receive<M: Cyclic>(profile: Profile, node: Node) {
 }
 
 /// One of each message.
-fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 6] {
+fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 7] {
     [
         Message::Sync(Sync {
             version: 1,
@@ -104,6 +104,13 @@ fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 6] {
             temperature_degc: Some(0.0),
             pressure: Pressure::Ready,
             trips: Trips::empty(),
+        }),
+        Message::Residual(Residual {
+            node,
+            counter: 0,
+            state,
+            rms_n: Some(0.0),
+            watch: Watch::Steady,
         }),
         Message::Heartbeat(Heartbeat { sender, state }),
     ]

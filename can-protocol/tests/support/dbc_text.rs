@@ -3,7 +3,7 @@ use can_protocol::signal::{Field, FixedPoint, Quantity};
 use can_protocol::{
     Command, CommandLayout, Fault, FaultCode, Heartbeat, Measurement, MeasurementFlags,
     MeasurementLayout, Message, MessageId, Mode, PROTOCOL_VERSION, Pace, Pressure, Profile,
-    RunState, Sender, Sync, Telemetry, Trips, protection,
+    Residual, RunState, Sender, Sync, Telemetry, Trips, Watch, protection,
 };
 use std::fmt::Write as _;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -50,7 +50,7 @@ pub(crate) fn dbc_text() -> String {
 
 fn transmitter(message: MessageId) -> String {
     match message {
-        MessageId::Sync | MessageId::Command(..) => "HOST".into(),
+        MessageId::Sync | MessageId::Command(..) | MessageId::Residual(_) => "HOST".into(),
         MessageId::Measurement(_, node) | MessageId::Telemetry(node) => format!("RIG_{node}"),
         MessageId::Fault(sender) | MessageId::Heartbeat(sender) => match sender {
             Sender::Host => "HOST".into(),
@@ -88,6 +88,10 @@ fn counted(name: &str, field: Field, none: &str, comment: &str) -> Row {
         values: vec![(i64::from(field.ones()), none.into())],
         ..code(name, field, comment)
     }
+}
+
+fn counter(field: Field) -> Row {
+    counted("counter", field, "INVALID", "Sequence number.")
 }
 
 fn table<'a>(
@@ -145,7 +149,6 @@ fn time(field: Field) -> Row {
 }
 
 fn rows(message: MessageId) -> Vec<Row> {
-    let counter = |field| counted("counter", field, "INVALID", "Sequence number.");
     let echo = |field| counted("echo", field, "NONE", "Counter last accepted from the peer.");
     let displacement = "Damper displacement, extension positive, from mid-stroke.";
     let mut rows = match message {
@@ -225,18 +228,8 @@ fn rows(message: MessageId) -> Vec<Row> {
             ),
             code("detail", Fault::DETAIL, "How much, by the code: limits in per mille."),
         ],
-        MessageId::Telemetry(_) => {
-            let states = Pressure::ALL.iter().map(|state| (u16::from(state.code()), state.name()));
-            let mut rows = vec![
-                counter(Telemetry::COUNTER),
-                state(Telemetry::STATE),
-                fixed("temperature_degc", Telemetry::TEMPERATURE, "Temperature of the damper."),
-                table("pressure", Telemetry::PRESSURE, states, "State of the supply pressure."),
-            ];
-            let trips = Trips::all();
-            rows.extend(bits("trip", Telemetry::TRIPS, trips.iter_names().map(|(name, _)| name)));
-            rows
-        }
+        MessageId::Telemetry(_) => telemetry(),
+        MessageId::Residual(_) => residual(),
         MessageId::Heartbeat(_) => vec![
             state(Heartbeat::STATE),
             code("sender", Heartbeat::SENDER, "0 host, else the rig; the same as in the id."),
@@ -245,6 +238,30 @@ fn rows(message: MessageId) -> Vec<Row> {
     rows.extend(protection::crc_field(message).map(|field| code("crc", field, "")));
     rows.sort_by_key(|row| row.start_bit);
     rows
+}
+
+fn telemetry() -> Vec<Row> {
+    let states = Pressure::ALL.iter().map(|state| (u16::from(state.code()), state.name()));
+    let mut rows = vec![
+        counter(Telemetry::COUNTER),
+        state(Telemetry::STATE),
+        fixed("temperature_degc", Telemetry::TEMPERATURE, "Temperature of the damper."),
+        table("pressure", Telemetry::PRESSURE, states, "State of the supply pressure."),
+    ];
+    let trips = Trips::all();
+    rows.extend(bits("trip", Telemetry::TRIPS, trips.iter_names().map(|(name, _)| name)));
+    rows
+}
+
+fn residual() -> Vec<Row> {
+    let states = Watch::ALL.iter().map(|state| (u16::from(state.code()), state.name()));
+    let rms = "Running rms of the rig's measured force less that of the host's model.";
+    vec![
+        counter(Residual::COUNTER),
+        state(Residual::STATE),
+        fixed("residual_rms_n", Residual::RMS, rms),
+        table("watch", Residual::WATCH, states, "How the residual stands to its limit."),
+    ]
 }
 
 /// A message to show in the comments: some values that fill the fields well.
@@ -294,6 +311,13 @@ fn worked(message: MessageId) -> Message {
             temperature_degc,
             pressure: Pressure::Ready,
             trips: Trips::STROKE_LIMIT | Trips::WATCHDOG,
+        }),
+        MessageId::Residual(node) => Message::Residual(Residual {
+            node,
+            counter: 7,
+            state,
+            rms_n: Some(412.3),
+            watch: Watch::Drift,
         }),
         MessageId::Heartbeat(sender) => Message::Heartbeat(Heartbeat { sender, state }),
     }

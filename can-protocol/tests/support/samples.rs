@@ -1,7 +1,7 @@
 //! Random and extreme messages, and how each reads through the DBC.
 use can_protocol::{
     Command, Fault, FaultCode, Heartbeat, Measurement, MeasurementFlags, Message, Mode, Node, Pace,
-    Pressure, Profile, RunState, Sender, Sync, Telemetry, Trips,
+    Pressure, Profile, Residual, RunState, Sender, Sync, Telemetry, Trips, Watch,
 };
 use proptest::prelude::*;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -143,6 +143,13 @@ fn telemetry() -> impl Strategy<Value = Telemetry> {
     )
 }
 
+fn residual() -> impl Strategy<Value = Residual> {
+    let watch = prop::sample::select(Watch::ALL.to_vec());
+    (node(), 0_u8..15, state(), physical(800_000.0), watch).prop_map(
+        |(node, counter, state, rms_n, watch)| Residual { node, counter, state, rms_n, watch },
+    )
+}
+
 /// Any message, and the profile to send it in.
 pub(crate) fn message() -> impl Strategy<Value = (Message, Profile)> {
     use Profile::{Classical, Fd};
@@ -154,6 +161,7 @@ pub(crate) fn message() -> impl Strategy<Value = (Message, Profile)> {
         1 => sync().prop_map(|sync| (Message::Sync(sync), Classical)),
         1 => fault().prop_map(|fault| (Message::Fault(fault), Classical)),
         1 => telemetry().prop_map(|telemetry| (Message::Telemetry(telemetry), Classical)),
+        1 => residual().prop_map(|residual| (Message::Residual(residual), Classical)),
         1 => (sender(), state()).prop_map(|(sender, state)| {
             (Message::Heartbeat(Heartbeat { sender, state }), Classical)
         }),
@@ -226,6 +234,12 @@ pub(crate) fn dbc_values(message: &Message, profile: Profile) -> Vec<(String, Va
                 let value = if telemetry.trips.contains(trip) { "YES" } else { "NO" };
                 put(&format!("trip_{}", name.to_lowercase()), Value::Name(value));
             }
+        }
+        Message::Residual(residual) => {
+            put("counter", number(residual.counter.into()));
+            put("state", Value::Name(residual.state.name()));
+            put("residual_rms_n", or(residual.rms_n, 1.0));
+            put("watch", Value::Name(residual.watch.name()));
         }
         Message::Heartbeat(heartbeat) => {
             put("state", Value::Name(heartbeat.state.name()));

@@ -42,6 +42,9 @@ pub const SILENCE: Duration = Duration::from_secs(1);
 /// Cycles of the safe stop before the session ends.
 pub const STOP_CYCLES: u64 = 200;
 
+/// Cycles between two frames that tell the residual of a watched rig: 20 Hz.
+const RESIDUAL_CYCLES: u64 = 50;
+
 /// How a session ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
@@ -288,6 +291,18 @@ impl Session<'_> {
                 port.watch(memory, *input);
             }
         }
+        if state.line.cycle % RESIDUAL_CYCLES == 1 {
+            for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+                let Some(frame) = port.residual(memory, run) else { continue };
+                let Some(bus) = buses.get_mut(port.bus) else { continue };
+                bus.send(&frame);
+                recorder.event(BusEvent {
+                    time_ns: begin.elapsed().as_nanos() as u64,
+                    bus: port.bus as u8,
+                    frame: WireFrame::from(&frame),
+                });
+            }
+        }
         if state.line.cycle % 100 == 1 {
             let frame = self.sync(state, pace);
             for (number, bus) in buses.iter_mut().enumerate() {
@@ -404,7 +419,7 @@ impl Session<'_> {
             row.residual_n[port.slot] = view.residual_n.unwrap_or(f64::NAN);
             row.residual_rms_n[port.slot] = view.residual_rms_n.unwrap_or(f64::NAN);
             row.residual_limit_n[port.slot] = view.limit_n.unwrap_or(f64::NAN);
-            row.drift[port.slot] = view.verdict as u8;
+            row.drift[port.slot] = view.verdict.code();
             row.command_m[port.slot] = slot.command.displacement_m;
             row.command_m_per_s[port.slot] = slot.command.velocity_m_per_s;
             if let Some(used) = memory.used {

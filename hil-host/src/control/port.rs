@@ -5,7 +5,7 @@ use crate::bus::WireFrame;
 use crate::record::FrameBytes;
 use can_protocol::{
     Command, Frame, Measurement, MeasurementFlags, Mode, Node, Profile, Receiver, ReceiverState,
-    RunState, Status,
+    Residual, RunState, Status,
 };
 use firmware_core::guard::{self, ForceInput};
 
@@ -43,6 +43,8 @@ pub struct PortState {
     pub flagged: u64,
     /// The watch over the rig's damper.
     pub watch: WatchState,
+    /// Counter of the last residual sent.
+    told: Option<u8>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +76,23 @@ impl Port {
     pub fn watched(mut self, watch: Watch) -> Self {
         self.watch = Some(Box::new(watch));
         self
+    }
+
+    /// What the watch says, as a frame; none without a watch.
+    pub fn residual(&self, state: &mut PortState, run: RunState) -> Option<Frame> {
+        self.watch.as_ref()?;
+        let view = state.watch.view;
+        // The message is classical on either bus.
+        let counter = state.told.map_or(0, |counter| Profile::Classical.next_counter(counter));
+        state.told = Some(counter);
+        let residual = Residual {
+            node: self.node,
+            counter,
+            state: run,
+            rms_n: view.residual_rms_n,
+            watch: view.verdict,
+        };
+        Some(residual.encode().0)
     }
 
     /// Compares the measurement of this cycle with the model, where there is both.

@@ -14,6 +14,7 @@
 //! Every cycle costs the same but for events in the damper; nothing is allocated and nothing of it
 //! comes back into the loop. Without a fresh measurement the watch waits and then takes a longer step.
 
+use can_protocol::Watch as Verdict;
 use firmware_core::damper::{Damper, DamperState, Motion};
 use scenario::run::CYCLE_S;
 use scenario::watch::{Limit, WatchSetup};
@@ -55,7 +56,7 @@ struct Learnt {
 }
 
 /// What a watch shows after a cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Measured less modelled force of the last measurement (N).
     pub residual_n: Option<f64>,
@@ -67,19 +68,10 @@ pub struct View {
     pub verdict: Verdict,
 }
 
-/// How a watch stands, with its code in the record.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(u8)]
-pub enum Verdict {
-    /// No watch, or no measurement yet.
-    #[default]
-    Unwatched = 0,
-    /// The model settles, or the usual residual is being learnt.
-    Learning = 1,
-    /// Within the limit.
-    Steady = 2,
-    /// Above the limit.
-    Drift = 3,
+impl Default for View {
+    fn default() -> Self {
+        Self { residual_n: None, residual_rms_n: None, limit_n: None, verdict: Verdict::None }
+    }
 }
 
 impl Watch {
