@@ -4,6 +4,7 @@
 //! state.
 
 use crate::characterise::{self, CharacteriseArgs};
+use crate::identify::{self, IdentifyArgs, SimulateArgs};
 use crate::realtime::RealtimeOptions;
 use crate::run::{self, BusChoice, PaceChoice, RunOptions, SilentRigs};
 use crate::summary::Summary;
@@ -41,6 +42,14 @@ enum Command {
           yawbench characterise --from sine.csv triangle.csv --datasheet sheet.toml"
     )]
     Characterise(CharacteriseArgs),
+    /// Find the effect that a damper model lacks on measured records, and add it.
+    #[command(
+        after_help = "Example: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv"
+    )]
+    Identify(IdentifyArgs),
+    /// The force of a model on a record, free-running from its displacement.
+    #[command(after_help = "Example: yawbench simulate model.toml sine.csv --out predicted.csv")]
+    Simulate(SimulateArgs),
 }
 
 #[derive(Debug, Args)]
@@ -165,6 +174,8 @@ pub fn main() -> ExitCode {
         Command::Run(args) => run_command(args),
         Command::Rig(args) => rig_command(args),
         Command::Characterise(args) => characterise::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Simulate(args) => identify::simulate_command(args).map(|()| ExitCode::SUCCESS),
     };
     match result {
         Ok(code) => code,

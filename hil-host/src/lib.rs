@@ -15,6 +15,7 @@ pub mod cli;
 pub mod clock;
 pub mod columns;
 pub mod control;
+pub mod identify;
 pub mod page;
 pub mod realtime;
 pub mod record;

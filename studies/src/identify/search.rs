@@ -93,6 +93,8 @@ pub struct Found {
     pub rejected: Vec<Rejected>,
     /// Those that cannot show here.
     pub not_testable: Vec<NotTestable>,
+    /// Candidates that were screened in the first round.
+    pub screened: usize,
 }
 
 /// Searches from a fitted nominal model. `progress` is told what is being done.
@@ -142,12 +144,14 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
                 .collect();
             let rejected = rejections(&standing, &trials, &tried, &open, &screened, tests);
             let unseen = hidden.into_iter().filter(|(index, _)| !open.contains(index));
+            let accepted_count = accepted.len();
             return Some(Found {
                 refitted,
                 with_effects: standing,
                 accepted,
                 rejected,
                 not_testable: unseen.map(|(_, hidden)| hidden).collect(),
+                screened: tried.len() + accepted_count,
             });
         };
         let trial = &trials[winner];

@@ -60,8 +60,8 @@ fn split_one(record: &Measurement) -> Split {
     let at = nearest.filter(|at| at.abs_diff(wanted) < samples / 4).unwrap_or(wanted);
     let mut train = record.until(at);
     let mut holdout = record.since(at);
-    train.name = format!("{} (first part)", record.name);
-    holdout.name = format!("{} (last part)", record.name);
+    train.name = format!("{}-first-part", record.name);
+    holdout.name = format!("{}-last-part", record.name);
     let how = format!(
         "one test was given: its last part, from {:.3} s on, is held out",
         record.start_s + at as f64 * record.step_s

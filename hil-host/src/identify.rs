@@ -1,0 +1,326 @@
+//! `yawbench identify` and `yawbench simulate`: from measured records to the effect that a damper
+//! model lacks, and a model's force on a record.
+
+use crate::record::RunFolder;
+use anyhow::{Context, bail};
+use clap::Args;
+use firmware_core::damper::Damper;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use scenario::damper::DamperFile;
+use scenario::datasheet::Datasheet;
+use scenario::quantity::Provenance;
+use scenario::source::Source;
+use std::collections::BTreeMap;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use studies::identify::fit::Fit;
+use studies::identify::result::{IdentifyResult, Models, Verdict};
+use studies::identify::simulation::{simulate, start_deflection_m};
+use studies::identify::split::split;
+use studies::identify::tests_at_hand::{Test, TestsAtHand};
+use studies::identify::{Identification, Question, identify, page};
+use studies::measurement::{Measurement, interpolant, read_tests};
+
+/// What `identify` is told.
+#[derive(Debug, Args)]
+pub struct IdentifyArgs {
+    /// The maker's numbers; without them there is no datasheet error.
+    #[arg(long, value_name = "FILE")]
+    datasheet: Option<PathBuf>,
+    /// Records to fit.
+    #[arg(long, value_name = "CSV", num_args = 1.., required = true)]
+    train: Vec<PathBuf>,
+    /// Records that no fit sees; without them some of the training tests are held out.
+    #[arg(long, value_name = "CSV", num_args = 1..)]
+    holdout: Vec<PathBuf>,
+    /// Columns and units of the records.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+    /// Folder for the files [default: runs/identify-N].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print result.json instead of a summary.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `simulate` is told.
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// The damper: a model file with a [damper] table, such as `identify` leaves.
+    model: PathBuf,
+    /// The record: its displacement drives the model, its force shows where the dashpot starts.
+    record: PathBuf,
+    /// The file to write.
+    #[arg(long, value_name = "CSV")]
+    out: PathBuf,
+    /// Columns and units of the record.
+    #[arg(long, value_name = "FILE")]
+    mapping: Option<PathBuf>,
+}
+
+/// Runs `identify`.
+///
+/// # Errors
+/// Bad input, before anything is written; or a disk that fails.
+pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
+    let question = question(args)?;
+    let datasheet_given = question.datasheet.is_some();
+    let identification = with_progress(|progress| identify(question, progress))?;
+    let result = &identification.result;
+    let json = serde_json::to_string_pretty(result)?;
+    let damper = identification.damper().context("the identified damper cannot be built")?;
+    let html = page::page(&identification).to_html()?;
+
+    let folder = RunFolder::choose(args.out.as_deref(), "identify");
+    let place = |name: &str| folder.file(name).display().to_string();
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.file(name), text).with_context(|| place(name))
+    };
+    folder.create().with_context(|| folder.path().display().to_string())?;
+    write("result.json", &format!("{json}\n"))?;
+    write("model.toml", &model_text(&damper, result))?;
+    write("report.html", &html)?;
+    let predictions = folder.file("predictions");
+    std::fs::create_dir_all(&predictions).with_context(|| place("predictions"))?;
+    for (tests, models) in [
+        (&identification.train, &identification.on_train),
+        (&identification.holdout, &identification.on_holdout),
+    ] {
+        for (index, test) in tests.tests.iter().enumerate() {
+            let path = predictions.join(format!("{}.csv", test.record.name));
+            write_predictions(&path, test, &models.map(|fit| force_of(fit.as_ref(), index)))
+                .with_context(|| path.display().to_string())?;
+        }
+    }
+    let mut out = std::io::stdout().lock();
+    if args.json {
+        writeln!(out, "{json}")?;
+        return Ok(());
+    }
+    tell(&mut out, &identification, datasheet_given)?;
+    writeln!(out, "\nfiles: {}", folder.path().display())?;
+    Ok(())
+}
+
+/// Runs `simulate`.
+///
+/// # Errors
+/// Bad input, before anything is written; or a disk that fails.
+pub fn simulate_command(args: &SimulateArgs) -> anyhow::Result<()> {
+    let damper = DamperFile::load_model(&args.model)?.build(&Source::read(&args.model)?)?;
+    let records = read_tests(std::slice::from_ref(&args.record), args.mapping.as_deref())?;
+    if records.len() != 1 {
+        let (file, count) = (args.record.display(), records.len());
+        bail!("{file}: {count} tests in one file, expected one; a mapping can choose with `where`");
+    }
+    let tests = TestsAtHand::new(records);
+    let Some(test) = tests.tests.first() else { bail!("no test") };
+    let start_m = start_deflection_m(&damper, test);
+    let force_n = simulate(&damper, test, start_m);
+    let models = Models { datasheet: None, refitted: None, with_effects: Some(force_n.as_slice()) };
+    write_predictions(&args.out, test, &models).with_context(|| args.out.display().to_string())?;
+    Ok(())
+}
+
+/// Reads everything that is asked about.
+fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
+    let mut notes = Vec::new();
+    let datasheet = args.datasheet.as_deref().map(Datasheet::load).transpose()?;
+    if let Some(sheet) = &datasheet {
+        notes.extend(sheet.conversion.iter().map(|line| format!("datasheet: {line}")));
+        for warning in &sheet.warnings {
+            eprintln!("warning: datasheet: {warning}");
+            notes.push(format!("datasheet: {warning}"));
+        }
+    }
+    let mapping = args.mapping.as_deref();
+    // Read together, so that no two tests share a name.
+    let paths: Vec<PathBuf> = args.train.iter().chain(&args.holdout).cloned().collect();
+    let fitted: usize = read_tests(&args.train, mapping)?.len();
+    let mut train = read_tests(&paths, mapping)?;
+    let mut holdout = train.split_off(fitted);
+    if holdout.is_empty() {
+        let parted = split(train);
+        notes.push(parted.how);
+        (train, holdout) = (parted.train, parted.holdout);
+    }
+    for record in train.iter().chain(&holdout) {
+        notes.extend(record.repairs.iter().map(|repair| format!("{}: {repair}", record.name)));
+    }
+    notes.extend(bandwidths(train.iter().chain(&holdout)));
+    Ok(Question { train, holdout, datasheet: datasheet.map(|sheet| sheet.nominal), notes })
+}
+
+/// What each sampling rate lets through, once per rate.
+fn bandwidths<'a>(records: impl Iterator<Item = &'a Measurement>) -> Vec<String> {
+    let mut rates: Vec<f64> = records.map(|record| libm::round(record.rate_hz())).collect();
+    rates.sort_by(f64::total_cmp);
+    rates.dedup();
+    let told = rates.iter().map(|rate_hz| {
+        format!(
+            "{rate_hz} samples per second: velocity and acceleration lose 3 dB at {:.0} Hz",
+            interpolant::bandwidth_hz(*rate_hz, 3.0)
+        )
+    });
+    told.collect()
+}
+
+/// Runs a task that says what it is doing; after two seconds people see it.
+fn with_progress<T>(task: impl FnOnce(&dyn Fn(&str)) -> T) -> T {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}") {
+        bar.set_style(style);
+    }
+    let begin = Instant::now();
+    let done = task(&|what| {
+        if begin.elapsed() > Duration::from_secs(2) {
+            bar.set_message(what.to_owned());
+            bar.tick();
+        }
+    });
+    bar.finish_and_clear();
+    done
+}
+
+fn force_of(fit: Option<&Fit>, test: usize) -> Option<&[f64]> {
+    fit.map(|fit| fit.force_n[test].as_slice())
+}
+
+/// The identified damper as a file that scenarios load.
+fn model_text(damper: &Damper, result: &IdentifyResult) -> String {
+    let mut notes = BTreeMap::new();
+    let std = |std: Option<f64>| match std {
+        Some(std) => format!("+- {std:.3e}"),
+        None => "not fixed by the records".to_owned(),
+    };
+    for (name, value) in &result.nominal {
+        notes.insert(name.clone(), std(value.std));
+    }
+    for effect in &result.effects {
+        for (name, value) in &effect.parameters {
+            notes.insert(format!("{}.{name}", effect.name), std(value.std));
+        }
+    }
+    let heading = format!("Identified from measured records: {}.", sentence(result));
+    DamperFile::from_damper(damper, Provenance::Identified, &notes).to_model(&heading)
+}
+
+/// The verdict in words.
+fn sentence(result: &IdentifyResult) -> String {
+    let names: Vec<String> = result
+        .effects
+        .iter()
+        .map(|effect| match effect.alternatives.as_slice() {
+            [] => effect.name.to_owned(),
+            others => format!("{} (or {})", effect.name, others.join(", or ")),
+        })
+        .collect();
+    let left = result.unexplained.as_ref().map_or(String::new(), |left| {
+        format!("{:.4} N rms are unexplained, over {}", left.rms_n, left.coordinate)
+    });
+    match result.verdict {
+        Verdict::NoMissingEffect => "no effect is missing".to_owned(),
+        Verdict::EffectsFound => format!("missing: {}", names.join(", ")),
+        Verdict::Unexplained => left,
+        Verdict::EffectsFoundAndUnexplained => format!("missing: {}; {left}", names.join(", ")),
+    }
+}
+
+/// The columns of `predictions/<test>.csv`; a model that is not there has empty cells.
+fn write_predictions(
+    path: &Path,
+    test: &Test,
+    models: &Models<Option<&[f64]>>,
+) -> std::io::Result<()> {
+    let mut to = BufWriter::new(std::fs::File::create(path)?);
+    let record = &test.record;
+    let extension = if record.direction_declared { "positive" } else { "unknown" };
+    writeln!(to, "# extension: {extension}")?;
+    writeln!(to, "time_s,displacement_m,force_n,datasheet_n,refitted_n,with_effects_n")?;
+    let cell = |model: &Option<&[f64]>, sample: usize| {
+        model.and_then(|force_n| force_n.get(sample)).map_or(String::new(), f64::to_string)
+    };
+    for sample in 0..record.len() {
+        writeln!(
+            to,
+            "{},{},{},{},{},{}",
+            record.time_s(sample),
+            record.displacement_m[sample],
+            record.force_n[sample],
+            cell(&models.datasheet, sample),
+            cell(&models.refitted, sample),
+            cell(&models.with_effects, sample),
+        )?;
+    }
+    to.flush()
+}
+
+/// The summary for people.
+fn tell(
+    out: &mut impl Write,
+    identification: &Identification,
+    datasheet_given: bool,
+) -> std::io::Result<()> {
+    let result = &identification.result;
+    writeln!(out, "{}", sentence(result))?;
+    writeln!(out, "\n{:<14}{:>14}{:>9}{:>14}{:>9}", "rms error", "train N", "", "hold-out N", "")?;
+    let models = [
+        ("datasheet", &result.errors.datasheet),
+        ("refitted", &result.errors.refitted),
+        ("with effects", &result.errors.with_effects),
+    ];
+    for (name, errors) in models {
+        let Some(errors) = errors else {
+            if name == "datasheet" && !datasheet_given {
+                writeln!(out, "{name:<14}  none given")?;
+            }
+            continue;
+        };
+        let held = match (errors.holdout_rmse_n, errors.holdout_nrmse) {
+            (Some(rmse), Some(share)) => format!("{rmse:>14.4}{:>8.2}%", 100.0 * share),
+            _ => String::new(),
+        };
+        let share = 100.0 * errors.train_nrmse;
+        writeln!(out, "{name:<14}{:>14.4}{share:>8.2}%{held}", errors.train_rmse_n)?;
+    }
+    writeln!(out, "{:<14}{:>14.4}", "noise floor", result.noise_floor_n)?;
+    writeln!(out, "\n{:<34}{:>14}{:>12}{:>14}", "parameter", "identified", "+-", "datasheet")?;
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.5e}"));
+    for (name, value) in &result.nominal {
+        let std = value.std.map_or("not fixed".to_owned(), |std| format!("{std:.1e}"));
+        let sheet = number(value.datasheet);
+        writeln!(out, "{name:<34}{:>14}{std:>12}{sheet:>14}", number(Some(value.value)))?;
+    }
+    for effect in &result.effects {
+        let evidence = &effect.evidence;
+        writeln!(
+            out,
+            "{} ({}): takes away {:.1} % of the squared error on left-out tests, p = {:.1e}",
+            effect.name,
+            effect.place,
+            100.0 * evidence.holdout_gain,
+            evidence.p_value
+        )?;
+        for (name, value) in &effect.parameters {
+            let std = value.std.map_or("not fixed".to_owned(), |std| format!("{std:.1e}"));
+            writeln!(
+                out,
+                "  {name:<32}{:>14}{std:>12}  {}",
+                number(Some(value.value)),
+                value.unit
+            )?;
+        }
+        if let Some(test) = &effect.separating_test {
+            writeln!(out, "  cannot be told from {}: {test}", effect.alternatives.join(", "))?;
+        }
+    }
+    if let Some(left) = &result.unexplained {
+        writeln!(out, "left: {}", left.description)?;
+    }
+    for note in &result.notes {
+        writeln!(out, "note: {note}")?;
+    }
+    Ok(())
+}
