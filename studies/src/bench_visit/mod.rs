@@ -82,7 +82,8 @@ pub fn record_from(
     start_degc: f64,
 ) -> RawRecord {
     let substeps = libm::ceil(1.0 / (sensors.rate_hz * specimen.longest_step_s()) - 1e-9).max(1.0);
-    let substeps = substeps as usize;
+    // The filter needs room below half the rate of the fine steps.
+    let substeps = (substeps as usize).max(if sensors.anti_alias_hz.is_some() { 4 } else { 1 });
     let samples = libm::floor(test.duration_s * sensors.rate_hz + 1e-9) as usize;
     let grid =
         Grid { step_s: 1.0 / (sensors.rate_hz * substeps as f64), steps: samples * substeps };

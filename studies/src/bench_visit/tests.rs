@@ -1,7 +1,8 @@
 use super::*;
 use crate::series_model::SeriesModel;
 use crate::statistics::rms;
-use firmware_core::damper::{Damper, Nominal};
+use firmware_core::damper::effects::CATALOGUE;
+use firmware_core::damper::{Damper, Effect, Nominal};
 
 fn null() -> NullGenerator {
     let model = SeriesModel {
@@ -87,4 +88,33 @@ fn a_file_has_the_columns_of_the_project() {
     let text = String::from_utf8(text).unwrap();
     assert!(text.lines().nth(1).unwrap().ends_with(",temperature_degc"));
     assert_eq!(text.lines().nth(5).unwrap().split(',').count(), 4);
+}
+
+#[test]
+fn every_effect_of_the_catalogue_can_be_visited() {
+    let scale = Nominal::NEW.scale();
+    let test = &protocol::short()[0];
+    let sensors = Sensors::of_range(50e3, 0.1);
+    for info in CATALOGUE {
+        let values: Vec<f64> = info.parameters.iter().map(|row| row.usual(&scale)).collect();
+        let effect = Effect::from_values(info.name, &values).unwrap();
+        let damper = Modelled { damper: Damper::new(Nominal::NEW, &[effect]).unwrap() };
+        let record = record(&damper, test, &sensors, 3);
+        assert_eq!(record.doubtful_steps, 0, "{}", info.name);
+        assert_eq!(record.measurement().err(), None, "{}", info.name);
+    }
+}
+
+#[test]
+fn at_high_rates_the_filter_still_acts() {
+    let test = &protocol::short()[6];
+    for rate_hz in [10e3, 50e3] {
+        let filtered = Sensors { anti_alias_hz: Some(0.02 * rate_hz), ..Sensors::exact(rate_hz) };
+        let (with, without) = (
+            record(&null(), test, &filtered, 1),
+            record(&null(), test, &Sensors::exact(rate_hz), 1),
+        );
+        assert_eq!(with.force_n.len(), without.force_n.len());
+        assert!(with.displacement_m != without.displacement_m, "{rate_hz} Hz");
+    }
 }

@@ -50,13 +50,11 @@ macro_rules! tables {
 
         impl $table {
             /// The values in the order of the declaration, checked.
-            fn values<const N: usize>(&self, source: &Source) -> Result<[f64; N], ScenarioError> {
-                let values = [$($bound(&self.$key, source, stringify!($key))?,)+];
-                let mut all = [0.0; N];
-                for (slot, value) in all.iter_mut().zip(values) {
-                    *slot = value;
-                }
-                Ok(all)
+            fn values(
+                &self,
+                source: &Source,
+            ) -> Result<[f64; [$(stringify!($key)),+].len()], ScenarioError> {
+                Ok([$($bound(&self.$key, source, stringify!($key))?,)+])
             }
         })+
     };
@@ -207,7 +205,7 @@ impl DamperTable {
             );
             return Err(self.reservoir.gas_m3.error(source, message));
         }
-        let oil = self.oil.values::<10>(source)?;
+        let oil = self.oil.values(source)?;
         let [gap_m, length_m, eccentricity] = self.leakage.values(source)?;
         let [coulomb_n, breakaway_n, stribeck_m_per_s, creep_m_per_s, pressed_m2] =
             self.seals.values(source)?;
@@ -336,7 +334,7 @@ mod tests {
         assert!(text.contains("eccentricity = 3, expected 0 to 1"), "{text}");
         let text = refused("from = \"rod\"", "from = \"rood\"");
         assert!(text.starts_with("damper.toml:") && text.contains("rood"), "{text}");
-        let text = refused("orifice = {", "hole = {");
+        let text = refused("[valve.orifice]", "[valve.hole]");
         assert!(text.contains("hole"), "{text}");
     }
 }

@@ -300,6 +300,27 @@ mod tests {
     }
 
     #[test]
+    fn slots_discs_and_poppets_have_their_closed_forms() {
+        let (oil, root) = (OIL.at(40.0), (2.0 / 870.0f64).sqrt());
+        // Slot: w d^3 dp/(12 mu L), and 20 K thin it by exp(0.5).
+        let slot = 5e-3 * 125e-15 * 3e6 / (12.0 * 0.02 * 5e-3);
+        let warm = all()[1].flow(3e6, &OIL.at(60.0)).m3_per_s;
+        assert!((all()[1].flow(3e6, &oil).m3_per_s / slot - 1.0).abs() < 1e-12);
+        assert!((warm / slot - libm::exp(0.5)).abs() < 1e-12);
+        // Discs at 1.2 MPa: 240 N less 200 N over 2 MN/m lift them by 20 um around 20 mm.
+        let area = std::f64::consts::PI * 20e-3 * 20e-6;
+        let discs = 0.7 * area * root * 1.2e6f64.sqrt();
+        assert!((all()[3].flow(1.2e6, &oil).m3_per_s / discs - 1.0).abs() < 1e-4);
+        // Poppet at 5.5 MPa: 50.27 mm2 * 0.5 MPa over the spring and what the flow adds to it.
+        let (sine, cosine) = (libm::sin(0.785), libm::cos(0.785));
+        let edge = std::f64::consts::PI * 8e-3 * sine;
+        let stiffness = 4e5 + 2.0 * 0.65 * 0.65 * edge * cosine * 5.5e6;
+        let lift = 0.25 * std::f64::consts::PI * 64e-6 * 0.5e6 / stiffness;
+        let poppet = 0.65 * edge * lift * root * 5.5e6f64.sqrt();
+        assert!((all()[4].flow(5.5e6, &oil).m3_per_s / poppet - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
     fn leakage_is_poiseuille_and_couette() {
         let leakage = Leakage { gap_m: 30e-6, length_m: 30e-3, eccentricity: 0.0 };
         let (flow, dragged) = leakage.flow(70e-3, 5e6, 0.1, &OIL.at(40.0));

@@ -100,3 +100,19 @@ fn rests_are_found_with_their_forces() {
     assert!(ramps.holds.iter().all(|hold| hold.force_n.abs() < 20.0), "{:?}", ramps.holds);
     assert!(ramps.dynamic.is_none() && ramps.frequency_hz.is_none());
 }
+
+#[test]
+fn phases_of_harmonics_are_those_against_the_displacement_wherever_the_record_begins() {
+    for begin in [0.0, 0.7, 2.9] {
+        let angle = |n: usize| TAU * 0.0351 * n as f64 + begin;
+        let x: Vec<f64> = (0..600).map(|n| 2e-3 * libm::sin(angle(n))).collect();
+        let force: Vec<f64> = (0..600)
+            .map(|n| 900.0 * libm::sin(angle(n) + 0.6) + 100.0 * libm::sin(3.0 * angle(n) - 0.5))
+            .collect();
+        let dynamic = Dynamic::of(&x, &force, 3.51, 0.01).unwrap();
+        assert!((dynamic.phase_deg - 0.6f64.to_degrees()).abs() < 1e-6, "{begin}");
+        let third = &dynamic.harmonics[3];
+        assert!((third.force_n - 100.0).abs() < 1e-6, "{begin}: {third:?}");
+        assert!((third.phase_deg + 0.5f64.to_degrees()).abs() < 1e-6, "{begin}: {third:?}");
+    }
+}

@@ -318,6 +318,25 @@ mod tests {
     }
 
     #[test]
+    fn the_factor_of_a_worn_band_is_that_of_the_middle_of_a_step() {
+        let band = Outside::WornBand { depth: 0.9, at_m: 0.0, width_m: 2e-3 };
+        let x = |t: f64| 3.46e-3 * libm::sin(TAU * 3.5 * t);
+        let drive = Drive { displacement_m: &x, frequency_hz: 3.5, start_m: 0.0, seed: 1 };
+        let force = |step_s: f64, steps: usize, every: usize| -> Vec<f64> {
+            let trace = DAMPER.simulate_with(&[band], &drive, Grid { step_s, steps });
+            trace.force_n.into_iter().step_by(every).collect()
+        };
+        let reference = force(5e-6, 200_000, 32);
+        let off = |of: Vec<f64>| {
+            let difference: Vec<f64> = of.iter().zip(&reference).map(|(a, b)| a - b).collect();
+            rms(&difference) / rms(&reference)
+        };
+        let (coarse, fine) = (off(force(160e-6, 6_250, 1)), off(force(20e-6, 50_000, 8)));
+        println!("off by {coarse:.2e} at 160 us, {fine:.2e} at 20 us");
+        assert!(fine < 1e-4 && fine < coarse / 20.0, "{coarse} {fine}");
+    }
+
+    #[test]
     fn flutter_is_silent_below_its_threshold() {
         let x = |t: f64| 0.01 * t;
         let drive = Drive { displacement_m: &x, frequency_hz: 0.0, start_m: 0.0, seed: 1 };
