@@ -20,6 +20,11 @@ fn advance(criterion: &mut Criterion) {
     for effect in &effects {
         cases.push((effect.name().to_owned(), vec![*effect]));
     }
+    // The longest laws, joined anew in every step.
+    let long = ["quadratic_orifice", "orifice_leakage", "stiffening_attachment", "entrained_air"];
+    let slow = "stroke_dependent_stiffness";
+    let chosen = |effect: &&Effect| long.contains(&effect.name()) || effect.name() == slow;
+    cases.push(("longest laws".to_owned(), effects.iter().filter(chosen).copied().collect()));
     for (name, effects) in cases {
         let damper = match Damper::new(Nominal::NEW, &effects) {
             Ok(damper) => damper.prepared(STEP_S),
