@@ -127,10 +127,11 @@ impl OilAt {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    const OIL: Oil = Oil {
+    /// A usual mineral oil.
+    pub(in super::super) const OIL: Oil = Oil {
         bulk_modulus_pa: 1.5e9,
         bulk_modulus_pa_per_k: -6e6,
         air_share: 0.01,

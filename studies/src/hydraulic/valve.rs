@@ -224,21 +224,8 @@ impl Leakage {
 
 #[cfg(test)]
 mod tests {
-    use super::super::oil::Oil;
+    use super::super::oil::tests::OIL;
     use super::*;
-
-    const OIL: Oil = Oil {
-        bulk_modulus_pa: 1.5e9,
-        bulk_modulus_pa_per_k: -6e6,
-        air_share: 0.01,
-        air_exponent: 1.4,
-        density_kg_per_m3: 870.0,
-        expansion_per_k: 7e-4,
-        viscosity_pa_s: 0.02,
-        viscosity_per_k: 0.025,
-        reference_degc: 40.0,
-        vapour_pa: 2e3,
-    };
 
     fn all() -> [Throttle; 5] {
         [
