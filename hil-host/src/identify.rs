@@ -239,7 +239,7 @@ fn write_predictions(
     let extension = if record.direction_declared { "positive" } else { "unknown" };
     writeln!(to, "# extension: {extension}")?;
     writeln!(to, "time_s,displacement_m,force_n,datasheet_n,refitted_n,with_effects_n")?;
-    let cell = |model: &Option<&[f64]>, sample: usize| {
+    let cell = |model: Option<&[f64]>, sample: usize| {
         model.and_then(|force_n| force_n.get(sample)).map_or(String::new(), f64::to_string)
     };
     for sample in 0..record.len() {
@@ -249,9 +249,9 @@ fn write_predictions(
             record.time_s(sample),
             record.displacement_m[sample],
             record.force_n[sample],
-            cell(&models.datasheet, sample),
-            cell(&models.refitted, sample),
-            cell(&models.with_effects, sample),
+            cell(models.datasheet, sample),
+            cell(models.refitted, sample),
+            cell(models.with_effects, sample),
         )?;
     }
     to.flush()

@@ -40,6 +40,8 @@ const LISTED: (usize, usize) = (6, 3);
 const TRIED: usize = 5;
 /// A model is far off when its error is more than this share of the force.
 const FAR_OFF: f64 = 0.03;
+/// Ratio from which a nominal parameter is of another size.
+const OTHER_SIZE: f64 = 3.0;
 /// Start values of a candidate that are fitted.
 const STARTS: usize = 2;
 /// Nominal parameters absorb an effect of which they leave less than this share.
@@ -283,9 +285,10 @@ fn choose(
         .copied()
         .filter(|index| !told_apart(&trials[best], &trials[*index], tests))
         .collect();
-    // Among equals the one with the fewest parameters.
+    // Among equals one that leaves the damper the size it has, then the one with fewest parameters.
     let parameters = |index: &usize| tried[trials[*index].candidate].effect.parameters.len();
-    let winner = alike.iter().copied().min_by_key(|index| (parameters(index), *index))?;
+    let rank = |index: &usize| (remakes(standing, &trials[*index]), parameters(index), *index);
+    let winner = alike.iter().copied().min_by_key(rank)?;
     let agreeing = (0..tests.pieces.len())
         .filter(|piece| {
             let seen = |index: &usize| trials[*index].judged.left_out.seen_squares_n2[*piece];
@@ -299,6 +302,17 @@ fn choose(
     Some((winner, alike.into_iter().filter(|index| *index != winner).collect()))
 }
 
+/// True when a trial needs another damper altogether: damping, stiffness or relief force of another
+/// size. A valve stage on a hundredfold Ce does the same as dry friction.
+fn remakes(standing: &Judged, trial: &Trial) -> bool {
+    let before = &standing.standing.fit.values;
+    let after = &trial.judged.standing.fit.values;
+    [0, 1, 3].iter().any(|index| {
+        let ratio = after[*index] / before[*index];
+        !(1.0 / OTHER_SIZE..=OTHER_SIZE).contains(&ratio)
+    })
+}
+
 /// Why a trial cannot be accepted, if anything speaks against it.
 fn objection(
     standing: &Judged,
@@ -310,9 +324,13 @@ fn objection(
     let before = standing.standing.fit.total_n2();
     let seen_gain = 1.0 - trial.judged.standing.fit.total_n2() / before;
     let p = (p_value * candidates as f64).min(1.0);
-    if seen_gain < LEAST_GAIN || holdout_gain < LEAST_GAIN {
-        let gain = 100.0 * seen_gain.min(holdout_gain);
-        return Some(format!("takes away {gain:.2} % of the squared error, less than 3 %"));
+    for (gain, of) in [(seen_gain, "the tests it is fitted to"), (holdout_gain, "tests left out")] {
+        if gain < LEAST_GAIN {
+            let gain = 100.0 * gain;
+            return Some(format!(
+                "takes away {gain:.2} % of the squared error on {of}, less than 3 %"
+            ));
+        }
     }
     if improved < LEAST_IMPROVED {
         let share = 100.0 * improved;

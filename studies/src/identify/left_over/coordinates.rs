@@ -60,6 +60,26 @@ impl Coordinate {
         }
     }
 
+    /// Its unit.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Displacement => "m",
+            Self::DashpotVelocity => "m/s",
+            Self::Force => "N",
+            Self::TimeSinceReversal | Self::Time => "s",
+            Self::Temperature => "degC",
+        }
+    }
+
+    /// Its upper and its lower branch in words.
+    pub const fn branches(self) -> (&'static str, &'static str) {
+        if self.parts_by_force() {
+            ("in tension", "in compression")
+        } else {
+            ("extending", "compressing")
+        }
+    }
+
     /// True when the two branches of a residual part by the sense of the force, and not of motion.
     const fn parts_by_force(self) -> bool {
         matches!(self, Self::Time | Self::Temperature)

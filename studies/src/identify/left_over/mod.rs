@@ -73,9 +73,21 @@ impl LeftOver {
         let repeat = repeat::repeat(&residual_n, tests);
         let lines = lines::lines(&residual_n, tests);
         let rms_n = (fit.total_n2() / tests.counted_samples() as f64).sqrt();
+        let lines_rms_n = pooled(&lines, tests);
+        // A line that does not repeat with the cycle is no noise.
+        let without_lines = |floor: f64| {
+            let rest = floor * floor - lines_rms_n * lines_rms_n;
+            if lines_rms_n > repeat.repeated_rms_n {
+                rest.max(0.01 * floor * floor).sqrt()
+            } else {
+                floor
+            }
+        };
         let (noise_floor_n, noise_floor_method) = match repeat.noise_floor_n {
-            Some(floor) => (floor, "difference of the residual between successive cycles"),
-            None => (rms_n, "rms of the residual, as no test has cycles"),
+            Some(floor) => {
+                (without_lines(floor), "difference of the residual between successive cycles")
+            }
+            None => (without_lines(rms_n), "rms of the residual, as no test has cycles"),
         };
         let mut left = Self {
             rms_n,
@@ -97,13 +109,7 @@ impl LeftOver {
             self.maps.iter().find(|map| map.p_value * questions < LARGEST_P && map.rms_n > least);
         let repeats =
             self.repeat.p_value * questions < LARGEST_P && self.repeat.repeated_rms_n > least;
-        let samples = tests.counted_samples() as f64;
-        let in_lines: f64 = self
-            .lines
-            .iter()
-            .map(|line| line.rms_n * line.rms_n * tests.tests[line.test].counted().len() as f64)
-            .sum();
-        let lines_rms_n = (in_lines / samples).sqrt();
+        let lines_rms_n = pooled(&self.lines, tests);
         let strongest = self.lines.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
         if let Some(line) = strongest.filter(|_| lines_rms_n > least)
             && mapped.is_none_or(|map| map.rms_n < lines_rms_n)
@@ -114,10 +120,10 @@ impl LeftOver {
                 rms_n: lines_rms_n,
                 coordinate: "frequency",
                 description: format!(
-                    "a line at {:.2} Hz with {:.3} N rms in test {name}, lines in {} of {} tests; \
+                    "a line at {:.2} Hz with {} N rms in test {name}, lines in {} of {} tests; \
                      it does not repeat with the cycle",
                     line.frequency_hz,
-                    line.rms_n,
+                    short(line.rms_n),
                     self.lines.len(),
                     tests.tests.len()
                 ),
@@ -134,26 +140,46 @@ impl LeftOver {
             rms_n: self.repeat.repeated_rms_n,
             coordinate: "phase",
             description: format!(
-                "{:.3} N rms come again in every cycle, without one shape over any coordinate",
-                self.repeat.repeated_rms_n
+                "{} N rms come again in every cycle, without one shape over any coordinate",
+                short(self.repeat.repeated_rms_n)
             ),
         })
     }
 }
 
+/// rms of lines over all tests, N.
+fn pooled(lines: &[Line], tests: &TestsAtHand) -> f64 {
+    let squares: f64 = lines
+        .iter()
+        .map(|line| line.rms_n * line.rms_n * tests.tests[line.test].counted().len() as f64)
+        .sum();
+    (squares / tests.counted_samples().max(1) as f64).sqrt()
+}
+
 /// Where a map is largest, in words.
 fn describe(map: &CoordinateMap) -> String {
+    let (upper, lower) = map.coordinate.branches();
     let cells = map.centres.iter().zip(map.upper_n.iter().zip(&map.lower_n));
     let largest = cells
-        .flat_map(|(centre, (upper, lower))| [(*centre, *upper, "+"), (*centre, *lower, "-")])
+        .flat_map(|(centre, (above, below))| [(*centre, *above, upper), (*centre, *below, lower)])
         .filter_map(|(centre, mean, branch)| mean.map(|mean| (centre, mean, branch)))
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let place = largest.map_or(String::new(), |(centre, mean, branch)| {
-        format!("; largest {mean:.3} N near {centre:.4e} on the {branch} branch")
+        let unit = map.coordinate.unit();
+        format!("; largest near {} {unit}, {branch}: {} N", short(centre), short(mean))
     });
     format!(
-        "{:.1} % of the squared residual follows {} on tests left out{place}",
+        "{:.0} % of the squared residual follows {} on tests left out{place}",
         100.0 * map.share,
-        map.coordinate.label()
+        map.coordinate.name().replace('_', " ")
     )
+}
+
+/// Three digits.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let digits = (2.0 - libm::floor(libm::log10(value.abs()))).clamp(0.0, 12.0) as usize;
+    format!("{value:.digits$}")
 }
