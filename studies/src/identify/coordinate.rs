@@ -77,7 +77,10 @@ impl Coordinate {
     pub fn value(&self, u: f64) -> f64 {
         let u = u.clamp(-FAR, 1e9);
         match *self {
-            Self::Spread { ln_lower, ln_ratio } => libm::exp(ln_lower + ln_ratio * logistic(u)),
+            // Rounding may lift the exponential above the bound that it was made from.
+            Self::Spread { ln_lower, ln_ratio } => {
+                libm::exp(ln_lower + ln_ratio * logistic(u).min(1.0 - 1e-15)).max(libm::exp(ln_lower))
+            }
             Self::FromZero { bend, upper } => {
                 let rise = if u > 30.0 { u } else { libm::log1p(libm::exp(u)) };
                 (bend * rise).min(upper)
