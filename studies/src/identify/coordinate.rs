@@ -79,7 +79,8 @@ impl Coordinate {
         match *self {
             // Rounding may lift the exponential above the bound that it was made from.
             Self::Spread { ln_lower, ln_ratio } => {
-                libm::exp(ln_lower + ln_ratio * logistic(u).min(1.0 - 1e-15)).max(libm::exp(ln_lower))
+                libm::exp(ln_lower + ln_ratio * logistic(u).min(1.0 - 1e-15))
+                    .max(libm::exp(ln_lower))
             }
             Self::FromZero { bend, upper } => {
                 let rise = if u > 30.0 { u } else { libm::log1p(libm::exp(u)) };

@@ -29,7 +29,7 @@ impl Effort {
     /// To the bottom.
     pub const FULL: Self = Self { rounds: 3, patience: 12, gain: 1e-7 };
     /// Enough to compare starts.
-    pub const SHORT: Self = Self { rounds: 1, patience: 2, gain: 1e-3 };
+    pub const SHORT: Self = Self { rounds: 1, patience: 4, gain: 1e-4 };
 }
 
 /// A model fitted to records.

@@ -7,7 +7,9 @@
 //! u <- u + (sum_(k != i) J_k' J_k + l diag)^-1 sum_(k != i) J_k' r_k(u)
 //! ```
 //!
-//! each kept only if the others' squared error falls. The left-out piece is then simulated,
+//! each kept only if the others' squared error falls. A hundredth of the left-out piece's own J' J
+//! is added as a restraint: a direction that nothing but this piece sees stays where it is, instead
+//! of running away along nothing. The left-out piece is then simulated,
 //! free-running, with the parameters found without it.
 
 use super::fit::Fit;
@@ -20,6 +22,8 @@ use rayon::prelude::*;
 
 /// Steps of a fold's refit.
 const STEPS: usize = 5;
+/// Weight of the left-out piece as a restraint.
+const RESTRAINT: f64 = 0.01;
 /// Longest step in a free coordinate.
 const LONGEST_STEP: f64 = 1.0;
 /// A fold is done when a step gains less than this share.
@@ -88,6 +92,7 @@ fn fold(standing: &Standing, out: usize, tests: &TestsAtHand) -> Option<(Vec<f64
         seen.iter().map(|piece| gram(standing, &force_n, piece, tests)).collect::<Vec<_>>().iter(),
     )?;
     let mut gram_now = products;
+    gram_now.columns += gram(standing, &force_n, &tests.pieces[out], tests).columns * RESTRAINT;
     let mut damping = 1e-6;
     for _ in 0..STEPS {
         let mut step = gram_now.damped(damping).solve();

@@ -124,7 +124,13 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
                 rehearse(&standing, &tried[index], &starts, &beginnings)
             });
         rehearsed.sort_by(|a, b| a.1.total_n2().total_cmp(&b.1.total_n2()).then(a.0.cmp(&b.0)));
-        rehearsed.truncate(TRIED);
+        let tops = short_list(&screened, &shown, 0);
+        let mut place = 0;
+        // The best rehearsals, and the two that screening would have taken.
+        rehearsed.retain(|(index, _)| {
+            place += 1;
+            place <= TRIED || tops.iter().take(2).any(|top| top == index)
+        });
         let mut trials: Vec<Trial> = Vec::new();
         for (index, fit) in &rehearsed {
             progress(tried[*index].effect.name);
@@ -293,7 +299,8 @@ fn choose(
         .filter(|piece| {
             let seen = |index: &usize| trials[*index].judged.left_out.seen_squares_n2[*piece];
             let first = (0..trials.len()).min_by(|a, b| seen(a).total_cmp(&seen(b)));
-            first.is_some_and(|first| alike.contains(&first))
+            let ours = alike.iter().map(seen).fold(f64::INFINITY, f64::min);
+            first.is_some_and(|first| ours <= (1.0 + LEAST_GAIN) * seen(&first))
         })
         .count();
     if (agreeing as f64) < LEAST_AGREEMENT * tests.pieces.len() as f64 {

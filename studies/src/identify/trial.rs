@@ -112,7 +112,15 @@ pub fn try_candidate(
 ) -> Option<Trial> {
     let standing = &base.standing;
     let model = standing.fit.model.with(candidate.effect, &tests.scale);
-    let best = fit(&model, start, &[], tests, Effort::FULL)?;
+    let mut best = fit(&model, start, &[], tests, Effort::FULL)?;
+    if best.total_n2() > standing.fit.total_n2() {
+        // A richer model cannot be worse: what the beginnings showed has led astray.
+        let usual = [standing.fit.values.as_slice(), candidate.starts.first()?].concat();
+        let again = fit(&model, &usual, &[], tests, Effort::FULL)?;
+        if again.total_n2() < best.total_n2() {
+            best = again;
+        }
+    }
     let mut judged = Judged::new(best, tests)?;
     let shares = change_shares(&standing.fit, &judged.standing.fit, tests);
     for (piece, share) in shares.iter().enumerate() {
