@@ -77,11 +77,18 @@ pub fn identify(
     question: Question,
     progress: &dyn Fn(&str),
 ) -> Result<Identification, IdentifyError> {
-    let Question { train, holdout, datasheet, notes } = question;
+    let Question { train, holdout, datasheet, mut notes } = question;
     let train = TestsAtHand::new(train);
     let holdout = TestsAtHand::new(holdout);
     if train.counted_samples() < 2 {
         return Err(IdentifyError::NothingToFit);
+    }
+    if !train.whole_tests {
+        let (tests, pieces) = (train.tests.len(), train.pieces.len());
+        notes.push(format!(
+            "{tests} training tests are fewer than four: folds leave out {pieces} runs of whole cycles \
+             with a guard gap between them, and not whole tests"
+        ));
     }
     progress("the nominal damper");
     let given = datasheet.as_ref().map(vector_of);
