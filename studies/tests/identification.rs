@@ -1,0 +1,120 @@
+//! Identification on records whose truth is known: nothing missing, a named effect, something that
+//! no effect describes.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+use firmware_core::damper::effects::{AsymmetricDamping, SensorDelay};
+use firmware_core::damper::{Damper, Effect, Nominal};
+use studies::bench_visit::excitation::Excitation;
+use studies::bench_visit::protocol::Test;
+use studies::bench_visit::sensors::{Coloured, Sensors};
+use studies::bench_visit::{Modelled, NullGenerator, Specimen, record};
+use studies::identify::result::Verdict;
+use studies::identify::{Identification, Question, identify};
+use studies::series_model::SeriesModel;
+use studies::series_model::outside::Outside;
+
+const NOMINAL: Nominal = Nominal {
+    ce_n_s_per_m: 0.9e6,
+    ke_n_per_m: 10.5e6,
+    clearance_2a_m: 0.6e-3,
+    f_relief_n: 14e3,
+    c2_n_s_per_m: 55e3,
+};
+
+/// The same damper for the generator that shares nothing with the core.
+const SERIES: SeriesModel = SeriesModel {
+    ce_n_s_per_m: NOMINAL.ce_n_s_per_m,
+    ke_n_per_m: NOMINAL.ke_n_per_m,
+    clearance_2a_m: NOMINAL.clearance_2a_m,
+    f_relief_n: NOMINAL.f_relief_n,
+    c2_n_s_per_m: NOMINAL.c2_n_s_per_m,
+};
+
+fn sensors() -> Sensors {
+    Sensors::of_range(50e3, 0.05)
+}
+
+/// Five sines to fit, one to hold out.
+fn investigate(specimen: &dyn Specimen, sensors: &Sensors) -> Identification {
+    let sines = [(1.0, 3.5), (3.46, 3.5), (7.0, 3.5), (1.5, 1.2), (1.0, 8.0), (2.5, 2.5)];
+    let mut records: Vec<_> = sines
+        .iter()
+        .enumerate()
+        .map(|(index, (amplitude_mm, frequency_hz))| {
+            let sine = Excitation::sine(amplitude_mm * 1e-3, *frequency_hz);
+            let name = format!("{amplitude_mm}mm-{frequency_hz}hz");
+            let test = Test::new(name, sine, 5.0_f64.max(6.0 / frequency_hz));
+            record(specimen, &test, sensors, 40 + index as u64).measurement().unwrap()
+        })
+        .collect();
+    let holdout = vec![records.pop().unwrap()];
+    let question = Question { train: records, holdout, datasheet: None, notes: Vec::new() };
+    identify(question, &|_| {}).unwrap()
+}
+
+fn names(found: &Identification) -> Vec<&str> {
+    found.result.effects.iter().map(|effect| effect.name).collect()
+}
+
+#[test]
+fn nothing_is_named_where_nothing_is_missing() {
+    let specimen = NullGenerator { model: SERIES, outside: Vec::new() };
+    let coloured = Some(Coloured { level_n: 60.0, rho_per_ms: 0.95 });
+    for sensors in [sensors(), Sensors { coloured, ..sensors() }] {
+        let found = investigate(&specimen, &sensors);
+        assert_eq!(found.result.verdict, Verdict::NoMissingEffect, "{:?}", found.result.effects);
+        let errors = found.result.errors.refitted.unwrap();
+        let floor_n = found.result.noise_floor_n;
+        assert!((errors.holdout_rmse_n.unwrap() / floor_n - 1.0).abs() < 0.1, "{errors:?}");
+        for (name, truth) in [("ce_n_s_per_m", 0.9e6), ("ke_n_per_m", 10.5e6), ("f_relief_n", 14e3)]
+        {
+            let value = &found.result.nominal[name];
+            let miss = (value.value - truth).abs();
+            assert!(miss < 4.0 * value.std.unwrap() + 1e-3 * truth, "{name} {value:?}");
+        }
+    }
+}
+
+#[test]
+fn a_missing_effect_is_named_with_its_size() {
+    let effect = AsymmetricDamping { damping_asymmetry: 0.03, relief_asymmetry: 0.02 };
+    let damper = Damper::new(NOMINAL, &[effect.into()]).unwrap();
+    let found = investigate(&Modelled { damper }, &sensors());
+    assert_eq!(names(&found), ["asymmetric_damping"], "{:?}", found.result);
+    assert_eq!(found.result.verdict, Verdict::EffectsFound);
+    for (name, truth) in [("damping_asymmetry", 0.03), ("relief_asymmetry", 0.02)] {
+        let value = &found.result.effects[0].parameters[name];
+        assert!((value.value - truth).abs() < 4.0 * value.std.unwrap(), "{name} {value:?}");
+    }
+    let errors = &found.result.errors;
+    let (before, after) = (errors.refitted.unwrap(), errors.with_effects.unwrap());
+    assert!(after.holdout_rmse_n.unwrap() < 0.6 * before.holdout_rmse_n.unwrap());
+    assert!(after.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n);
+}
+
+#[test]
+fn two_effects_are_found_one_after_the_other() {
+    let effects: [Effect; 2] = [
+        AsymmetricDamping { damping_asymmetry: 0.04, relief_asymmetry: 0.04 }.into(),
+        SensorDelay { delay_s: 1.5e-3 }.into(),
+    ];
+    let damper = Damper::new(NOMINAL, &effects).unwrap();
+    let found = investigate(&Modelled { damper }, &sensors());
+    let mut named = names(&found);
+    named.sort_unstable();
+    assert_eq!(named, ["asymmetric_damping", "sensor_delay"]);
+    let errors = found.result.errors.with_effects.unwrap();
+    assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n);
+}
+
+#[test]
+fn what_no_effect_describes_is_left_unexplained() {
+    let reference = Excitation::sine(3.46e-3, 3.5);
+    let ripple = Outside::SpeedSynchronousRipple { amplitude_n: 1.0, multiple: 3.37 };
+    let (ripple, _) = ripple.sized(0.02, &SERIES, &reference);
+    let specimen = NullGenerator { model: SERIES, outside: vec![ripple] };
+    let found = investigate(&specimen, &sensors());
+    assert_eq!(found.result.verdict, Verdict::Unexplained, "{:?}", found.result.effects);
+    assert_eq!(found.result.unexplained.unwrap().coordinate, "frequency");
+}
