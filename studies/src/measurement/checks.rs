@@ -54,8 +54,8 @@ pub fn size(series: &Series) -> Result<(), MeasurementError> {
 /// Rate and length, on the uniform clock.
 ///
 /// # Errors
-/// Slower than 100 Hz; less than about one cycle (travel below 1.75 times the range) without a hold
-/// of 30 % of the record.
+/// Slower than 100 Hz; less than about one cycle (travel below 1.75 times the range) without holds
+/// of 30 % of the record in all.
 pub fn length(series: &Series, step_s: f64) -> Result<(), MeasurementError> {
     let rate_hz = 1.0 / step_s;
     if rate_hz < RATE_LEAST_HZ * (1.0 - 1e-6) {
@@ -63,18 +63,8 @@ pub fn length(series: &Series, step_s: f64) -> Result<(), MeasurementError> {
         return Err(series.error(found, format!("at least {RATE_LEAST_HZ}")));
     }
     let x = &series.displacement_m;
-    let (range, band) = (span(x), 0.1 * span(x));
-    let (mut travel, mut turned) = (0.0, x.first().copied().unwrap_or(0.0));
-    for value in x {
-        // Steps of a tenth of the range: noise travels nowhere.
-        if (value - turned).abs() >= band {
-            travel += (value - turned).abs();
-            turned = *value;
-        }
-    }
-    let part = (3 * x.len()).div_ceil(10);
-    let holds = x.windows(part).step_by((part / 20).max(1)).any(|part| span(part) < 0.02 * range);
-    if travel < 1.75 * range && !holds {
+    let (range, travel) = (span(x), travel_m(x));
+    if travel < 1.75 * range && 10 * held(x) < 3 * x.len() {
         let found = format!(
             "{:.2} s with a travel of {:.1} times the range",
             step_s * x.len() as f64,
@@ -83,6 +73,39 @@ pub fn length(series: &Series, step_s: f64) -> Result<(), MeasurementError> {
         return Err(series.error(found, "about a whole cycle at least, or a hold".to_owned()));
     }
     Ok(())
+}
+
+/// Way from turning point to turning point (m). One counts when the way back from it is a tenth of
+/// the range: noise travels nowhere.
+fn travel_m(displacement_m: &[f64]) -> f64 {
+    let Some(first) = displacement_m.first() else { return 0.0 };
+    let band = 0.1 * span(displacement_m);
+    let (mut travel, mut turned, mut farthest) = (0.0, *first, *first);
+    for x in displacement_m {
+        if (farthest - turned) * (x - farthest) >= 0.0 {
+            farthest = *x;
+        } else if (x - farthest).abs() >= band {
+            travel += (farthest - turned).abs();
+            (turned, farthest) = (farthest, *x);
+        }
+    }
+    travel + (farthest - turned).abs()
+}
+
+/// Samples in holds: stretches of a tenth of the record or more that stay within 2 % of the range.
+fn held(displacement_m: &[f64]) -> usize {
+    let quiet = 0.02 * span(displacement_m);
+    let part = displacement_m.len().div_ceil(10).max(1);
+    let stride = (part / 20).max(1);
+    let (mut held, mut until) = (0, 0);
+    for (index, window) in displacement_m.windows(part).step_by(stride).enumerate() {
+        let (start, end) = (index * stride, index * stride + part);
+        if span(window) < quiet {
+            held += end - start.max(until);
+            until = end;
+        }
+    }
+    held
 }
 
 /// Work that the damper took up between two samples (J), the mean force left out, and that work over
@@ -192,5 +215,60 @@ pub fn tell_velocity(series: &mut Series, velocity_m_per_s: &[f64]) {
             series.columns[1],
             100.0 * share
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Positions (mm) at 20 mm/s with a hold (s) at each, from 0, at 1 kHz.
+    fn path(legs_mm: &[f64], hold_s: f64) -> Vec<f64> {
+        let mut x = vec![0.0];
+        for to_mm in legs_mm {
+            let (from_m, to_m) = (x[x.len() - 1], 1e-3 * to_mm);
+            let steps = ((to_m - from_m).abs() / 20e-6).round() as usize;
+            x.extend((1..=steps).map(|n| from_m + (to_m - from_m) * n as f64 / steps as f64));
+            x.extend(vec![to_m; (1e3 * hold_s) as usize]);
+        }
+        x
+    }
+
+    fn judged(x: &[f64]) -> Result<(), String> {
+        let series = Series::sampled("path", 1e3, x.to_vec(), x.to_vec());
+        length(&series, 1e-3).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_path_with_short_holds_was_refused_because_travel_was_counted_in_tenths_of_the_range() {
+        let there_and_back = [4.0, 0.0, -4.0, 0.0];
+        for hold_s in [0.0, 0.05, 0.1, 0.5] {
+            let x = path(&there_and_back, hold_s);
+            assert!((travel_m(&x) / 16e-3 - 1.0).abs() < 1e-9, "{}", travel_m(&x));
+            assert_eq!(judged(&x), Ok(()), "holds of {hold_s} s");
+        }
+        // Noise of 2 % of the range at every sample adds its own size, not its way.
+        let noisy: Vec<f64> = path(&there_and_back, 0.1)
+            .iter()
+            .enumerate()
+            .map(|(n, x)| x + 80e-6 * [1.0, -1.0, 0.5, -0.7][n % 4])
+            .collect();
+        assert!((travel_m(&noisy) / 16e-3 - 1.0).abs() < 0.05, "{}", travel_m(&noisy));
+    }
+
+    #[test]
+    fn holds_count_together() {
+        // Up in three steps, never back: 0.6 s of way, three holds of a tenth to a fifth.
+        assert_eq!(judged(&path(&[4.0, 8.0, 12.0], 0.15)), Ok(()));
+        let refused = judged(&path(&[4.0, 8.0, 12.0], 0.05)).unwrap_err();
+        assert!(refused.contains("0.75 s with a travel of 1.0 times the range"), "{refused}");
+    }
+
+    #[test]
+    fn half_a_cosine_is_no_hold_and_too_short() {
+        let half: Vec<f64> =
+            (0..2000).map(|n| libm::cos(std::f64::consts::PI * f64::from(n) / 2e3)).collect();
+        assert_eq!(held(&half), 0);
+        assert!(judged(&half).is_err());
     }
 }

@@ -131,7 +131,7 @@ fn every_bad_file_has_its_line() {
         (
             "short",
             file(100, only(|_| true)),
-            "a.csv: found 0.20 s with a travel of 1.3 times the range, expected about a whole cycle at least, or a hold",
+            "a.csv: found 0.20 s with a travel of 1.4 times the range, expected about a whole cycle at least, or a hold",
         ),
         (
             "slow",
