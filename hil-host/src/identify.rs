@@ -20,7 +20,9 @@ use studies::identify::simulation::{simulate, start_deflection_m};
 use studies::identify::split::split;
 use studies::identify::tests_at_hand::{Test, TestsAtHand};
 use studies::identify::{Identification, Question, identify, page};
-use studies::measurement::{Measurement, interpolant, read_tests};
+use studies::measurement::mapping::{Mapping, Reading};
+use studies::measurement::table::Table;
+use studies::measurement::{Measurement, MeasurementError, interpolant, read_tests, series};
 
 /// What `identify` is told.
 #[derive(Debug, Args)]
@@ -50,7 +52,8 @@ pub struct IdentifyArgs {
 pub struct SimulateArgs {
     /// The damper: a model file with a [damper] table, such as `identify` leaves.
     model: PathBuf,
-    /// The record: its displacement drives the model, its force shows where the dashpot starts.
+    /// The record: its displacement drives the model, its force shows where the dashpot starts. A
+    /// record without a force column is driven too, from rest in the middle of the clearance.
     record: PathBuf,
     /// The file to write.
     #[arg(long, value_name = "CSV")]
@@ -90,7 +93,8 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
     ] {
         for (index, test) in tests.tests.iter().enumerate() {
             let path = predictions.join(format!("{}.csv", test.record.name));
-            write_predictions(&path, test, &models.map(|fit| force_of(fit.as_ref(), index)))
+            let models = models.map(|fit| force_of(fit.as_ref(), index));
+            write_predictions(&path, test, Some(&test.record.force_n), &models)
                 .with_context(|| path.display().to_string())?;
         }
     }
@@ -110,18 +114,55 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
 /// Bad input, before anything is written; or a disk that fails.
 pub fn simulate_command(args: &SimulateArgs) -> anyhow::Result<()> {
     let damper = DamperFile::load_model(&args.model)?.build(&Source::read(&args.model)?)?;
-    let records = read_tests(std::slice::from_ref(&args.record), args.mapping.as_deref())?;
+    let mapping = args.mapping.as_deref();
+    let motions = motions(&args.record, mapping)?;
+    let measured = motions.is_none();
+    let records = match motions {
+        Some(records) => records,
+        None => read_tests(std::slice::from_ref(&args.record), mapping)?,
+    };
     if records.len() != 1 {
         let (file, count) = (args.record.display(), records.len());
         bail!("{file}: {count} tests in one file, expected one; a mapping can choose with `where`");
     }
     let tests = TestsAtHand::new(records);
     let Some(test) = tests.tests.first() else { bail!("no test") };
-    let start_m = start_deflection_m(&damper, test);
+    let start_m = if measured {
+        start_deflection_m(&damper, test)
+    } else {
+        let file = args.record.display();
+        eprintln!("{file}: no column force_n, started at rest in the middle of the clearance");
+        0.0
+    };
     let force_n = simulate(&damper, test, start_m);
     let models = Models { datasheet: None, refitted: None, with_effects: Some(force_n.as_slice()) };
-    write_predictions(&args.out, test, &models).with_context(|| args.out.display().to_string())?;
+    let measured_n = measured.then_some(test.record.force_n.as_slice());
+    write_predictions(&args.out, test, measured_n, &models)
+        .with_context(|| args.out.display().to_string())?;
     Ok(())
+}
+
+/// The tests of a file without a force column; `None` where it has one or the mapping names one. The
+/// displacement stands in the place of the force, so that every check of the motion is made.
+fn motions(
+    path: &Path,
+    mapping: Option<&Path>,
+) -> Result<Option<Vec<Measurement>>, MeasurementError> {
+    let mut layout = match mapping {
+        Some(file) => {
+            let (mapping, source) = Mapping::load(file)?;
+            mapping.layout(&source, path)?
+        }
+        None => Mapping::own()?,
+    };
+    let table = Table::read(path, &layout)?;
+    let has_force = |force: &Reading| force.column != "force_n" || table.column("force_n").is_ok();
+    if layout.force.iter().any(has_force) {
+        return Ok(None);
+    }
+    layout.force = vec![layout.displacement.clone()];
+    let tests = series::tests_of(&table, &layout)?;
+    tests.into_iter().map(Measurement::from_series).collect::<Result<_, _>>().map(Some)
 }
 
 /// Reads everything that is asked about.
@@ -130,10 +171,11 @@ fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
     let datasheet = args.datasheet.as_deref().map(Datasheet::load).transpose()?;
     if let Some(sheet) = &datasheet {
         notes.extend(sheet.conversion.iter().map(|line| format!("datasheet: {line}")));
-        for warning in &sheet.warnings {
-            eprintln!("warning: datasheet: {warning}");
-            notes.push(format!("datasheet: {warning}"));
-        }
+        notes.extend(sheet.warnings.iter().map(|warning| format!("datasheet: {warning}")));
+    }
+    let twice = args.holdout.iter().find(|held| args.train.contains(held));
+    if let Some(twice) = twice {
+        bail!("{}: both in --train and in --holdout, expected in one of them", twice.display());
     }
     let mapping = args.mapping.as_deref();
     // Read together, so that no two tests share a name.
@@ -150,6 +192,10 @@ fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
         notes.extend(record.repairs.iter().map(|repair| format!("{}: {repair}", record.name)));
     }
     notes.extend(bandwidths(train.iter().chain(&holdout)));
+    // After everything that may be refused: an error stands alone.
+    for warning in datasheet.iter().flat_map(|sheet| &sheet.warnings) {
+        eprintln!("warning: datasheet: {warning}");
+    }
     Ok(Question { train, holdout, datasheet: datasheet.map(|sheet| sheet.nominal), notes })
 }
 
@@ -232,6 +278,7 @@ fn sentence(result: &IdentifyResult) -> String {
 fn write_predictions(
     path: &Path,
     test: &Test,
+    measured_n: Option<&[f64]>,
     models: &Models<Option<&[f64]>>,
 ) -> std::io::Result<()> {
     let mut to = BufWriter::new(std::fs::File::create(path)?);
@@ -248,7 +295,7 @@ fn write_predictions(
             "{},{},{},{},{},{}",
             record.time_s(sample),
             record.displacement_m[sample],
-            record.force_n[sample],
+            cell(measured_n, sample),
             cell(models.datasheet, sample),
             cell(models.refitted, sample),
             cell(models.with_effects, sample),
@@ -311,6 +358,9 @@ fn tell(
                 number(Some(value.value)),
                 value.unit
             )?;
+        }
+        if let Some(direction) = effect.direction {
+            writeln!(out, "  {direction}")?;
         }
         if let Some(test) = &effect.separating_test {
             writeln!(out, "  cannot be told from {}: {test}", effect.alternatives.join(", "))?;
