@@ -24,6 +24,8 @@
 //! column = "load_kN"
 //! unit = "kN"
 //! sign = -1
+//! [destroyed]                    # effects that no longer show, and what was done to the records
+//! force_offset = "the mean was taken off"
 //! ```
 //! `[velocity]` and `[temperature]` likewise. Columns that are not named keep the names of this
 //! project, `time_s`, `displacement_m`, `force_n`; units that are not named come from the units row, or
@@ -35,6 +37,7 @@
 
 use super::error::MeasurementError;
 use super::unit::{Kind, Unit};
+use firmware_core::damper::effects::CATALOGUE;
 use scenario::source::{ScenarioError, Source};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -78,6 +81,8 @@ pub struct Mapping {
     pub velocity: Option<Column>,
     /// Temperature.
     pub temperature: Option<Column>,
+    /// Effects that the laboratory's processing has destroyed, and how.
+    pub destroyed: Option<BTreeMap<Spanned<String>, String>>,
     /// Names of the files that a `[[file]]` table is for, `*` for anything.
     pub named: Option<String>,
     /// Layouts of single files.
@@ -201,6 +206,8 @@ pub struct Layout {
     pub velocity: (Reading, bool),
     /// Temperature; required when the mapping names it.
     pub temperature: (Reading, bool),
+    /// Effects that the laboratory's processing has destroyed, and how.
+    pub destroyed: BTreeMap<&'static str, String>,
 }
 
 impl Mapping {
@@ -265,6 +272,7 @@ impl Mapping {
             force: own.force.or(base.force),
             velocity: own.velocity.or(base.velocity),
             temperature: own.temperature.or(base.temperature),
+            destroyed: own.destroyed.or(base.destroyed),
             named: None,
             file: Vec::new(),
         }
@@ -332,6 +340,7 @@ impl Mapping {
                 read(&self.temperature, Kind::Temperature, "temperature_degc")?,
                 self.temperature.is_some(),
             ),
+            destroyed: destroyed(source, self.destroyed.as_ref())?,
         })
     }
 }
@@ -371,6 +380,28 @@ fn reading(
     };
     let column = given.column.as_ref().map_or(name, |column| column.get_ref()).to_owned();
     Ok(Reading { kind, column, unit, offset, sign })
+}
+
+/// Effects of the catalogue, each with the reason why these records no longer show it.
+fn destroyed(
+    source: &Source,
+    given: Option<&BTreeMap<Spanned<String>, String>>,
+) -> Result<BTreeMap<&'static str, String>, ScenarioError> {
+    let each = given.into_iter().flatten().map(|(name, why)| {
+        let known = CATALOGUE.iter().find(|info| info.name == name.get_ref());
+        let info = known.ok_or_else(|| {
+            let names: Vec<&str> = CATALOGUE.iter().map(|info| info.name).collect();
+            let message =
+                format!("no effect \"{}\", expected one of {}", name.get_ref(), names.join(", "));
+            source.error(&name.span(), message)
+        })?;
+        if why.trim().is_empty() {
+            let message = format!("{} = \"\", expected what destroyed it", info.name);
+            return Err(source.error(&name.span(), message));
+        }
+        Ok((info.name, why.clone()))
+    });
+    each.collect()
 }
 
 fn positive(source: &Source, value: &Spanned<f64>, key: &str) -> Result<f64, ScenarioError> {
@@ -444,6 +475,15 @@ mod tests {
     }
 
     #[test]
+    fn a_file_table_says_what_its_own_processing_destroyed() {
+        let text = "[destroyed]\nforce_offset = \"zero mean\"\n[[file]]\nnamed = \"q*\"\n\
+            destroyed = { clearance_impact = \"smoothed\" }\n";
+        let of = |file| layout(text, file).unwrap().destroyed.into_iter().collect::<Vec<_>>();
+        assert_eq!(of("a.csv"), [("force_offset", "zero mean".to_owned())]);
+        assert_eq!(of("q.csv"), [("clearance_impact", "smoothed".to_owned())]);
+    }
+
+    #[test]
     fn patterns_match_whole_names() {
         for (name, pattern, fits) in [
             ("a.csv", "a.csv", true),
@@ -472,6 +512,11 @@ mod tests {
             ("decimal = \"comma\"\n", "map.toml: decimal = \"comma\" with commas"),
             ("[[file]]\nunits_row = true\n", "map.toml: [[file]] without named"),
             ("force_column = []\n", "map.toml:1: force_column is empty"),
+            (
+                "[destroyed]\nnoise = \"x\"\n",
+                "map.toml:2: no effect \"noise\", expected one of seal",
+            ),
+            ("[destroyed]\nforce_offset = \" \"\n", "map.toml:2: force_offset = \"\", expected"),
             ("named = \"*\"\n", "map.toml: named stands in a [[file]] table"),
         ] {
             let found = layout(text, "a.csv").unwrap_err();

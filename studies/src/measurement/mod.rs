@@ -25,6 +25,7 @@ pub use error::MeasurementError;
 pub use series::Series;
 
 use mapping::{Extension, Mapping};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// One test: what the bench did to the damper, and the force it answered with.
@@ -59,6 +60,8 @@ pub struct Measurement {
     pub direction_declared: bool,
     /// What was mended, or looks odd, each a line.
     pub repairs: Vec<String>,
+    /// Effects that the laboratory's processing has destroyed, by catalogue name, and how.
+    pub destroyed: BTreeMap<&'static str, String>,
 }
 
 impl Measurement {
@@ -114,6 +117,7 @@ impl Measurement {
             run_in,
             direction_declared: series.extension != Extension::Unknown,
             repairs: series.repairs,
+            destroyed: BTreeMap::new(),
         })
     }
 
@@ -179,7 +183,8 @@ pub fn read_tests(
             None => Mapping::own()?,
         };
         for series in series::read(path, &layout)? {
-            tests.push(Measurement::from_series(series)?);
+            let destroyed = layout.destroyed.clone();
+            tests.push(Measurement { destroyed, ..Measurement::from_series(series)? });
         }
     }
     name_apart(&mut tests);
