@@ -44,7 +44,8 @@ enum Command {
     Characterise(CharacteriseArgs),
     /// Find the effect that a damper model lacks on measured records, and add it.
     #[command(
-        after_help = "Example: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv"
+        after_help = "Examples: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv
+          yawbench identify --campaign 773 --seed 1 --shard 1/2 --out campaign"
     )]
     Identify(IdentifyArgs),
     /// The force of a model on a record, free-running from its displacement.

@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use studies::campaign::Shard;
 use studies::identify::fit::Fit;
 use studies::identify::result::{IdentifyResult, Models, Verdict};
 use studies::identify::simulation::{simulate, start_deflection_m};
@@ -31,7 +32,8 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "FILE")]
     datasheet: Option<PathBuf>,
     /// Records to fit.
-    #[arg(long, value_name = "CSV", num_args = 1.., required = true)]
+    #[arg(long, value_name = "CSV", num_args = 1..,
+        required_unless_present_any = ["campaign", "merge"])]
     train: Vec<PathBuf>,
     /// Records that no fit sees; without them some of the training tests are held out.
     #[arg(long, value_name = "CSV", num_args = 1..)]
@@ -39,12 +41,30 @@ pub struct IdentifyArgs {
     /// Columns and units of the records.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
-    /// Folder for the files [default: runs/identify-N].
+    /// Folder for the files [default: runs/identify-N, of a campaign runs/campaign-SEED].
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print result.json instead of a summary.
+    pub(crate) out: Option<PathBuf>,
+    /// Print result.json instead of a summary; of a campaign, its table.
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
+    /// Try the method itself on this many cases whose truth is known; 773 hold every kind. A folder
+    /// that has some of them goes on.
+    #[arg(long, value_name = "N", requires = "seed",
+        conflicts_with_all = ["train", "holdout", "datasheet", "mapping", "merge"])]
+    pub(crate) campaign: Option<usize>,
+    /// Seed of the campaign.
+    #[arg(long, value_name = "S", requires = "campaign")]
+    pub(crate) seed: Option<u64>,
+    /// The part of the campaign to run, such as 1/4.
+    #[arg(long, value_name = "I/N", requires = "campaign")]
+    pub(crate) shard: Option<Shard>,
+    /// Fewer and shorter tests per case, to try the campaign itself.
+    #[arg(long, requires = "campaign")]
+    pub(crate) brief: bool,
+    /// The table of cases that shards have run.
+    #[arg(long, value_name = "JSONL", num_args = 1..,
+        conflicts_with_all = ["train", "holdout", "datasheet", "mapping"])]
+    pub(crate) merge: Vec<PathBuf>,
 }
 
 /// What `simulate` is told.
@@ -68,6 +88,9 @@ pub struct SimulateArgs {
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
 pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
+    if args.campaign.is_some() || !args.merge.is_empty() {
+        return crate::campaign::command(args);
+    }
     let question = question(args)?;
     let datasheet_given = question.datasheet.is_some();
     let identification = with_progress(|progress| identify(question, progress))?;

@@ -10,6 +10,7 @@
 //! numbers and a report. [`characterise`] is a visit to a damper bench. [`rig`] is the other end of the bus, in line or as a process of its own.
 
 pub mod bus;
+pub mod campaign;
 pub mod characterise;
 pub mod cli;
 pub mod clock;

@@ -10,6 +10,7 @@
 //! [`measurement`] is the way in for what a bench measured, [`laboratory`] what a laboratory prints of it.
 
 pub mod bench_visit;
+pub mod campaign;
 pub mod error;
 pub mod guiding_force;
 pub mod hydraulic;

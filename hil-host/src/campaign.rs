@@ -1,0 +1,65 @@
+//! `yawbench identify --campaign` and `--merge`: the proof of `identify` on records whose truth is known.
+
+use crate::identify::IdentifyArgs;
+use anyhow::{Context, bail};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::path::{Path, PathBuf};
+use studies::campaign::score::Line;
+use studies::campaign::{Campaign, Shard, Table, page, read_lines, run, table};
+
+/// Runs a campaign or a shard of it, or merges what others have run.
+///
+/// # Errors
+/// Bad input; files that are no lines of this campaign; a disk that fails.
+pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
+    if !args.merge.is_empty() {
+        return tell(args, &args.merge, None);
+    }
+    let Some(cases) = args.campaign else { bail!("--campaign: no number of cases") };
+    let Some(seed) = args.seed else { bail!("--seed: no seed") };
+    let campaign = Campaign { cases, seed, brief: args.brief };
+    let shard = args.shard.unwrap_or(Shard::WHOLE);
+    // A fixed name, so that the same command goes on where it was stopped.
+    let usual = || PathBuf::from(format!("runs/campaign-{seed}"));
+    let folder = args.out.clone().unwrap_or_else(usual);
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(4));
+    let template = "{elapsed:>4} {bar:24} {pos}/{len}, {eta} to go  {msg}";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar.set_message("the first cases");
+    bar.tick();
+    let path = run(&campaign, shard, &folder, &|line, done, of| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        bar.set_message(last(line));
+    })?;
+    bar.finish_and_clear();
+    tell(args, &[path], Some(&folder))
+}
+
+/// The last case in a few words.
+fn last(line: &Line) -> String {
+    let truth = if line.truth.is_empty() { line.kind.clone() } else { line.truth.join(", ") };
+    let right = if table::is_right(line) { "right" } else { "wrong" };
+    format!("case {} ({truth}): {right}", line.index)
+}
+
+/// Prints the table and writes it where there is a folder.
+fn tell(args: &IdentifyArgs, files: &[PathBuf], folder: Option<&Path>) -> anyhow::Result<()> {
+    let table = Table::new(&read_lines(files)?);
+    let (json, text) = (serde_json::to_string_pretty(&table)?, page::text(&table));
+    if let Some(folder) = folder.or(args.out.as_deref()) {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        for (name, content) in [("table.json", format!("{json}\n")), ("table.txt", text.clone())] {
+            let path = folder.join(name);
+            std::fs::write(&path, content).with_context(|| path.display().to_string())?;
+        }
+    }
+    if args.json {
+        println!("{json}");
+    } else {
+        print!("{text}");
+    }
+    Ok(())
+}

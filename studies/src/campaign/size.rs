@@ -1,0 +1,178 @@
+//! The strength at which an effect has the wanted size.
+//!
+//! ```text
+//! size = rms over all training tests of (force without noise - nominal damper refitted to it) / rms of the noise
+//! ```
+//!
+//! What the nominal damper can absorb does not count. The search over strengths fits from the true
+//! numbers; the size that is told is that after the same many-start fit with which `identify` begins.
+
+use super::case::Case;
+use crate::bench_visit::sensors::{Channel, Sensors};
+use crate::bench_visit::{Specimen, visit};
+use crate::identify::fit::{Effort, fit};
+use crate::identify::grey_box::{GreyBox, vector_of};
+use crate::identify::start::nominal_fit;
+use crate::identify::tests_at_hand::TestsAtHand;
+use crate::measurement::Measurement;
+
+/// Strengths that are tried, at most.
+const TRIES: usize = 14;
+/// Corrections by the many-start fit, at most.
+const CORRECTIONS: usize = 4;
+/// How near is near enough.
+const NEAR: f64 = 0.04;
+
+/// A strength and the size that it gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sized {
+    /// The strength.
+    pub strength: f64,
+    /// rms after the refit, in multiples of the noise.
+    pub size: f64,
+    /// The size is the wanted one.
+    pub reached: bool,
+}
+
+/// Finds the strength between two at which a specimen has the size that its case wants; the strongest
+/// where that is too weak. `None` where even the weakest cannot be simulated.
+pub fn sized(
+    case: &Case,
+    make: &dyn Fn(f64) -> Option<Box<dyn Specimen>>,
+    [weakest, strongest]: [f64; 2],
+) -> Option<Sized> {
+    let noise_n = case.noise_n();
+    let wanted = case.size();
+    let quick = |k: f64| Some(rms_n(case, &*make(k)?, false)? / noise_n);
+    let thorough = |k: f64| Some(rms_n(case, &*make(k)?, true)? / noise_n);
+    // A damper that cannot be is stronger than any.
+    let (mut low, mut high) = ((weakest, quick(weakest)?), (strongest, quick(strongest)));
+    let mut target = wanted;
+    let mut best: Option<Sized> = None;
+    for _ in 0..CORRECTIONS {
+        let mut at = strongest;
+        if high.1.is_none_or(|size| size > target) {
+            at = search(&quick, target, &mut low, &mut high);
+        }
+        let size = thorough(at)?;
+        let off = |size: f64| (libm::log(size.max(1e-300) / wanted)).abs();
+        if best.is_none_or(|best| off(size) < off(best.size)) {
+            best = Some(Sized { strength: at, size, reached: off(size) < 2.0 * NEAR });
+        }
+        if off(size) < NEAR || (at == strongest && size < wanted) {
+            break;
+        }
+        // The many-start fit leaves less: aim higher by as much.
+        target *= wanted / size;
+        (low, high) = ((weakest, low.1.min(0.1 * target)), (strongest, high.1));
+    }
+    best
+}
+
+/// False position in logarithms, halving the weight of an end that stays (Illinois).
+fn search(
+    quick: &dyn Fn(f64) -> Option<f64>,
+    target: f64,
+    low: &mut (f64, f64),
+    high: &mut (f64, Option<f64>),
+) -> f64 {
+    let off = |size: f64| libm::log(size.max(1e-12) / target);
+    let (mut below, mut above) = (off(low.1), high.1.map(off));
+    let mut at = low.0;
+    for _ in 0..TRIES {
+        let (from, to) = (libm::log(low.0), libm::log(high.0));
+        let share = above.map_or(0.5, |above| (below / (below - above)).clamp(0.05, 0.95));
+        at = libm::exp(from + share * (to - from));
+        let Some(size) = quick(at) else {
+            (high.0, above) = (at, None);
+            continue;
+        };
+        let error = off(size);
+        if error.abs() < 0.5 * NEAR {
+            break;
+        }
+        if error < 0.0 {
+            (low.0, below) = (at, error);
+            above = above.map(|above| 0.5 * above);
+        } else {
+            (high.0, above) = (at, Some(error));
+            below *= 0.5;
+        }
+    }
+    at
+}
+
+/// What the nominal damper leaves of the force without noise, N.
+fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
+    let tests = TestsAtHand::new(records(case, specimen, &silent(&case.sensors)).0);
+    let truth = vector_of(&case.nominal);
+    let mut best = fit(&GreyBox::nominal(&tests.scale), &truth, &[], &tests, Effort::FULL)?;
+    if thorough {
+        let other = nominal_fit(&tests, None)?.fit;
+        if other.total_n2() < best.total_n2() {
+            best = other;
+        }
+    }
+    Some((best.total_n2() / tests.counted_samples() as f64).sqrt())
+}
+
+/// The records of a case: those to fit and those to judge by.
+pub fn records(
+    case: &Case,
+    specimen: &dyn Specimen,
+    sensors: &Sensors,
+) -> (Vec<Measurement>, Vec<Measurement>) {
+    let (mut train, mut holdout) = (Vec::new(), Vec::new());
+    for record in visit(specimen, &case.tests, sensors, case.seed) {
+        let to = if record.test_only { &mut holdout } else { &mut train };
+        to.extend(record.measurement());
+    }
+    (train, holdout)
+}
+
+/// The same chain without noise.
+fn silent(sensors: &Sensors) -> Sensors {
+    let exact = Channel { range: f64::INFINITY, noise: 0.0, bits: 0 };
+    Sensors {
+        displacement: exact,
+        force: exact,
+        coloured: None,
+        temperature_noise_k: sensors.temperature_noise_k.map(|_| 0.0),
+        ..*sensors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::Kind;
+    use super::super::specimen::mount;
+    use super::*;
+    use firmware_core::damper::effects::CATALOGUE;
+
+    #[test]
+    fn sizes_reach_their_multiple() {
+        for (name, size) in [("seal_friction", 3.0), ("asymmetric_damping", 10.0)] {
+            let effect = CATALOGUE.iter().position(|info| info.name == name).unwrap();
+            let case = Case::of_kind(Kind::Effect { effect, size }, 5, 0, true);
+            let mounted = mount(&case).unwrap();
+            // By a way of its own: noisy records, of which the noise is taken away in squares.
+            let tests = TestsAtHand::new(records(&case, &*mounted.specimen, &case.sensors).0);
+            let fit = nominal_fit(&tests, None).unwrap().fit;
+            let square = fit.total_n2() / tests.counted_samples() as f64;
+            let noise_n = case.noise_n();
+            let found = (square - noise_n * noise_n).sqrt() / noise_n;
+            println!("{name}: {size} wanted, {found:.3} found, {:?}", mounted.sizes);
+            assert!(mounted.sizes[0].reached, "{:?}", mounted.sizes);
+            assert!((found / size - 1.0).abs() < 0.1, "{name}: {found} {:?}", mounted.sizes);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_reached_is_said() {
+        // A spring in series is a lower Ke: nothing is ever left of it.
+        let effect = CATALOGUE.iter().position(|info| info.name == "fixture_compliance").unwrap();
+        let case = Case::of_kind(Kind::Effect { effect, size: 10.0 }, 5, 1, true);
+        let sizes = mount(&case).unwrap().sizes;
+        assert!(!sizes[0].reached && sizes[0].size < 1.0, "{sizes:?}");
+    }
+}

@@ -1,0 +1,69 @@
+//! `yawbench identify --campaign`: the same seed gives the same table, whole, in shards, or stopped
+//! and gone on with; and what it refuses.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+#[path = "support/command.rs"]
+#[allow(dead_code, reason = "shared by several tests")]
+mod command;
+
+use command::{folder, output, yawbench};
+use std::path::{Path, PathBuf};
+
+fn campaign(place: &Path, more: &[&str]) -> String {
+    let args = ["identify", "--campaign", "3", "--seed", "1", "--brief"];
+    let result = output(yawbench().args(args).args(more).current_dir(place));
+    assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
+    String::from_utf8(result.stdout).unwrap()
+}
+
+fn read(path: PathBuf) -> String {
+    std::fs::read_to_string(&path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
+}
+
+#[test]
+fn a_seed_gives_the_same_table_whole_in_shards_and_after_a_stop() {
+    let place = folder("campaign");
+    let whole = campaign(&place, &["--out", "whole"]);
+    let table = read(place.join("whole/table.json"));
+    assert!(whole.starts_with("3 brief cases of seed 1"), "{whole}");
+    assert_eq!(whole, read(place.join("whole/table.txt")));
+
+    campaign(&place, &["--out", "parts", "--shard", "2/2"]);
+    campaign(&place, &["--out", "parts", "--shard", "1/2"]);
+    let files = ["parts/cases-2-of-2.jsonl", "parts/cases-1-of-2.jsonl"];
+    let merge = ["identify", "--out", "merged", "--merge", files[0], files[1]];
+    let merged = output(yawbench().args(merge).current_dir(&place));
+    assert_eq!(String::from_utf8_lossy(&merged.stdout), whole);
+    assert_eq!(read(place.join("merged/table.json")), table);
+
+    // Stopped within a line: that case runs again and no other.
+    let file = place.join("whole/cases-1-of-1.jsonl");
+    let lines = read(file.clone());
+    let first = lines.find('\n').unwrap() + 1;
+    std::fs::write(&file, &lines[..first + 100]).unwrap();
+    assert_eq!(campaign(&place, &["--out", "whole"]), whole);
+    assert_eq!(read(place.join("whole/table.json")), table);
+    let again = read(file);
+    assert!(again.starts_with(&lines[..first]) && again.lines().count() == 3, "{again}");
+}
+
+#[test]
+fn what_does_not_go_together_is_told() {
+    let place = folder("campaign-refused");
+    for (args, told) in [
+        (&["--campaign", "3"][..], "--seed"),
+        (&["--campaign", "3", "--seed", "1", "--train", "a.csv"], "cannot be used with"),
+        (&["--campaign", "3", "--seed", "1", "--shard", "3/2"], "expected part/parts"),
+        (&["--merge", "none.jsonl"], "none.jsonl"),
+        (&[], "--train"),
+    ] {
+        let result = output(yawbench().arg("identify").args(args).current_dir(&place));
+        let errors = String::from_utf8_lossy(&result.stderr);
+        assert_eq!(result.status.code(), Some(2), "{args:?}: {errors}");
+        assert!(errors.contains(told), "{args:?}: {errors}");
+    }
+    std::fs::write(place.join("bad.jsonl"), "{\"index\": 0}\n").unwrap();
+    let result = output(yawbench().args(["identify", "--merge", "bad.jsonl"]).current_dir(&place));
+    assert!(String::from_utf8_lossy(&result.stderr).contains("bad.jsonl:1:"));
+}
