@@ -20,6 +20,8 @@ use crate::measurement::Measurement;
 const TRIES: usize = 14;
 /// Corrections by the many-start fit, at most.
 const CORRECTIONS: usize = 4;
+/// Strength over the one before, while climbing.
+const CLIMB: f64 = 4.0;
 /// How near is near enough.
 const NEAR: f64 = 0.04;
 
@@ -34,8 +36,11 @@ pub struct Sized {
     pub reached: bool,
 }
 
-/// Finds the strength between two at which a specimen has the size that its case wants; the strongest
-/// where that is too weak. `None` where even the weakest cannot be simulated.
+/// Finds the least strength between two at which a specimen has the size that its case wants; the
+/// strongest where that is too weak. `None` where even the weakest cannot be simulated.
+///
+/// A size may fall again beyond some strength (a valve that does nothing but relieve, a delay of half
+/// a period), so the search climbs from below.
 pub fn sized(
     case: &Case,
     make: &dyn Fn(f64) -> Option<Box<dyn Specimen>>,
@@ -45,15 +50,11 @@ pub fn sized(
     let wanted = case.size();
     let quick = |k: f64| Some(rms_n(case, &*make(k)?, false)? / noise_n);
     let thorough = |k: f64| Some(rms_n(case, &*make(k)?, true)? / noise_n);
-    // A damper that cannot be is stronger than any.
-    let (mut low, mut high) = ((weakest, quick(weakest)?), (strongest, quick(strongest)));
     let mut target = wanted;
+    let mut from = weakest;
     let mut best: Option<Sized> = None;
     for _ in 0..CORRECTIONS {
-        let mut at = strongest;
-        if high.1.is_none_or(|size| size > target) {
-            at = search(&quick, target, &mut low, &mut high);
-        }
+        let at = climb(&quick, target, from, strongest)?;
         let size = thorough(at)?;
         let off = |size: f64| (libm::log(size.max(1e-300) / wanted)).abs();
         if best.is_none_or(|best| off(size) < off(best.size)) {
@@ -64,42 +65,63 @@ pub fn sized(
         }
         // The many-start fit leaves less: aim higher by as much.
         target *= wanted / size;
-        (low, high) = ((weakest, low.1.min(0.1 * target)), (strongest, high.1));
+        from = (at / (CLIMB * CLIMB)).max(weakest);
     }
     best
 }
 
-/// False position in logarithms, halving the weight of an end that stays (Illinois).
-fn search(
+/// Climbs to the first strength that is too strong, and searches below it.
+fn climb(
     quick: &dyn Fn(f64) -> Option<f64>,
     target: f64,
-    low: &mut (f64, f64),
-    high: &mut (f64, Option<f64>),
+    from: f64,
+    strongest: f64,
+) -> Option<f64> {
+    let mut low = (from, quick(from)?);
+    while low.1 < target {
+        if low.0 >= strongest {
+            return Some(strongest);
+        }
+        let next = (CLIMB * low.0).min(strongest);
+        match quick(next) {
+            Some(size) if size < target => low = (next, size),
+            // A damper that cannot be is stronger than any.
+            high => return Some(between(quick, target, low, (next, high))),
+        }
+    }
+    Some(from)
+}
+
+/// False position in logarithms, halving the weight of an end that stays (Illinois).
+fn between(
+    quick: &dyn Fn(f64) -> Option<f64>,
+    target: f64,
+    mut low: (f64, f64),
+    mut high: (f64, Option<f64>),
 ) -> f64 {
     let off = |size: f64| libm::log(size.max(1e-12) / target);
     let (mut below, mut above) = (off(low.1), high.1.map(off));
-    let mut at = low.0;
     for _ in 0..TRIES {
         let (from, to) = (libm::log(low.0), libm::log(high.0));
         let share = above.map_or(0.5, |above| (below / (below - above)).clamp(0.05, 0.95));
-        at = libm::exp(from + share * (to - from));
+        let at = libm::exp(from + share * (to - from));
         let Some(size) = quick(at) else {
-            (high.0, above) = (at, None);
+            (high, above) = ((at, None), None);
             continue;
         };
         let error = off(size);
         if error.abs() < 0.5 * NEAR {
-            break;
+            return at;
         }
         if error < 0.0 {
-            (low.0, below) = (at, error);
+            (low, below) = ((at, size), error);
             above = above.map(|above| 0.5 * above);
         } else {
-            (high.0, above) = (at, Some(error));
+            (high, above) = ((at, Some(size)), Some(error));
             below *= 0.5;
         }
     }
-    at
+    low.0
 }
 
 /// What the nominal damper leaves of the force without noise, N.

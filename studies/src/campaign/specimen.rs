@@ -15,7 +15,7 @@ use scenario::source::Source;
 use std::path::Path;
 
 /// Strength at which a search begins, as a share of the strongest.
-const WEAKEST: f64 = 1e-6;
+const WEAKEST: f64 = 1e-5;
 /// Strongest disturbance, as a share of the force.
 const STRONGEST_OUTSIDE: f64 = 0.6;
 
@@ -105,7 +105,7 @@ fn outside(case: &Case, which: usize, random: &mut Random) -> Result<Mounted, St
         Some(Box::new(NullGenerator { model, outside: vec![at(share)] }))
     };
     let found =
-        sized(case, &make, [1e-5, STRONGEST_OUTSIDE]).ok_or("a disturbance cannot be simulated")?;
+        sized(case, &make, [1e-4, STRONGEST_OUTSIDE]).ok_or("a disturbance cannot be simulated")?;
     Ok(Mounted {
         specimen: Box::new(NullGenerator { model, outside: vec![at(found.strength)] }),
         truth: vec![disturbance.name()],
