@@ -2,25 +2,33 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Probability that scores of independent blocks, each with mean zero, add up to as much:
+/// Probability that scores of independent blocks, each with mean zero, have a mean as large:
+/// Student's test of one sample,
 ///
 /// ```text
-/// t = sum s_b / sqrt(sum s_b^2), Student with one degree of freedom less than blocks
+/// t = mean / (s / sqrt(n)), with n - 1 degrees of freedom
 /// ```
 ///
-/// Nothing is said of the scores' size or of what is within a block.
+/// Nothing is said of the scores' size or of what is within a block; where a few blocks are much
+/// larger than the rest the test errs on the side of chance.
 ///
 /// ```
 /// use studies::identify::chance::one_sided;
-/// // Sixteen blocks that all agree: t = 4.
-/// assert!((one_sided(&[1.0; 16]) - 0.000_58).abs() < 1e-5);
+/// // Mean 2, s = 1 of four: t = 4, three degrees of freedom.
+/// let half = 0.75_f64.sqrt();
+/// assert!((one_sided(&[2.0 - half, 2.0 + half, 2.0 - half, 2.0 + half]) - 0.014).abs() < 1e-3);
 /// assert!((one_sided(&[1.0, -1.0]) - 0.5).abs() < 1e-12);
 /// ```
 pub fn one_sided(scores: &[f64]) -> f64 {
-    let scatter = scores.iter().map(|score| score * score).sum::<f64>().sqrt();
-    if scatter <= 0.0 || scores.len() < 2 {
+    let count = scores.len() as f64;
+    if scores.len() < 2 {
         return 1.0;
     }
-    let t = scores.iter().sum::<f64>() / scatter;
-    StudentsT::new(0.0, 1.0, (scores.len() - 1) as f64).map_or(1.0, |student| student.sf(t))
+    let mean = scores.iter().sum::<f64>() / count;
+    let squares: f64 = scores.iter().map(|score| (score - mean) * (score - mean)).sum();
+    if squares <= 0.0 {
+        return if mean > 0.0 { 0.0 } else { 1.0 };
+    }
+    let t = mean / (squares / (count - 1.0) / count).sqrt();
+    StudentsT::new(0.0, 1.0, count - 1.0).map_or(1.0, |student| student.sf(t))
 }

@@ -86,7 +86,7 @@ pub fn identify(
     if !train.whole_tests {
         let (tests, pieces) = (train.tests.len(), train.pieces.len());
         notes.push(format!(
-            "{tests} training tests are fewer than four: folds leave out {pieces} runs of whole cycles \
+            "training tests: {tests}, fewer than four: folds leave out {pieces} runs of whole cycles \
              with a guard gap between them, and not whole tests"
         ));
     }

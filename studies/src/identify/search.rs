@@ -43,7 +43,7 @@ const FAR_OFF: f64 = 0.03;
 /// Ratio from which a nominal parameter is of another size.
 const OTHER_SIZE: f64 = 3.0;
 /// Start values of a candidate that are fitted.
-const STARTS: usize = 2;
+const STARTS: usize = 4;
 /// Nominal parameters absorb an effect of which they leave less than this share.
 const LEAST_UNABSORBED: f64 = 0.01;
 /// An effect that stands out by fewer standard errors at its usual size does not show.

@@ -50,55 +50,53 @@ pub struct Trial {
     pub evidence: Evidence,
 }
 
-/// Starts of a candidate that are fitted in its rehearsal.
-const REHEARSED: usize = 3;
 /// A piece may be worse by this share and still counts as unchanged.
 const UNCHANGED: f64 = 0.01;
 /// A piece that holds more than this share of all that a candidate changes cannot judge it: without
 /// the piece the candidate would not have been found.
 const LONE_SHARE: f64 = 0.98;
 
-/// Start parameters of a candidate: the standing model's with those of the effect, and the same from
-/// other minima of the nominal damper.
+/// Start parameters of a candidate, a group for each of its own start values: with the standing
+/// model's parameters, with those lifted off zero, and with other minima of the nominal damper.
 pub fn starts(
     base: &Judged,
     candidate: &Candidate,
     which: &[usize],
     others: &[Vec<f64>],
-) -> Vec<Vec<f64>> {
+) -> Vec<Vec<Vec<f64>>> {
     let standing = &base.standing.fit.values;
     let lifted = base.standing.fit.model.lifted(standing);
-    let mut all = Vec::new();
-    for start in which.iter().filter_map(|index| candidate.starts.get(*index)) {
-        all.push([standing.as_slice(), start].concat());
+    let group = |start: &Vec<f64>| {
+        let mut group = vec![[standing.as_slice(), start].concat()];
         if lifted != *standing {
-            all.push([lifted.as_slice(), start].concat());
+            group.push([lifted.as_slice(), start].concat());
         }
         for other in others {
             // The nominal parameters of the other minimum, the effects of the standing model.
-            all.push([other.as_slice(), &standing[other.len()..], start].concat());
+            group.push([other.as_slice(), &standing[other.len()..], start].concat());
         }
-    }
-    all
+        group
+    };
+    which.iter().filter_map(|index| candidate.starts.get(*index)).map(group).collect()
 }
 
-/// The best fit of a candidate to the beginnings of the tests.
+/// The best fit of a candidate to the beginnings of the tests: one from each group, from the member
+/// that is nearest to begin with. (Between groups nearness says nothing: an effect that starts where
+/// it does nothing is as near as the model without it.)
 pub fn rehearse(
     base: &Judged,
     candidate: &Candidate,
-    starts: &[Vec<f64>],
+    groups: &[Vec<Vec<f64>>],
     beginnings: &TestsAtHand,
 ) -> Option<Fit> {
     let model = base.standing.fit.model.with(candidate.effect, &beginnings.scale);
-    let mut tried: Vec<Fit> =
-        starts.par_iter().filter_map(|start| Fit::of(&model, start, beginnings)).collect();
-    let mut seen = tried.iter().map(Fit::total_n2).enumerate().collect::<Vec<_>>();
-    seen.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let best: Vec<usize> = seen.iter().take(REHEARSED).map(|(index, _)| *index).collect();
-    tried = best.iter().map(|index| tried[*index].clone()).collect();
-    let fits: Vec<Fit> = tried
+    let fits: Vec<Fit> = groups
         .par_iter()
-        .filter_map(|start| fit(&model, &start.values, &[], beginnings, Effort::SHORT))
+        .filter_map(|group| {
+            let tried = group.iter().filter_map(|start| Fit::of(&model, start, beginnings));
+            let nearest = tried.min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))?;
+            fit(&model, &nearest.values, &[], beginnings, Effort::SHORT)
+        })
         .collect();
     fits.into_iter().min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))
 }

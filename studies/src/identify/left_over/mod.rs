@@ -20,6 +20,8 @@ use repeat::Repeat;
 
 /// Structure below this share of the noise floor is not worth a word.
 const LEAST_SHARE_OF_FLOOR: f64 = 0.25;
+/// A residual this many times the noise floor is no noise, whatever the tests say.
+const FAR_ABOVE_FLOOR: f64 = 1.5;
 /// Largest probability of structure by chance, over all coordinates.
 const LARGEST_P: f64 = 1e-3;
 
@@ -134,6 +136,18 @@ impl LeftOver {
                 rms_n: map.rms_n.max(if repeats { self.repeat.repeated_rms_n } else { 0.0 }),
                 coordinate: map.coordinate.name(),
                 description: describe(map),
+            });
+        }
+        if !repeats && self.rms_n > FAR_ABOVE_FLOOR * self.noise_floor_n {
+            return Some(Unexplained {
+                rms_n: self.rms_n,
+                coordinate: "unknown",
+                description: format!(
+                    "{} N rms is {:.1} times the noise floor, and the records are too short to say \
+                     where it lives",
+                    short(self.rms_n),
+                    self.rms_n / self.noise_floor_n
+                ),
             });
         }
         repeats.then(|| Unexplained {
