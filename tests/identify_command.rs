@@ -272,7 +272,7 @@ fn few_tests_are_cut_into_cycles_and_the_number_of_cores_changes_no_byte() {
     let result: Value = serde_json::from_str(&files[0][0]).unwrap();
     let told = notes(&result);
     assert!(told.contains("no hold-out was given: 1 of 3 whole tests are held out"), "{told}");
-    assert!(told.contains("2 training tests are fewer than four"), "{told}");
+    assert!(told.contains("training tests: 2, fewer than four"), "{told}");
     assert!(
         told.contains("folds leave out 6 runs of whole cycles") && told.contains("guard gap"),
         "{told}"
@@ -286,7 +286,7 @@ fn one_test_gives_its_last_two_fifths() {
     assert_eq!(result["nominal"]["ce_n_s_per_m"]["datasheet"], Value::Null);
     let told = notes(&result);
     assert!(told.contains("one test was given: its last part, from 1."), "{told}");
-    assert!(told.contains("1 training tests are fewer than four"), "{told}");
+    assert!(told.contains("training tests: 1, fewer than four"), "{told}");
     let (_, first) = rows(&place.join("predictions/work-first-part.csv"));
     let (_, last) = rows(&place.join("predictions/work-last-part.csv"));
     let share = last.len() as f64 / (first.len() + last.len()) as f64;

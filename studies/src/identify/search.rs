@@ -42,6 +42,8 @@ const TRIED: usize = 5;
 const FAR_OFF: f64 = 0.03;
 /// Ratio from which a nominal parameter is of another size.
 const OTHER_SIZE: f64 = 3.0;
+/// Share of the squared error by which another minimum of the standing model is better.
+const BETTER_MINIMUM: f64 = 0.01;
 /// Start values of a candidate that are fitted.
 const STARTS: usize = 4;
 /// Nominal parameters absorb an effect of which they leave less than this share.
@@ -102,7 +104,7 @@ pub struct Found {
 /// Searches from a fitted nominal model. `progress` is told what is being done.
 pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str)) -> Option<Found> {
     let NominalFit { fit, others } = nominal;
-    let refitted = Judged::new(fit, tests)?;
+    let mut refitted = Judged::new(fit, tests)?;
     let beginnings = tests.beginnings(BEGINNING_S);
     let mut standing = refitted.clone();
     let mut accepted: Vec<Accepted> = Vec::new();
@@ -138,6 +140,13 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
         }
         trials
             .sort_by(|a, b| a.judged.left_out.total_n2().total_cmp(&b.judged.left_out.total_n2()));
+        if let Some(better) = fairer(&standing, &trials, tests) {
+            if accepted.is_empty() {
+                refitted = better.clone();
+            }
+            standing = better;
+            continue;
+        }
         let winner = if accepted.len() < MOST_EFFECTS {
             choose(&standing, &trials, &tried, tests)
         } else {
@@ -174,6 +183,18 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
         standing = trial.judged.clone();
         standing = drop_idle(standing, &mut accepted, tests, progress);
     }
+}
+
+/// The standing model from where the best trial has led its parameters, if it is better there: what
+/// a richer model gains by a better minimum is not the gain of its effect.
+fn fairer(standing: &Judged, trials: &[Trial], tests: &TestsAtHand) -> Option<Judged> {
+    let before = &standing.standing.fit;
+    let seen = |trial: &&Trial| trial.judged.standing.fit.total_n2();
+    let best = trials.iter().min_by(|a, b| seen(a).total_cmp(&seen(b)))?;
+    let values = best.judged.standing.fit.values.get(..before.values.len())?;
+    let again = fit(&before.model, values, &[], tests, Effort::FULL)?;
+    let better = again.total_n2() < (1.0 - BETTER_MINIMUM) * before.total_n2();
+    if better { Judged::new(again, tests) } else { None }
 }
 
 fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {

@@ -15,7 +15,7 @@ const HALF: Effort = Effort { rounds: 2, patience: 8, gain: 1e-5 };
 /// Other starts that are kept.
 const OTHERS: usize = 5;
 /// Grid points that are fitted.
-const FITTED: usize = 6;
+const FITTED: usize = 8;
 
 /// The nominal damper fitted from many starts.
 #[derive(Debug, Clone)]
@@ -50,7 +50,7 @@ pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Nominal
     fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let mut whole: Vec<Fit> = fitted
         .iter()
-        .take(2)
+        .take(3)
         .filter_map(|start| fit(&model, &start.values, &[], tests, Effort::FULL))
         .collect();
     whole.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
