@@ -13,13 +13,15 @@ pub struct Candidate {
     pub starts: Vec<Vec<f64>>,
 }
 
-/// All candidates that the model does not have yet and that the sampling rate can hold.
+/// All candidates that the model does not have yet, that the sampling rate can hold, and whose traces
+/// the laboratory's processing has left in the training records.
 pub fn candidates(model: &GreyBox, tests: &TestsAtHand) -> Vec<Candidate> {
     let has = |info: &EffectInfo| model.effects.iter().any(|effect| effect.name == info.name);
     let rate_hz = rate_hz(tests);
     CATALOGUE
         .iter()
         .filter(|info| !has(info) && info.needs_rate_hz <= rate_hz)
+        .filter(|info| destroyed(tests, info.name).is_none())
         .map(|effect| {
             let usual: Vec<f64> =
                 effect.parameters.iter().map(|row| row.usual(&tests.scale)).collect();
@@ -31,6 +33,11 @@ pub fn candidates(model: &GreyBox, tests: &TestsAtHand) -> Vec<Candidate> {
             Candidate { effect, starts }
         })
         .collect()
+}
+
+/// What was done to a training record that has destroyed the traces of an effect.
+pub fn destroyed<'a>(tests: &'a TestsAtHand, name: &str) -> Option<&'a str> {
+    tests.tests.iter().find_map(|test| test.record.destroyed.get(name).map(String::as_str))
 }
 
 /// The lowest sampling rate of the records, Hz.

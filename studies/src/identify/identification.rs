@@ -350,11 +350,20 @@ fn not_testable(found: &Found, train: &TestsAtHand) -> Vec<EffectNotTestable> {
         })
         .collect();
     let rate_hz = super::candidate::rate_hz(train);
-    for info in CATALOGUE.iter().filter(|info| info.needs_rate_hz > rate_hz) {
+    let kept = |name: &str| super::candidate::destroyed(train, name).is_none();
+    let too_fast = CATALOGUE.iter().filter(|info| info.needs_rate_hz > rate_hz);
+    for info in too_fast.filter(|info| kept(info.name)) {
         let needs = info.needs_rate_hz;
         let why = format!("it needs {needs} samples per second, the records have {rate_hz:.0}");
         let test_that_would = info.shown_by.to_owned();
         all.push(EffectNotTestable { name: info.name, why, test_that_would });
+    }
+    for info in CATALOGUE {
+        if let Some(done) = super::candidate::destroyed(train, info.name) {
+            let why = format!("the processing of the records has destroyed its traces: {done}");
+            let test_that_would = format!("The unprocessed records. {}", info.shown_by);
+            all.push(EffectNotTestable { name: info.name, why, test_that_would });
+        }
     }
     all
 }

@@ -10,6 +10,8 @@ use firmware_core::damper::{Damper, DamperState, Motion};
 
 /// Length of the stretch that shows the start, in run-ins.
 const WINDOW: usize = 3;
+/// Half clearance that is none, as a share of the deflection under the largest force.
+const NO_CLEARANCE: f64 = 1e-3;
 /// Points of the first, coarse search for the start of the dashpot.
 const COARSE: i32 = 4;
 /// Halvings of its step afterwards.
@@ -74,8 +76,14 @@ pub fn start_deflection_m(damper: &Damper, test: &Test) -> f64 {
         return 0.0;
     }
     let nominal = damper.nominal();
+    let half_clearance_m = 0.5 * nominal.clearance_2a_m;
+    let force_at_start_n = record.force_n[..3.min(window)].iter().sum::<f64>() / 3.0;
     let largest = record.force_n[..window].iter().fold(0.0, |m: f64, f| m.max(f.abs()));
-    let reach = 0.5 * nominal.clearance_2a_m + 0.5 * largest / nominal.ke_n_per_m;
+    if half_clearance_m < NO_CLEARANCE * largest / nominal.ke_n_per_m {
+        // Without clearance the force at the start says where the dashpot is.
+        return force_at_start_n / nominal.ke_n_per_m;
+    }
+    let reach = half_clearance_m + 0.5 * largest / nominal.ke_n_per_m;
     let mut force_n = vec![0.0; window];
     let mut error_at = |deflection_m: f64| {
         simulate_into(damper, test, deflection_m, &mut force_n);

@@ -79,7 +79,7 @@ impl LeftOver {
         // A line that does not repeat with the cycle is no noise.
         let without_lines = |floor: f64| {
             let rest = floor * floor - lines_rms_n * lines_rms_n;
-            if lines_rms_n > repeat.repeated_rms_n {
+            if lines_rms_n > repeat.repeated_in_all_rms_n {
                 rest.max(0.01 * floor * floor).sqrt()
             } else {
                 floor
@@ -115,7 +115,7 @@ impl LeftOver {
         let strongest = self.lines.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
         if let Some(line) = strongest.filter(|_| lines_rms_n > least)
             && mapped.is_none_or(|map| map.rms_n < lines_rms_n)
-            && lines_rms_n > self.repeat.repeated_rms_n
+            && lines_rms_n > self.repeat.repeated_in_all_rms_n
         {
             let name = &tests.tests[line.test].record.name;
             return Some(Unexplained {

@@ -7,7 +7,8 @@
 //! power that repeats = mean over pairs i, j of different cycles of <r_i, r_j>
 //! ```
 //!
-//! whatever shape it has, and half the mean square of `r_(i+1) - r_i` is the floor of noise, free of
+//! whatever shape it has, slower than a few milliseconds (what is faster, a filter of the bench makes
+//! of every kink of the force, in a perfect model too), and half the mean square of `r_(i+1) - r_i` is the floor of noise, free of
 //! anything that repeats and of slow drift. Neighbouring cycles closer than the memory of ordinary
 //! noise make no pair.
 
@@ -16,14 +17,18 @@ use crate::identify::tests_at_hand::TestsAtHand;
 
 /// Points of phase that a cycle is averaged into.
 const PHASES: usize = 256;
+/// Width of the moving mean that takes out what is faster, s.
+const SMOOTHED_S: f64 = 8e-3;
 /// Cycles whose starts are closer than this make no pair, s.
 const APART_S: f64 = 0.3;
 
 /// What a residual repeats, and what it does not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repeat {
-    /// rms of what repeats, N.
+    /// rms of what repeats, N, without what is faster than a few milliseconds.
     pub repeated_rms_n: f64,
+    /// rms of what repeats, N, however fast.
+    pub repeated_in_all_rms_n: f64,
     /// Probability of that much by chance.
     pub p_value: f64,
     /// rms of what does not, N; nothing without cycles.
@@ -34,7 +39,7 @@ pub struct Repeat {
 
 /// Compares cycles of all tests that have at least three.
 pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
-    let (mut products, mut power, mut weight) = (Vec::new(), 0.0, 0.0);
+    let (mut products, mut power, mut power_in_all, mut weight) = (Vec::new(), 0.0, 0.0, 0.0);
     let (mut scatter, mut scattered, mut with_cycles) = (0.0, 0usize, 0);
     for (test, residual) in tests.tests.iter().zip(residual_n) {
         let record = &test.record;
@@ -48,16 +53,27 @@ pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
         with_cycles += 1;
         let shortest = cycles.iter().map(|cycle| cycle.len()).min().unwrap_or(0);
         let phases = shortest.min(PHASES);
-        let folded: Vec<Vec<f64>> = cycles.iter().map(|cycle| folded(cycle, phases)).collect();
+        let slow = smoothed(residual, (0.5 * SMOOTHED_S / record.step_s).round() as usize);
+        let slow: Vec<Vec<f64>> = starts
+            .windows(2)
+            .filter_map(|pair| slow.get(pair[0]..pair[1]))
+            .map(|cycle| folded(cycle, phases))
+            .collect();
+        let all: Vec<Vec<f64>> = cycles.iter().map(|cycle| folded(cycle, phases)).collect();
         let apart = (APART_S / (shortest as f64 * record.step_s)).ceil().max(1.0) as usize;
         let samples: usize = cycles.iter().map(|cycle| cycle.len()).sum();
-        let (mut sum, mut pairs) = (0.0, 0);
+        let (mut sum, mut in_all, mut pairs) = (0.0, 0.0, 0);
+        let product = |cycles: &[Vec<f64>], i: usize, j: usize| {
+            let pairs = cycles[i].iter().zip(&cycles[j]);
+            pairs.map(|(a, b)| a * b).sum::<f64>() / phases as f64
+        };
         let mut of_test = Vec::new();
-        for i in 0..folded.len() {
-            for j in i + apart..folded.len() {
-                let product = folded[i].iter().zip(&folded[j]).map(|(a, b)| a * b).sum::<f64>();
-                of_test.push(product / phases as f64);
-                sum += product / phases as f64;
+        for i in 0..slow.len() {
+            for j in i + apart..slow.len() {
+                let slow = product(&slow, i, j);
+                of_test.push(slow);
+                sum += slow;
+                in_all += product(&all, i, j);
                 pairs += 1;
             }
         }
@@ -65,6 +81,7 @@ pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
             let share = samples as f64 / f64::from(pairs);
             products.extend(of_test.iter().map(|product| product * share));
             power += sum * share;
+            power_in_all += in_all * share;
             weight += samples as f64;
         }
         for pair in cycles.windows(2) {
@@ -73,13 +90,25 @@ pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
             scattered += length;
         }
     }
-    let repeated = if weight > 0.0 { (power / weight).max(0.0).sqrt() } else { 0.0 };
+    let rms = |power: f64| if weight > 0.0 { (power / weight).max(0.0).sqrt() } else { 0.0 };
     Repeat {
-        repeated_rms_n: repeated,
+        repeated_rms_n: rms(power),
+        repeated_in_all_rms_n: rms(power_in_all),
         p_value: one_sided(&products),
         noise_floor_n: (scattered > 0).then(|| (0.5 * scatter / scattered as f64).sqrt()),
         tests: with_cycles,
     }
+}
+
+/// Mean over `half` samples to either side.
+fn smoothed(values: &[f64], half: usize) -> Vec<f64> {
+    (0..values.len())
+        .map(|i| {
+            let range = i.saturating_sub(half)..(i + half + 1).min(values.len());
+            let length = range.len() as f64;
+            values[range].iter().sum::<f64>() / length
+        })
+        .collect()
 }
 
 /// A cycle averaged into points of equal phase.
