@@ -8,7 +8,7 @@
 mod command;
 
 use command::{folder, output, yawbench};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 fn campaign(place: &Path, more: &[&str]) -> String {
     let args = ["identify", "--campaign", "3", "--seed", "1", "--brief"];
@@ -17,17 +17,17 @@ fn campaign(place: &Path, more: &[&str]) -> String {
     String::from_utf8(result.stdout).unwrap()
 }
 
-fn read(path: PathBuf) -> String {
-    std::fs::read_to_string(&path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
 }
 
 #[test]
 fn a_seed_gives_the_same_table_whole_in_shards_and_after_a_stop() {
     let place = folder("campaign");
     let whole = campaign(&place, &["--out", "whole"]);
-    let table = read(place.join("whole/table.json"));
+    let table = read(&place.join("whole/table.json"));
     assert!(whole.starts_with("3 brief cases of seed 1"), "{whole}");
-    assert_eq!(whole, read(place.join("whole/table.txt")));
+    assert_eq!(whole, read(&place.join("whole/table.txt")));
 
     campaign(&place, &["--out", "parts", "--shard", "2/2"]);
     campaign(&place, &["--out", "parts", "--shard", "1/2"]);
@@ -35,16 +35,16 @@ fn a_seed_gives_the_same_table_whole_in_shards_and_after_a_stop() {
     let merge = ["identify", "--out", "merged", "--merge", files[0], files[1]];
     let merged = output(yawbench().args(merge).current_dir(&place));
     assert_eq!(String::from_utf8_lossy(&merged.stdout), whole);
-    assert_eq!(read(place.join("merged/table.json")), table);
+    assert_eq!(read(&place.join("merged/table.json")), table);
 
     // Stopped within a line: that case runs again and no other.
     let file = place.join("whole/cases-1-of-1.jsonl");
-    let lines = read(file.clone());
+    let lines = read(&file);
     let first = lines.find('\n').unwrap() + 1;
     std::fs::write(&file, &lines[..first + 100]).unwrap();
     assert_eq!(campaign(&place, &["--out", "whole"]), whole);
-    assert_eq!(read(place.join("whole/table.json")), table);
-    let again = read(file);
+    assert_eq!(read(&place.join("whole/table.json")), table);
+    let again = read(&file);
     assert!(again.starts_with(&lines[..first]) && again.lines().count() == 3, "{again}");
 }
 
