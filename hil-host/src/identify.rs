@@ -203,8 +203,8 @@ fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
     let mapping = args.mapping.as_deref();
     // Read together, so that no two tests share a name.
     let paths: Vec<PathBuf> = args.train.iter().chain(&args.holdout).cloned().collect();
-    let fitted: usize = read_tests(&args.train, mapping)?.len();
     let mut train = read_tests(&paths, mapping)?;
+    let fitted = train.iter().take_while(|record| args.train.contains(&record.file)).count();
     let mut holdout = train.split_off(fitted);
     if holdout.is_empty() {
         let parted = split(train);

@@ -128,7 +128,7 @@ fn between(
 fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
     let tests = TestsAtHand::new(records(case, specimen, &silent(&case.sensors)).0);
     let truth = vector_of(&case.nominal);
-    let mut best = fit(&GreyBox::nominal(&tests.scale), &truth, &[], &tests, Effort::FULL)?;
+    let mut best = fit(&GreyBox::nominal(&tests.scale), &truth, &tests, Effort::FULL)?;
     if thorough {
         let other = nominal_fit(&tests, None)?.fit;
         if other.total_n2() < best.total_n2() {

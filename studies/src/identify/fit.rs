@@ -80,26 +80,22 @@ impl Fit {
 /// Sum of squared errors of every piece.
 pub fn squares_of(tests: &TestsAtHand, force_n: &[Vec<f64>]) -> Vec<f64> {
     let squares = tests.pieces.iter().map(|piece| {
-        let range = piece.samples.clone();
-        let measured = &tests.tests[piece.test].record.force_n[range.clone()];
-        let pairs = measured.iter().zip(&force_n[piece.test][range]);
-        pairs.map(|(y, f)| (y - f) * (y - f)).sum()
+        tests.tests[piece.test].squares_n2(&force_n[piece.test], piece.samples.clone())
     });
     squares.collect()
 }
 
-/// Fits the free parameters of a model, from given values. `held` parameters keep theirs.
-pub fn fit(
-    model: &GreyBox,
-    from: &[f64],
-    held: &[usize],
-    tests: &TestsAtHand,
-    effort: Effort,
-) -> Option<Fit> {
-    let mut best = Fit::of(model, from, tests)?;
+/// Fits the parameters of a model, from given values.
+pub fn fit(model: &GreyBox, from: &[f64], tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
+    fit_on(Fit::of(model, from, tests)?, tests, effort)
+}
+
+/// Fits on from a model that has been simulated.
+pub fn fit_on(from: Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
+    let mut best = from;
     for round in 0..effort.rounds {
         let before = best.total_n2();
-        let fitted = descend(&best, held, tests, effort)?;
+        let fitted = descend(&best, tests, effort)?;
         let gained = before - fitted.total_n2();
         if gained > 0.0 {
             best = fitted;
@@ -113,10 +109,9 @@ pub fn fit(
 }
 
 /// One run of the solver with the starts of the dashpots as they are.
-fn descend(from: &Fit, held: &[usize], tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
+fn descend(from: &Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
     let free = from.model.free(&from.values);
-    let moved: Vec<usize> = (0..free.len()).filter(|i| !held.contains(i)).collect();
-    let problem = Problem::new(&from.model, &free, moved, &from.starts_m, tests);
+    let problem = Problem::new(&from.model, free, &from.starts_m, tests);
     let solver = LevenbergMarquardt::new()
         .with_ftol(effort.gain)
         .with_xtol(effort.gain)
@@ -132,7 +127,6 @@ struct Problem<'a> {
     model: &'a GreyBox,
     tests: &'a TestsAtHand,
     starts_m: &'a [f64],
-    moved: Vec<usize>,
     free: Vec<f64>,
     force_n: Option<Vec<Vec<f64>>>,
 }
@@ -140,14 +134,12 @@ struct Problem<'a> {
 impl<'a> Problem<'a> {
     fn new(
         model: &'a GreyBox,
-        free: &[f64],
-        moved: Vec<usize>,
+        free: Vec<f64>,
         starts_m: &'a [f64],
         tests: &'a TestsAtHand,
     ) -> Self {
-        let free = free.to_vec();
         let force_n = forces(model, &model.values(&free), starts_m, tests);
-        Self { model, tests, starts_m, moved, free, force_n }
+        Self { model, tests, starts_m, free, force_n }
     }
 }
 
@@ -157,15 +149,13 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
 
     fn set_params(&mut self, params: &DVector<f64>) {
-        for (index, value) in self.moved.iter().zip(params.iter()) {
-            self.free[*index] = *value;
-        }
+        self.free = params.as_slice().to_vec();
         let values = self.model.values(&self.free);
         self.force_n = forces(self.model, &values, self.starts_m, self.tests);
     }
 
     fn params(&self) -> DVector<f64> {
-        DVector::from_iterator(self.moved.len(), self.moved.iter().map(|i| self.free[*i]))
+        DVector::from_column_slice(&self.free)
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
@@ -184,10 +174,9 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         let force_n = self.force_n.as_ref()?;
-        let columns =
-            slopes(self.model, &self.free, &self.moved, force_n, self.starts_m, self.tests);
+        let columns = slopes(self.model, &self.free, force_n, self.starts_m, self.tests);
         let samples = self.tests.counted_samples();
-        let mut matrix = DMatrix::zeros(samples, self.moved.len());
+        let mut matrix = DMatrix::zeros(samples, self.free.len());
         for (mut column, slope) in matrix.column_iter_mut().zip(&columns) {
             let values = self
                 .tests
@@ -203,7 +192,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 }
 
 /// Simulated force of every test.
-pub fn forces(
+fn forces(
     model: &GreyBox,
     values: &[f64],
     starts_m: &[f64],
@@ -214,19 +203,17 @@ pub fn forces(
     Some(pairs.map(|(test, start_m)| simulate(&damper, test, *start_m)).collect())
 }
 
-/// Change of force per change of each moved free coordinate: by parameter, by test, by sample.
+/// Change of force per change of each free coordinate: by parameter, by test, by sample.
 pub fn slopes(
     model: &GreyBox,
     free: &[f64],
-    moved: &[usize],
     force_n: &[Vec<f64>],
     starts_m: &[f64],
     tests: &TestsAtHand,
 ) -> Vec<Vec<Vec<f64>>> {
     let count = tests.tests.len();
-    let dampers: Vec<_> = moved
-        .iter()
-        .map(|&index| {
+    let dampers: Vec<_> = (0..free.len())
+        .map(|index| {
             // Away from where no damper is, if the first side has none.
             [DERIVATIVE_STEP, -DERIVATIVE_STEP].into_iter().find_map(|step| {
                 let mut shifted = free.to_vec();
@@ -235,7 +222,7 @@ pub fn slopes(
             })
         })
         .collect();
-    let flat: Vec<Vec<f64>> = (0..moved.len() * count)
+    let flat: Vec<Vec<f64>> = (0..free.len() * count)
         .into_par_iter()
         .map(|job| {
             let (parameter, test) = (job / count, job % count);
@@ -248,5 +235,5 @@ pub fn slopes(
         })
         .collect();
     let mut flat = flat.into_iter();
-    moved.iter().map(|_| flat.by_ref().take(count).collect()).collect()
+    free.iter().map(|_| flat.by_ref().take(count).collect()).collect()
 }

@@ -66,13 +66,9 @@ impl LeftOut {
         let mut sums = Vec::new();
         for (piece, force_n) in tests.pieces.iter().zip(&self.force_n) {
             let test = &tests.tests[piece.test];
-            for block in &test.blocks {
-                let range = block.start.max(piece.samples.start)..block.end.min(piece.samples.end);
-                if range.is_empty() {
-                    continue;
-                }
-                let model = range.start - piece.samples.start..range.end - piece.samples.start;
-                let pairs = test.record.force_n[range].iter().zip(&force_n[model]);
+            for block in tests.blocks(piece) {
+                let model = block.start - piece.samples.start..block.end - piece.samples.start;
+                let pairs = test.record.force_n[block].iter().zip(&force_n[model]);
                 sums.push(pairs.map(|(y, f)| (y - f) * (y - f)).sum());
             }
         }
@@ -88,10 +84,9 @@ fn fold(standing: &Standing, out: usize, tests: &TestsAtHand) -> Option<(Vec<f64
     let mut force_n = fit.force_n.clone();
     let mut squares: f64 = seen.iter().map(|piece| squares_on(&force_n, piece, tests)).sum();
     let mut free = DVector::from_vec(fit.model.free(&fit.values));
-    let products = Gram::sum(
+    let mut gram_now = Gram::sum(
         seen.iter().map(|piece| gram(standing, &force_n, piece, tests)).collect::<Vec<_>>().iter(),
     )?;
-    let mut gram_now = products;
     gram_now.columns += gram(standing, &force_n, &tests.pieces[out], tests).columns * RESTRAINT;
     let mut damping = 1e-6;
     for _ in 0..STEPS {
@@ -122,8 +117,9 @@ fn fold(standing: &Standing, out: usize, tests: &TestsAtHand) -> Option<(Vec<f64
             break;
         }
         for (index, piece) in seen.iter().enumerate() {
-            let residual = gram(standing, &force_n, piece, tests).residual;
-            gram_now.residual = if index == 0 { residual } else { gram_now.residual + residual };
+            // The columns stay: only the residual is new.
+            let toward = Gram::toward(&columns(standing, piece), &residual(&force_n, piece, tests));
+            gram_now.residual = if index == 0 { toward } else { gram_now.residual + toward };
         }
     }
     let piece = &tests.pieces[out];
@@ -135,20 +131,25 @@ fn fold(standing: &Standing, out: usize, tests: &TestsAtHand) -> Option<(Vec<f64
 }
 
 fn squares_on(force_n: &[Vec<f64>], piece: &Piece, tests: &TestsAtHand) -> f64 {
-    let measured = &tests.tests[piece.test].record.force_n[piece.samples.clone()];
-    let pairs = force_n[piece.test][piece.samples.clone()].iter().zip(measured);
-    pairs.map(|(f, y)| (y - f) * (y - f)).sum()
+    tests.tests[piece.test].squares_n2(&force_n[piece.test], piece.samples.clone())
+}
+
+/// Sensitivities of the fit over a piece.
+fn columns<'a>(standing: &'a Standing, piece: &Piece) -> Vec<&'a [f64]> {
+    let by_parameter = standing.slopes.iter();
+    by_parameter.map(|slope| &slope[piece.test][piece.samples.clone()]).collect()
+}
+
+/// Measured less given force over a piece.
+fn residual(force_n: &[Vec<f64>], piece: &Piece, tests: &TestsAtHand) -> Vec<f64> {
+    let range = piece.samples.clone();
+    let measured = &tests.tests[piece.test].record.force_n[range.clone()];
+    measured.iter().zip(&force_n[piece.test][range]).map(|(y, f)| y - f).collect()
 }
 
 /// Sensitivities of the fit over a piece, with the residual of the given forces.
 fn gram(standing: &Standing, force_n: &[Vec<f64>], piece: &Piece, tests: &TestsAtHand) -> Gram {
-    let range = piece.samples.clone();
-    let columns: Vec<&[f64]> =
-        standing.slopes.iter().map(|slope| &slope[piece.test][range.clone()]).collect();
-    let measured = &tests.tests[piece.test].record.force_n[range.clone()];
-    let pairs = measured.iter().zip(&force_n[piece.test][range]);
-    let residual: Vec<f64> = pairs.map(|(y, f)| y - f).collect();
-    Gram::over(&columns, &residual)
+    Gram::over(&columns(standing, piece), &residual(force_n, piece, tests))
 }
 
 /// Share of the change that a richer model makes which falls on each piece.

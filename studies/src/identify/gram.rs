@@ -17,7 +17,6 @@ pub struct Gram {
 impl Gram {
     /// Over equally long columns and residual.
     pub fn over(columns: &[&[f64]], residual: &[f64]) -> Self {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let count = columns.len();
         let mut products = DMatrix::zeros(count, count);
         for row in 0..count {
@@ -27,9 +26,13 @@ impl Gram {
                 products[(column, row)] = value;
             }
         }
-        let residual_products = columns.iter().map(|column| dot(column, residual));
-        let residual_products = DVector::from_iterator(count, residual_products);
-        Self { columns: products, residual: residual_products, squares: dot(residual, residual) }
+        let toward = Self::toward(columns, residual);
+        Self { columns: products, residual: toward, squares: dot(residual, residual) }
+    }
+
+    /// Columns times a residual alone.
+    pub fn toward(columns: &[&[f64]], residual: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, residual)))
     }
 
     /// The sum of several pieces, in their order.
@@ -101,6 +104,10 @@ impl Gram {
         let residual = self.residual.rows(count, rest) - cross.tr_mul(&of_residual);
         Self { columns, residual, squares: self.squares - first.fall(&of_residual) }
     }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Directions with less than this share of the strongest one's weight are taken as not there.

@@ -95,17 +95,22 @@ pub fn identify(
     let nominal = nominal_fit(&train, given.as_deref()).ok_or(IdentifyError::NoFit)?;
     let found = search(nominal, &train, progress).ok_or(IdentifyError::NoFit)?;
     progress("what is left");
-    let on = |tests: &TestsAtHand| Models {
-        datasheet: given
-            .as_ref()
-            .and_then(|values| Fit::of(&GreyBox::nominal(&train.scale), values, tests)),
-        refitted: of(&found.refitted.standing.fit, tests),
-        with_effects: of(&found.with_effects.standing.fit, tests),
+    let (refitted, with_effects) = (&found.refitted.standing.fit, &found.with_effects.standing.fit);
+    let sheet =
+        |tests: &TestsAtHand| Fit::of(&GreyBox::nominal(&train.scale), given.as_deref()?, tests);
+    let on_train = Models {
+        datasheet: sheet(&train),
+        refitted: Some(refitted.clone()),
+        with_effects: Some(with_effects.clone()),
     };
-    let (on_train, on_holdout) = (on(&train), on(&holdout));
+    let on_holdout = Models {
+        datasheet: sheet(&holdout),
+        refitted: of(refitted, &holdout),
+        with_effects: of(with_effects, &holdout),
+    };
     let left = |fit: &Fit| LeftOver::of(fit, &train).ok_or(IdentifyError::NoFit);
-    let left_before = left(&found.refitted.standing.fit)?;
-    let left_after = left(&found.with_effects.standing.fit)?;
+    let (left_before, left_after) = (left(refitted)?, left(with_effects)?);
+    let deviations = uncertainty(&found.with_effects.standing, &train);
     let mut identification = Identification {
         result: IdentifyResult {
             verdict: verdict(&found, &left_after),
@@ -113,8 +118,8 @@ pub fn identify(
             noise_floor_method: left_after.noise_floor_method.to_owned(),
             errors: Models { datasheet: None, refitted: None, with_effects: None },
             per_test: Vec::new(),
-            nominal: nominal_values(&found, &train, datasheet.as_ref()),
-            effects: effects_found(&found, &train),
+            nominal: nominal_values(&found, &deviations, datasheet.as_ref()),
+            effects: effects_found(&found, &deviations, &train),
             rejected: rejected(&found),
             not_testable: not_testable(&found, &train),
             unexplained: left_after.unexplained.as_ref().map(unexplained),
@@ -228,10 +233,8 @@ fn rmse(fit: &Fit, tests: &TestsAtHand) -> Option<f64> {
 }
 
 fn rmse_of(test: &Test, force_n: &[f64]) -> f64 {
-    let range = test.counted();
-    let pairs = test.record.force_n[range.clone()].iter().zip(&force_n[range.clone()]);
-    let sum: f64 = pairs.map(|(y, f)| (y - f) * (y - f)).sum();
-    (sum / range.len().max(1) as f64).sqrt()
+    let counted = test.counted();
+    (test.squares_n2(force_n, counted.clone()) / counted.len().max(1) as f64).sqrt()
 }
 
 fn peak_error(test: &Test, force_n: &[f64]) -> Option<f64> {
@@ -259,11 +262,10 @@ fn work_error(test: &Test, force_n: &[f64]) -> Option<f64> {
 
 fn nominal_values(
     found: &Found,
-    train: &TestsAtHand,
+    deviations: &[Option<f64>],
     datasheet: Option<&Nominal>,
 ) -> std::collections::BTreeMap<String, NominalValue> {
     let standing = &found.with_effects.standing;
-    let (deviations, _) = uncertainty(standing, train);
     let given = datasheet.map(vector_of);
     NOMINAL
         .iter()
@@ -280,9 +282,12 @@ fn nominal_values(
         .collect()
 }
 
-fn effects_found(found: &Found, train: &TestsAtHand) -> Vec<EffectFound> {
+fn effects_found(
+    found: &Found,
+    deviations: &[Option<f64>],
+    train: &TestsAtHand,
+) -> Vec<EffectFound> {
     let standing = &found.with_effects.standing;
-    let (deviations, _) = uncertainty(standing, train);
     let declared = train.tests.iter().all(|test| test.record.direction_declared);
     found
         .accepted

@@ -36,8 +36,7 @@ impl Standing {
     /// Prepares a fitted model.
     pub fn new(fit: Fit, tests: &TestsAtHand) -> Self {
         let free = fit.model.free(&fit.values);
-        let moved: Vec<usize> = (0..free.len()).collect();
-        let slopes = slopes(&fit.model, &free, &moved, &fit.force_n, &fit.starts_m, tests);
+        let slopes = slopes(&fit.model, &free, &fit.force_n, &fit.starts_m, tests);
         let residual_n: Vec<Vec<f64>> =
             (0..tests.tests.len()).map(|test| fit.residual_n(tests, test)).collect();
         let colours = tests

@@ -192,7 +192,7 @@ fn fairer(standing: &Judged, trials: &[Trial], tests: &TestsAtHand) -> Option<Ju
     let seen = |trial: &&Trial| trial.judged.standing.fit.total_n2();
     let best = trials.iter().min_by(|a, b| seen(a).total_cmp(&seen(b)))?;
     let values = best.judged.standing.fit.values.get(..before.values.len())?;
-    let again = fit(&before.model, values, &[], tests, Effort::FULL)?;
+    let again = fit(&before.model, values, tests, Effort::FULL)?;
     let better = again.total_n2() < (1.0 - BETTER_MINIMUM) * before.total_n2();
     if better { Judged::new(again, tests) } else { None }
 }
@@ -426,7 +426,7 @@ fn drop_idle(
             }
         }
         let without =
-            fit(&model, &values, &[], tests, Effort::FULL).and_then(|fit| Judged::new(fit, tests));
+            fit(&model, &values, tests, Effort::FULL).and_then(|fit| Judged::new(fit, tests));
         let idle = without.as_ref().is_some_and(|without| {
             let gain = evidence(without, &standing, tests).holdout_gain;
             let seen = 1.0 - fitted.total_n2() / without.standing.fit.total_n2();

@@ -46,12 +46,12 @@ pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Nominal
     let mut starts: Vec<Vec<f64>> = given.iter().map(|values| values.to_vec()).collect();
     starts.extend(tried.iter().take(FITTED).map(|(_, index)| grid[*index].clone()));
     let mut fitted: Vec<Fit> =
-        starts.par_iter().filter_map(|start| fit(&model, start, &[], &beginnings, HALF)).collect();
+        starts.par_iter().filter_map(|start| fit(&model, start, &beginnings, HALF)).collect();
     fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let mut whole: Vec<Fit> = fitted
         .iter()
         .take(3)
-        .filter_map(|start| fit(&model, &start.values, &[], tests, Effort::FULL))
+        .filter_map(|start| fit(&model, &start.values, tests, Effort::FULL))
         .collect();
     whole.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let others = given.iter().map(|values| values.to_vec());

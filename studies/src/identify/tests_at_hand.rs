@@ -79,6 +79,14 @@ impl TestsAtHand {
         Self { tests, pieces, whole_tests, scale }
     }
 
+    /// The blocks of a piece, as samples of its test.
+    pub fn blocks(&self, piece: &Piece) -> impl Iterator<Item = Range<usize>> {
+        let Range { start, end } = piece.samples;
+        let blocks = self.tests[piece.test].blocks.iter();
+        let within = blocks.map(move |block| block.start.max(start)..block.end.min(end));
+        within.filter(|block| !block.is_empty())
+    }
+
     /// Samples in all pieces.
     pub fn counted_samples(&self) -> usize {
         self.pieces.iter().map(|piece| piece.samples.len()).sum()
@@ -118,6 +126,12 @@ impl Test {
     /// Step of the model, s.
     pub fn model_step_s(&self) -> f64 {
         self.record.step_s / self.substeps as f64
+    }
+
+    /// Sum of squared errors of a simulated force over a stretch, N2.
+    pub fn squares_n2(&self, force_n: &[f64], samples: Range<usize>) -> f64 {
+        let pairs = self.record.force_n[samples.clone()].iter().zip(&force_n[samples]);
+        pairs.map(|(y, f)| (y - f) * (y - f)).sum()
     }
 
     /// All samples but the run-in.

@@ -3,7 +3,7 @@
 
 use super::candidate::Candidate;
 use super::chance::one_sided;
-use super::fit::{Effort, Fit, fit};
+use super::fit::{Effort, Fit, fit, fit_on};
 use super::folds::{LeftOut, change_shares};
 use super::gram::Gram;
 use super::screening::Standing;
@@ -95,7 +95,7 @@ pub fn rehearse(
         .filter_map(|group| {
             let tried = group.iter().filter_map(|start| Fit::of(&model, start, beginnings));
             let nearest = tried.min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))?;
-            fit(&model, &nearest.values, &[], beginnings, Effort::SHORT)
+            fit_on(nearest, beginnings, Effort::SHORT)
         })
         .collect();
     fits.into_iter().min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))
@@ -110,11 +110,11 @@ pub fn try_candidate(
 ) -> Option<Trial> {
     let standing = &base.standing;
     let model = standing.fit.model.with(candidate.effect, &tests.scale);
-    let mut best = fit(&model, start, &[], tests, Effort::FULL)?;
+    let mut best = fit(&model, start, tests, Effort::FULL)?;
     if best.total_n2() > standing.fit.total_n2() {
         // A richer model cannot be worse: what the beginnings showed has led astray.
         let usual = [standing.fit.values.as_slice(), candidate.starts.first()?].concat();
-        let again = fit(&model, &usual, &[], tests, Effort::FULL)?;
+        let again = fit(&model, &usual, tests, Effort::FULL)?;
         if again.total_n2() < best.total_n2() {
             best = again;
         }
@@ -184,15 +184,9 @@ fn p_value(poorer: &Judged, richer: &Judged, tests: &TestsAtHand) -> f64 {
     // blocks are alike, the second where a few are much larger than the rest.
     let (mut plain, mut even) = (Vec::new(), Vec::new());
     for (piece, (columns, residual)) in tests.pieces.iter().zip(&whitened) {
-        let test = &tests.tests[piece.test];
-        for block in &test.blocks {
-            let range = block.start.max(piece.samples.start)..block.end.min(piece.samples.end);
-            if range.is_empty() {
-                continue;
-            }
-            let range = range.start - piece.samples.start..range.end - piece.samples.start;
+        for block in tests.blocks(piece) {
             let (mut score, mut square) = (0.0, 0.0);
-            for i in range {
+            for i in block.start - piece.samples.start..block.end - piece.samples.start {
                 let own: f64 = columns.iter().zip(explained.iter()).map(|(c, a)| a * c[i]).sum();
                 let change = columns[own_count(columns)][i] - own;
                 score += change * residual[i];

@@ -19,27 +19,21 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// A coordinate that is uncertain by more than this is not fixed by the records.
 const NOT_FIXED: f64 = 3.0;
 
-/// Standard deviations of all parameters in their units, none where the records do not fix one; and
-/// the correlation of the free coordinates.
-pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> (Vec<Option<f64>>, DMatrix<f64>) {
+/// Standard deviations of all parameters in their units, none where the records do not fix one.
+pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> Vec<Option<f64>> {
     let count = standing.slopes.len();
     let mut scores: Vec<Gram> = Vec::new();
     for piece in &tests.pieces {
-        for block in &tests.tests[piece.test].blocks {
-            let range = block.start.max(piece.samples.start)..block.end.min(piece.samples.end);
-            if range.is_empty() {
-                continue;
-            }
+        for block in tests.blocks(piece) {
             let columns: Vec<&[f64]> =
-                standing.slopes.iter().map(|slope| &slope[piece.test][range.clone()]).collect();
-            scores.push(Gram::over(&columns, &standing.residual_n[piece.test][range]));
+                standing.slopes.iter().map(|slope| &slope[piece.test][block.clone()]).collect();
+            scores.push(Gram::over(&columns, &standing.residual_n[piece.test][block]));
         }
     }
-    let empty = (vec![None; count], DMatrix::identity(count, count));
-    let Some(whole) = Gram::sum(scores.iter()) else { return empty };
+    let Some(whole) = Gram::sum(scores.iter()) else { return vec![None; count] };
     let blocks = scores.len();
     if blocks <= count + 1 {
-        return empty;
+        return vec![None; count];
     }
     let mut middle = DMatrix::zeros(count, count);
     for score in &scores {
@@ -52,19 +46,14 @@ pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> (Vec<Option<f64>
     let free = standing.fit.model.free(&standing.fit.values);
     let spread: Vec<f64> =
         (0..count).map(|i| covariance[(i, i)].max(0.0).sqrt() * student / 1.96).collect();
-    let deviations = spread
+    spread
         .iter()
         .zip(standing.fit.model.coordinates())
         .zip(&free)
         .map(|((spread, coordinate), u)| {
             (*spread < NOT_FIXED && *spread > 0.0).then(|| spread * coordinate.slope(*u))
         })
-        .collect();
-    let correlation = DMatrix::from_fn(count, count, |i, j| {
-        let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
-        if scale > 0.0 { covariance[(i, j)] / scale } else { f64::from(u8::from(i == j)) }
-    });
-    (deviations, correlation)
+        .collect()
 }
 
 /// Inverse of normal equations; directions that no record holds get a very large one.

@@ -52,13 +52,12 @@ pub fn map(
     for (index, piece) in tests.pieces.iter().enumerate() {
         let track = &tracks[piece.test];
         let values = track.values(coordinate);
-        for block in &tests.tests[piece.test].blocks {
-            let range = block.start.max(piece.samples.start)..block.end.min(piece.samples.end);
-            if range.is_empty() || values.is_empty() {
-                continue;
-            }
+        if values.is_empty() {
+            continue;
+        }
+        for block in tests.blocks(piece) {
             let mut sums = vec![(0.0, 0.0); cells];
-            for i in range {
+            for i in block {
                 let (bin, residual) = (bin_of(values[i]), residual_n[piece.test][i]);
                 let cell = &mut sums[2 * bin + usize::from(track.upper(coordinate, i))];
                 *cell = (cell.0 + residual, cell.1 + 1.0);

@@ -68,7 +68,7 @@ pub(super) fn refitted(identification: &Identification, telling: Option<&Shown<'
 /// Nominal parameters: of the datasheet, refitted, and of the final model.
 fn nominal(identification: &Identification) -> Table {
     let standing = &identification.found.refitted.standing;
-    let (deviations, _) = uncertainty(standing, &identification.train);
+    let deviations = uncertainty(standing, &identification.train);
     let added = !identification.result.effects.is_empty();
     let mut table = Table::new("Nominal parameters; std is one standard deviation")
         .text("parameter")

@@ -67,7 +67,7 @@ impl Shown<'_> {
         let counted = self.test.counted();
         let Some(refitted) = self.force_n.refitted else { return 0.0 };
         let samples = counted.len().max(1) as f64;
-        let rms_n = (squares(self.test, refitted, counted) / samples).sqrt();
+        let rms_n = (self.test.squares_n2(refitted, counted) / samples).sqrt();
         if self.test.record.cycles.len() > 2 { TANGLE * rms_n } else { rms_n }
     }
 }
@@ -92,15 +92,10 @@ pub(super) fn telling_stretch(test: &Test, force_n: &[f64]) -> Range<usize> {
     let end = test.record.force_n.len();
     let mut found = (0.0, counted);
     for range in candidates.into_iter().map(|range| range.start..range.end.min(end)) {
-        let off = squares(test, force_n, range.clone()) / range.len().max(1) as f64;
+        let off = test.squares_n2(force_n, range.clone()) / range.len().max(1) as f64;
         if off > found.0 {
             found = (off, range);
         }
     }
     found.1
-}
-
-fn squares(test: &Test, force_n: &[f64], range: Range<usize>) -> f64 {
-    let pairs = test.record.force_n[range.clone()].iter().zip(&force_n[range]);
-    pairs.map(|(y, f)| (y - f) * (y - f)).sum()
 }
