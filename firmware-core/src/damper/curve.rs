@@ -33,10 +33,17 @@ impl Curve {
     /// Zero everywhere.
     pub const ZERO: Self = Self { knots: Vec::new(), slope_before: 0.0, slope_after: 0.0 };
 
+    /// Without a knot yet. A function, and not [`Self::ZERO`] with other slopes, which would copy the
+    /// room for all knots.
+    #[inline]
+    pub(super) fn straight(slope_before: f64, slope_after: f64) -> Self {
+        Self { knots: Vec::new(), slope_before, slope_after }
+    }
+
     /// A curve through rising knots with a slope beyond each end. Knots beyond the capacity are
     /// dropped: the damper is then refused, before a step is made with it.
     pub fn through(knots: &[Knot], slope_before: f64, slope_after: f64) -> Self {
-        let mut curve = Self { slope_before, slope_after, ..Self::ZERO };
+        let mut curve = Self::straight(slope_before, slope_after);
         for knot in knots {
             curve.push(*knot);
         }
@@ -45,7 +52,7 @@ impl Curve {
 
     /// An odd curve from its knots at zero and above, with one slope beyond both ends.
     pub fn odd(above: &[Knot], slope: f64) -> Self {
-        let mut curve = Self { slope_before: slope, slope_after: slope, ..Self::ZERO };
+        let mut curve = Self::straight(slope, slope);
         for knot in above.iter().rev().filter(|knot| knot.x > 0.0) {
             curve.push(Knot { x: -knot.x, y: -knot.y });
         }
@@ -80,11 +87,10 @@ impl Curve {
     /// The sum of two curves.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
-        let mut sum = Self {
-            knots: Vec::new(),
-            slope_before: self.slope_before + other.slope_before,
-            slope_after: self.slope_after + other.slope_after,
-        };
+        let mut sum = Self::straight(
+            self.slope_before + other.slope_before,
+            self.slope_after + other.slope_after,
+        );
         merge(self, other, |x, a, b| {
             let (before, after) = (a.0 + b.0, a.1 + b.1);
             sum.push(Knot { x, y: before });

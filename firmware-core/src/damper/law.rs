@@ -145,18 +145,22 @@ pub struct Law {
 }
 
 impl Law {
-    /// A law to be filled by [`Law::join`].
-    pub const EMPTY: Self = Self {
-        sliding: Vec::new(),
-        resting: Vec::new(),
-        rest_from_m: 0.0,
-        rest_to_m: 0.0,
-        step_s: 0.0,
-    };
+    /// A law to be filled by [`Law::join`]. No constant: that would be copied, unused room and all,
+    /// in every step that needs one.
+    #[inline]
+    pub fn empty() -> Self {
+        Self {
+            sliding: Vec::new(),
+            resting: Vec::new(),
+            rest_from_m: 0.0,
+            rest_to_m: 0.0,
+            step_s: 0.0,
+        }
+    }
 
     /// Joins the parts under the given factors, in place. Bounded by the number of knots.
     pub fn join(&mut self, parts: &Parts, factors: &Factors) {
-        let mut body = Curve::ZERO;
+        let mut body = Curve::straight(0.0, 0.0);
         let x_gain = factors.velocity_gain;
         body.copy_scaled(&parts.hydraulic, x_gain, factors.force_gain, factors.preload_n);
         if let Some(side) = factors.slack {
@@ -363,7 +367,7 @@ mod tests {
 
     fn joined(nominal: &Nominal, dry: Curve, factors: &Factors) -> Law {
         let (hydraulic, attachment) = (nominal.hydraulic(), nominal.attachment());
-        let mut law = Law::EMPTY;
+        let mut law = Law::empty();
         law.join(&Parts { hydraulic, dry, attachment }, factors);
         law
     }

@@ -269,7 +269,7 @@ impl Damper {
             effect.shape(&mut parts, &nominal);
         }
         Law::check(&parts)?;
-        let mut law = Law::EMPTY;
+        let mut law = Law::empty();
         law.join(&parts, &Factors::NONE);
         let slow = ordered.iter().any(Effect::is_slow);
         let creeps = ordered.iter().any(Effect::creeps);

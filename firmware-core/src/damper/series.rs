@@ -352,7 +352,7 @@ mod tests {
 
     fn law_of(nominal: &Nominal) -> Law {
         let (hydraulic, attachment) = (nominal.hydraulic(), nominal.attachment());
-        let mut law = Law::EMPTY;
+        let mut law = Law::empty();
         law.join(&Parts { hydraulic, dry: Curve::ZERO, attachment }, &Factors::NONE);
         law
     }

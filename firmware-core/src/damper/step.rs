@@ -159,7 +159,7 @@ impl Damper {
             if factors == Factors::NONE {
                 self.solve(&self.law, stand, drive, step_s, creep, start_force_n)
             } else {
-                let mut law = Law::EMPTY;
+                let mut law = Law::empty();
                 law.join(&self.parts, &factors);
                 self.solve(&law, stand, drive, step_s, creep, start_force_n)
             }
