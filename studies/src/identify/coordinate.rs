@@ -48,6 +48,8 @@ pub enum Coordinate {
 
 /// Ratio of bounds from which a parameter is spread over decades.
 const SPREAD: f64 = 30.0;
+/// Share of the bend below which a parameter from zero is stuck.
+const STUCK: f64 = 1e-2;
 /// A coordinate stays within this, or numbers vanish.
 const FAR: f64 = 30.0;
 
@@ -69,6 +71,14 @@ impl Coordinate {
     pub fn lifted(&self, value: f64) -> f64 {
         match *self {
             Self::FromZero { bend, .. } => value.max(bend),
+            _ => value,
+        }
+    }
+
+    /// The same for a value that has run so close to zero that no fit comes back from there.
+    pub fn freed(&self, value: f64) -> f64 {
+        match *self {
+            Self::FromZero { bend, .. } if value < STUCK * bend => bend,
             _ => value,
         }
     }

@@ -108,6 +108,17 @@ pub fn fit_on(from: Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
     Some(best)
 }
 
+/// The same, and once more with what got stuck at zero lifted off it: on the way a parameter may fall
+/// to zero that belongs elsewhere, a clearance while the air beside it is still too large.
+pub fn fit_freely(from: Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
+    let fitted = fit_on(from, tests, effort)?;
+    let Some(freed) = fitted.model.freed(&fitted.values) else { return Some(fitted) };
+    match fit(&fitted.model, &freed, tests, effort) {
+        Some(again) if again.total_n2() < fitted.total_n2() => Some(again),
+        _ => Some(fitted),
+    }
+}
+
 /// One run of the solver with the starts of the dashpots as they are.
 fn descend(from: &Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
     let free = from.model.free(&from.values);

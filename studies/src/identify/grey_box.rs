@@ -76,6 +76,13 @@ impl GreyBox {
         self.coordinates.iter().zip(values).map(|(coordinate, v)| coordinate.lifted(*v)).collect()
     }
 
+    /// The same for those alone that are stuck at zero; nothing where none is.
+    pub fn freed(&self, values: &[f64]) -> Option<Vec<f64>> {
+        let pairs = self.coordinates.iter().zip(values);
+        let freed: Vec<f64> = pairs.map(|(coordinate, v)| coordinate.freed(*v)).collect();
+        (freed != values).then_some(freed)
+    }
+
     /// The damper, if these values make one.
     pub fn damper(&self, values: &[f64]) -> Option<Damper> {
         let [ce, ke, two_a, f_relief, c2] = *values.first_chunk::<5>()?;

@@ -17,13 +17,13 @@ use super::grey_box::GreyBox;
 use super::screening::{Screened, screen};
 use super::start::{BEGINNING_S, NominalFit};
 use super::tests_at_hand::TestsAtHand;
-use super::trial::{Evidence, Judged, Trial, evidence, rehearse, starts, try_candidate};
+use super::trial::{
+    Evidence, Judged, LEAST_GAIN, Trial, evidence, rehearse, starts, try_candidate,
+};
 use rayon::prelude::*;
 
 /// Most effects that are accepted.
 pub const MOST_EFFECTS: usize = 4;
-/// Smallest relevant share of squared error that an effect takes away, seen and left out.
-const LEAST_GAIN: f64 = 0.03;
 /// Pieces that must be improved or unchanged.
 const LEAST_IMPROVED: f64 = 0.8;
 /// Pieces without which the same choice must be made.

@@ -1,4 +1,5 @@
-//! Free-running simulation of a test: measured displacement in, force out, never a measured force.
+//! Free-running simulation of a test: measured displacement (without its
+//! noise, [`crate::measurement::smoothing`]) in, force out, never a measured force.
 //!
 //! Where the dashpot stood at the first sample is not in the record: a joint rests anywhere in its
 //! clearance. It is one number per test, and the only one that a test held out gives to a model: the
@@ -47,9 +48,9 @@ pub fn walk(
     let record = &test.record;
     let step_s = test.model_step_s();
     let damper = damper.clone().prepared(step_s);
-    let motion = |i: usize| Motion::new(record.displacement_m[i], record.velocity_m_per_s[i]);
+    let motion = |i: usize| Motion::new(record.drive_m[i], record.velocity_m_per_s[i]);
     let mut state =
-        DamperState::starting(motion(0)).with_piston_m(record.displacement_m[0] - deflection_m);
+        DamperState::starting(motion(0)).with_piston_m(record.drive_m[0] - deflection_m);
     for i in 0..samples.min(record.force_n.len()) {
         if let Some(degc) = &record.temperature_degc {
             state.set_temperature_degc(Some(degc[i]));

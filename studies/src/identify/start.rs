@@ -1,7 +1,7 @@
 //! Where the fit of the nominal damper starts: a coarse grid over everything possible, then a fit of
 //! the best few on the beginnings of the tests.
 
-use super::fit::{Effort, Fit, fit, squares_of};
+use super::fit::{Effort, Fit, fit, fit_freely, squares_of};
 use super::grey_box::GreyBox;
 use super::simulation::simulate;
 use super::tests_at_hand::TestsAtHand;
@@ -45,8 +45,10 @@ pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Nominal
     tried.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut starts: Vec<Vec<f64>> = given.iter().map(|values| values.to_vec()).collect();
     starts.extend(tried.iter().take(FITTED).map(|(_, index)| grid[*index].clone()));
-    let mut fitted: Vec<Fit> =
-        starts.par_iter().filter_map(|start| fit(&model, start, &beginnings, HALF)).collect();
+    let mut fitted: Vec<Fit> = starts
+        .par_iter()
+        .filter_map(|start| fit_freely(Fit::of(&model, start, &beginnings)?, &beginnings, HALF))
+        .collect();
     fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let mut whole: Vec<Fit> = fitted
         .iter()

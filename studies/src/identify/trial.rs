@@ -3,7 +3,7 @@
 
 use super::candidate::Candidate;
 use super::chance::one_sided;
-use super::fit::{Effort, Fit, fit, fit_on};
+use super::fit::{Effort, Fit, fit, fit_freely};
 use super::folds::{LeftOut, change_shares};
 use super::gram::Gram;
 use super::screening::Standing;
@@ -50,10 +50,12 @@ pub struct Trial {
     pub evidence: Evidence,
 }
 
+/// Smallest relevant share of squared error that an effect takes away, seen and left out.
+pub const LEAST_GAIN: f64 = 0.03;
 /// A piece may be worse by this share and still counts as unchanged.
 const UNCHANGED: f64 = 0.01;
-/// A piece that holds more than this share of all that a candidate changes cannot judge it: without
-/// the piece the candidate would not have been found.
+/// A piece that holds more than this share of all that a candidate changes cannot judge it, unless
+/// the others would have found the candidate too.
 const LONE_SHARE: f64 = 0.98;
 
 /// Start parameters of a candidate, a group for each of its own start values: with the standing
@@ -95,7 +97,7 @@ pub fn rehearse(
         .filter_map(|group| {
             let tried = group.iter().filter_map(|start| Fit::of(&model, start, beginnings));
             let nearest = tried.min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))?;
-            fit_on(nearest, beginnings, Effort::SHORT)
+            fit_freely(nearest, beginnings, Effort::SHORT)
         })
         .collect();
     fits.into_iter().min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))
@@ -122,13 +124,19 @@ pub fn try_candidate(
     let mut judged = Judged::new(best, tests)?;
     let shares = change_shares(&standing.fit, &judged.standing.fit, tests);
     for (piece, share) in shares.iter().enumerate() {
-        if *share > LONE_SHARE {
+        if *share > LONE_SHARE && !found_without(piece, base, &judged) {
             judged.left_out.force_n[piece].clone_from(&base.left_out.force_n[piece]);
             judged.left_out.squares_n2[piece] = base.left_out.squares_n2[piece];
         }
     }
     let evidence = evidence(base, &judged, tests);
     Some(Trial { candidate: index, judged, evidence })
+}
+
+/// True when a candidate takes away enough of the squared error of all other pieces.
+fn found_without(piece: usize, poorer: &Judged, richer: &Judged) -> bool {
+    let others = |judged: &Judged| judged.left_out.total_n2() - judged.left_out.squares_n2[piece];
+    others(richer) < (1.0 - LEAST_GAIN) * others(poorer)
 }
 
 /// Compares a richer model with a poorer one on pieces that neither has seen.

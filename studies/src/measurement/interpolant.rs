@@ -1,6 +1,7 @@
 //! The interpolant of a sampled motion: displacement, velocity and acceleration from samples alone.
 //!
-//! - **Displacement** is the samples themselves: a triangle keeps its corners.
+//! - **Displacement** is the samples, without their noise where there is any ([`super::smoothing`]): a
+//!   triangle keeps its corners.
 //! - **Velocity** and **acceleration** are those of a local quartic, by weighted least squares over
 //!   the samples within 10 ms to either side (at least two), weights `(1 - u^2)^2` that fade to zero
 //!   just outside. The fading keeps noise from jumping from sample to sample: the mean acceleration

@@ -2,8 +2,8 @@
 //! acceleration beside the displacement, cycles marked.
 //!
 //! [`read_tests`] reads CSV files, with a [`mapping`] where their columns are another
-//! laboratory's. Each test passes the [`checks`], comes to a uniform [`clock`], gets velocity and
-//! acceleration from the [`interpolant`] and its [`cycles`]; [`noise`] says what no model can explain.
+//! laboratory's. Each test passes the [`checks`], comes to a uniform [`clock`], loses the noise of its displacement
+//! ([`smoothing`]), gets velocity and acceleration from the [`interpolant`] and its [`cycles`]; [`noise`] says what no model can explain.
 //! What is wrong is one line with file, row, column, found and expected ([`error`]); what was mended is a
 //! line in [`Measurement::repairs`]. Nothing is silently dropped.
 
@@ -16,6 +16,7 @@ pub mod mapping;
 mod motion;
 pub mod noise;
 pub mod series;
+pub mod smoothing;
 pub mod table;
 #[cfg(test)]
 mod tests;
@@ -42,8 +43,10 @@ pub struct Measurement {
     pub start_s: f64,
     /// Sampling period, s.
     pub step_s: f64,
-    /// Displacement, m.
+    /// Displacement as measured, m.
     pub displacement_m: Vec<f64>,
+    /// Displacement without its noise, m: what drives a model.
+    pub drive_m: Vec<f64>,
     /// Velocity, m/s, from the stated interpolant.
     pub velocity_m_per_s: Vec<f64>,
     /// Acceleration, m/s2, from the stated interpolant.
@@ -99,8 +102,8 @@ impl Measurement {
         checks::length(&series, step_s)?;
         let cycles = cycles::find(&series.displacement_m);
         checks::agree(&mut series, &cycles)?;
-        let (velocity_m_per_s, acceleration_m_per_s2) =
-            interpolant::derivatives(&series.displacement_m, step_s);
+        let drive_m = smoothing::smoothed(&series.displacement_m);
+        let (velocity_m_per_s, acceleration_m_per_s2) = interpolant::derivatives(&drive_m, step_s);
         checks::tell_velocity(&mut series, &velocity_m_per_s);
         let run_in = cycles::run_in(&cycles, series.force_n.len(), step_s);
         Ok(Self {
@@ -109,6 +112,7 @@ impl Measurement {
             start_s,
             step_s,
             displacement_m: series.displacement_m,
+            drive_m,
             velocity_m_per_s,
             acceleration_m_per_s2,
             force_n: series.force_n,

@@ -7,7 +7,7 @@ impl Measurement {
     /// cubic through both displacements with both velocities.
     #[inline]
     pub fn motion_between(&self, sample: usize, share: f64) -> (f64, f64) {
-        let end = |at: usize| (self.displacement_m[at], self.velocity_m_per_s[at]);
+        let end = |at: usize| (self.drive_m[at], self.velocity_m_per_s[at]);
         interpolant::between(end(sample), end(sample + 1), self.step_s, share)
     }
 
@@ -23,6 +23,7 @@ impl Measurement {
         Self {
             start_s: self.start_s + start as f64 * self.step_s,
             displacement_m: cut(&self.displacement_m),
+            drive_m: cut(&self.drive_m),
             velocity_m_per_s: cut(&self.velocity_m_per_s),
             acceleration_m_per_s2: cut(&self.acceleration_m_per_s2),
             force_n: cut(&self.force_n),
@@ -40,6 +41,7 @@ impl Measurement {
         let cut = |values: &[f64]| values[..end].to_vec();
         Self {
             displacement_m: cut(&self.displacement_m),
+            drive_m: cut(&self.drive_m),
             velocity_m_per_s: cut(&self.velocity_m_per_s),
             acceleration_m_per_s2: cut(&self.acceleration_m_per_s2),
             force_n: cut(&self.force_n),
