@@ -208,6 +208,7 @@ fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, NotTestable
         let starts = || screened.iter().filter(|screened| screened.candidate == index);
         let unabsorbed = starts().map(Screened::unabsorbed).fold(0.0, f64::max);
         let standing_out = starts().map(Screened::standing_out).fold(0.0, f64::max);
+        let gain = starts().map(|start| start.gain(None)).fold(0.0, f64::max);
         let why = if starts().next().is_none() {
             "no damper of this size has it".to_owned()
         } else if standing_out == 0.0 {
@@ -217,7 +218,7 @@ fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, NotTestable
                 "the other parameters do the same: {:.2} % of it is left after their refit",
                 100.0 * unabsorbed
             )
-        } else if standing_out < LEAST_STANDING_OUT {
+        } else if standing_out < LEAST_STANDING_OUT && gain < LEAST_GAIN {
             format!("at its usual size it stands out by {standing_out:.2} standard errors")
         } else {
             continue;

@@ -9,6 +9,10 @@
 //!
 //! which holds for noise of any colour within blocks and of any strength between them. Widened by
 //! Student's factor for few blocks, so that 1.96 standard deviations hold 95 %.
+//!
+//! What a bench does to every cycle of a test alike (its filter rounds each kink) is no noise of
+//! blocks; it pulls each test its own way. So the same is reckoned with whole tests for blocks, and
+//! each parameter is told the larger of its two deviations.
 
 use super::gram::Gram;
 use super::screening::Standing;
@@ -22,38 +26,53 @@ const NOT_FIXED: f64 = 3.0;
 /// Standard deviations of all parameters in their units, none where the records do not fix one.
 pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> Vec<Option<f64>> {
     let count = standing.slopes.len();
-    let mut scores: Vec<Gram> = Vec::new();
+    let (mut blocks, mut pieces): (Vec<Gram>, Vec<Gram>) = (Vec::new(), Vec::new());
     for piece in &tests.pieces {
+        let first = blocks.len();
         for block in tests.blocks(piece) {
             let columns: Vec<&[f64]> =
                 standing.slopes.iter().map(|slope| &slope[piece.test][block.clone()]).collect();
-            scores.push(Gram::over(&columns, &standing.residual_n[piece.test][block]));
+            blocks.push(Gram::over(&columns, &standing.residual_n[piece.test][block]));
         }
+        pieces.extend(Gram::sum(blocks[first..].iter()));
     }
-    let Some(whole) = Gram::sum(scores.iter()) else { return vec![None; count] };
-    let blocks = scores.len();
-    if blocks <= count + 1 {
+    let Some(whole) = Gram::sum(pieces.iter()) else { return vec![None; count] };
+    if blocks.len() <= count + 1 {
         return vec![None; count];
     }
-    let mut middle = DMatrix::zeros(count, count);
-    for score in &scores {
-        middle += &score.residual * score.residual.transpose();
-    }
     let inverse = inverse(&whole.columns);
-    let freedom = (blocks - count) as f64;
-    let covariance = &inverse * middle * &inverse * (blocks as f64 / freedom);
-    let student = StudentsT::new(0.0, 1.0, freedom).map_or(1.96, |t| t.inverse_cdf(0.975));
+    let by_block = variances(&blocks, blocks.len() - count, &inverse);
+    // With pieces of few tests their scores are those of the same motion.
+    let by_piece = if tests.whole_tests {
+        variances(&pieces, pieces.len() - 1, &inverse)
+    } else {
+        vec![0.0; count]
+    };
     let free = standing.fit.model.free(&standing.fit.values);
-    let spread: Vec<f64> =
-        (0..count).map(|i| covariance[(i, i)].max(0.0).sqrt() * student / 1.96).collect();
-    spread
+    let coordinates = standing.fit.model.coordinates().iter().zip(&free);
+    by_block
         .iter()
-        .zip(standing.fit.model.coordinates())
-        .zip(&free)
-        .map(|((spread, coordinate), u)| {
-            (*spread < NOT_FIXED && *spread > 0.0).then(|| spread * coordinate.slope(*u))
+        .zip(&by_piece)
+        .map(|(block, piece)| block.max(*piece).sqrt())
+        .zip(coordinates)
+        .map(|(spread, (coordinate, u))| {
+            (spread < NOT_FIXED && spread > 0.0).then(|| spread * coordinate.slope(*u))
         })
         .collect()
+}
+
+/// Variances of the free coordinates from independent scores, widened by Student's factor.
+fn variances(scores: &[Gram], freedom: usize, inverse: &DMatrix<f64>) -> Vec<f64> {
+    let count = inverse.nrows();
+    let mut middle = DMatrix::zeros(count, count);
+    for score in scores {
+        middle += &score.residual * score.residual.transpose();
+    }
+    let freedom = freedom as f64;
+    let covariance = inverse * middle * inverse * (scores.len() as f64 / freedom);
+    let student = StudentsT::new(0.0, 1.0, freedom).map_or(1.96, |t| t.inverse_cdf(0.975));
+    let factor = student / 1.96;
+    (0..count).map(|i| covariance[(i, i)].max(0.0) * factor * factor).collect()
 }
 
 /// Inverse of normal equations; directions that no record holds get a very large one.

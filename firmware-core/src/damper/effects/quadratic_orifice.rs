@@ -50,6 +50,8 @@ impl DamperEffect for QuadraticOrifice {
     const EQUATION: &'static str = "F = Ce v + b v |v| below relief";
     const SHOWN_BY: &'static str =
         "Slow triangles over a wide stroke at five or more speeds below relief, one to five apart.";
+    // Relief may come at a small part of the greatest velocity.
+    const STARTS: &'static [&'static [f64]] = &[&[3.0], &[30.0]];
 
     fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
         let (ce, b) = (nominal.ce_n_s_per_m, self.quadratic_n_s2_per_m2);
