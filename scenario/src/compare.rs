@@ -2,7 +2,7 @@
 //!
 //! ```toml
 //! [compare]
-//! name = "datasheet"                     # the name of the file, or "before", where absent
+//! name = "datasheet"                     # the name of the file, or "the other damper", where absent
 //! damper = { file = "datasheet.toml" }   # keys as in [damper], over a new damper
 //! ```
 //! The other damper takes the place of every damper of the scenario, those of single slots and of an
@@ -44,7 +44,7 @@ pub struct CompareSetup {
 }
 
 /// What the other damper is called when nobody says.
-const NAME: &str = "before";
+const NAME: &str = "the other damper";
 
 impl CompareFile {
     /// This comparison with the values of the model file that it names, and with its name.
@@ -197,7 +197,7 @@ mod tests {
             let source = Source::from_text(&folder.join("run.toml"), text);
             source.parse::<CompareFile>().unwrap().resolved(&source).unwrap().name.unwrap()
         };
-        assert_eq!(named(""), "before");
+        assert_eq!(named(""), "the other damper");
         assert_eq!(named("damper = { file = \"maker.toml\" }"), "maker");
         assert_eq!(named("name = \"sheet\"\ndamper = { file = \"maker.toml\" }"), "sheet");
         std::fs::remove_dir_all(&folder).unwrap();
