@@ -111,6 +111,28 @@ fn places_nodes_and_buses_that_do_not_exist_are_refused() {
 }
 
 #[test]
+fn a_comparison_that_cannot_be_is_refused_before_the_run() {
+    let text = refused("compare-key", &format!("{GOOD}[compare]\ndampers = {{}}\n"), None, &[]);
+    has(&text, &["case.toml:6", "dampers", "`name` or `damper`"]);
+    let compare = |damper: &str| format!("{GOOD}[compare.damper]\n{damper}\n");
+    let text = refused("compare-damper", &compare("ke_n_per_mm = 1.0"), None, &[]);
+    has(&text, &["case.toml:6", "ke_n_per_mm", "ke_n_per_m"]);
+    let text = refused("compare-value", &compare("ke_n_per_m = 0.0"), None, &[]);
+    has(&text, &["case.toml:6", "ke_n_per_m = 0", "positive"]);
+    let text = refused("compare-effect", &compare("effect = [{ name = \"rust\" }]"), None, &[]);
+    has(&text, &["case.toml", "rust", "seal_friction"]);
+    let text = refused("compare-file", &compare("file = \"no/sheet.toml\""), None, &[]);
+    has(&text, &["no/sheet.toml", "cannot be read"]);
+    // A vehicle file is no model of a damper.
+    let text = refused("compare-other", &compare("file = \"vehicles/ss9.toml\""), None, &[]);
+    has(&text, &["vehicles/ss9.toml:", "unknown field", "`damper`"]);
+    let coach = repository().join("scenarios/vehicles/manchester-coach.toml");
+    let coach = GOOD.replace("\"vehicles/ss9.toml\"", &format!("{coach:?}"));
+    let text = refused("compare-none", &format!("{coach}[compare]\n"), None, &[]);
+    has(&text, &["case.toml", "[compare]", "no yaw dampers"]);
+}
+
+#[test]
 fn a_missing_file_is_named() {
     let result = output(yawbench().args(["run", "no/such/scenario.toml"]));
     assert_eq!(result.status.code(), Some(2));

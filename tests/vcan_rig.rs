@@ -204,6 +204,36 @@ fn thirty_thousand_cycles_on_the_clock_account_for_every_frame() {
     let _ = std::fs::remove_dir_all(folder);
 }
 
+#[test]
+fn a_comparison_models_the_slot_of_a_rig_that_cannot_be_run_again() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let folder = out(&vcan, "compared");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let example = std::fs::read_to_string(scenario("ss9-before-and-after.toml")).expect("a file");
+    let vehicles = format!("\"{}", scenario("vehicles").display());
+    let example = example.replace("\"vehicles", &vehicles);
+    let (modelled, _) = example.split_once("[[slot]]").expect("a slot");
+    let run = |name: &str, text: &str, args: &[&str]| {
+        let file = folder.join(name);
+        std::fs::write(&file, text).expect("a scenario");
+        let mut command = yawbench();
+        command.args(["run", "--json", "--duration", "4"]).arg(&file).args(args);
+        summary(&command.arg("--out").arg(folder.join("out")).output().expect("the host"))
+    };
+    let alike = run("modelled.toml", modelled, &["--pace", "fast"]);
+    let rig = Rig::start(&vcan, LOCK_STEP_RIG);
+    let bus = format!("socketcan:{vcan}");
+    let host = run("rig.toml", &example, &["--pace", "lockstep", "--bus", &bus]);
+    let (code, rig) = rig.end();
+    assert_eq!(code, Some(0), "{rig}");
+    // The rig carries a new damper, whatever the scenario says of an emulated one.
+    assert_ne!(host["trajectory_hash"], alike["trajectory_hash"]);
+    assert_eq!(host["comparison"]["modelled_instead"], serde_json::json!(["front left"]));
+    assert_eq!(host["comparison"]["state"], "completed");
+    assert_eq!(host["comparison"]["trajectory_hash"], alike["comparison"]["trajectory_hash"]);
+    let _ = std::fs::remove_dir_all(folder);
+}
+
 /// Stops or continues a process.
 fn signal(name: &str, process: u32) {
     let done = Command::new("kill").args([name, &process.to_string()]).status().expect("kill");

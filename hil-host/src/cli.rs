@@ -227,10 +227,17 @@ fn run_command(args: &RunArgs) -> anyhow::Result<ExitCode> {
         println!("{}", serde_json::to_string_pretty(&finished.summary)?);
     } else {
         print_summary(&finished.summary);
-        println!(
-            "files in {}: report.html, summary.json, record.npy, bus.log, scenario.toml, vehicle.toml",
-            finished.folder.display()
-        );
+        let mut files =
+            "report.html, summary.json, record.npy, bus.log, scenario.toml, vehicle.toml"
+                .to_owned();
+        if let Some(comparison) = &finished.summary.comparison {
+            print!("{comparison}");
+            for warning in comparison.warnings(&finished.summary.state) {
+                println!("warning: {warning}");
+            }
+            files += ", record-compared.npy";
+        }
+        println!("files in {}: {files}", finished.folder.display());
     }
     Ok(if finished.summary.state == "safe" {
         eprintln!(

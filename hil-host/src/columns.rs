@@ -30,6 +30,8 @@ pub struct Columns {
     pub watch: [Watched; DAMPER_SLOTS],
     /// Lateral and vertical acceleration of carbody, front bogie, first wheelset (m/s2).
     pub acceleration: [Vec<f64>; 6],
+    /// Lateral position of the leading wheelset against the track (m).
+    pub wheelset_lateral_m: Vec<f64>,
     /// Rows that came after the limit.
     pub left_out: u64,
     /// Time of one vehicle step (ns).
@@ -89,6 +91,7 @@ impl Default for Columns {
             residual_limit_n: Default::default(),
             watch: Default::default(),
             acceleration: Default::default(),
+            wheelset_lateral_m: Vec::new(),
             left_out: 0,
             compute_ns: histogram(),
             cycle_ns: histogram(),
@@ -129,6 +132,7 @@ impl Columns {
                 self.residual_limit_n[slot].push(row.residual_limit_n[slot]);
             }
         }
+        self.wheelset_lateral_m.push(row.wheelset_lateral_m[0]);
         for (column, value) in self.acceleration.iter_mut().zip(row.acceleration_m_per_s2) {
             column.push(value);
         }

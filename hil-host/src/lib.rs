@@ -7,7 +7,9 @@
 //! Frames come and go over a [`bus`]: emulated rigs in memory, or SocketCAN. The [`clock`] keeps
 //! absolute deadlines, [`realtime`] asks the kernel for what it may give. Rows and frames leave
 //! through bounded queues to the [`record`]; [`columns`], [`summary`] and [`page`] turn them into
-//! numbers and a report. [`characterise`] is a visit to a damper bench. [`rig`] is the other end of the bus, in line or as a process of its own.
+//! numbers and a report, [`comparison`] sets a run beside the same run with another damper.
+//! [`characterise`] is a visit to a damper bench. [`rig`] is the other end of the bus, in line or as a
+//! process of its own.
 
 pub mod bus;
 pub mod campaign;
@@ -15,6 +17,7 @@ pub mod characterise;
 pub mod cli;
 pub mod clock;
 pub mod columns;
+pub mod comparison;
 pub mod control;
 pub mod identify;
 pub mod page;

@@ -7,8 +7,14 @@ use report::{Cell, Plot, Report, Section, Table, Tile, logarithmic_bins};
 use scenario::run::{CYCLE_S, Run};
 use studies::spectrum::Spectrum;
 
-/// The report of a run.
-pub fn page(run: &Run, summary: &Summary, columns: &Columns, bus_plan: &[String]) -> Report {
+/// The report of a run; with `compared`, also what stands beside it.
+pub fn page(
+    run: &Run,
+    summary: &Summary,
+    columns: &Columns,
+    bus_plan: &[String],
+    compared: Option<Section>,
+) -> Report {
     let first = columns.first_after(run.run_in_s);
     let mut report = Report::new(&run.title)
         .subtitle(&format!(
@@ -16,8 +22,11 @@ pub fn page(run: &Run, summary: &Summary, columns: &Columns, bus_plan: &[String]
             run.vehicle_name, summary.speed_kmh, summary.duration_s, summary.bus, summary.pace
         ))
         .fact("trajectory hash", &summary.trajectory_hash)
-        .section(overview(run, summary, columns))
-        .section(accelerations(columns, first));
+        .section(overview(run, summary, columns));
+    if let Some(section) = compared {
+        report = report.section(section);
+    }
+    report = report.section(accelerations(columns, first));
     for section in [forces(run, columns, first), loops(run, columns, first)] {
         report = report.section(section);
     }
@@ -163,26 +172,30 @@ fn names(slots: &[scenario::run::Slot]) -> String {
 
 /// The window of [`ZOOM_S`] with the most work in it.
 fn liveliest(force: &[f64], time: &[f64]) -> Option<(f64, f64)> {
-    let window = (ZOOM_S / CYCLE_S) as usize;
+    let from = *time.get(most_in(force, (ZOOM_S / CYCLE_S) as usize)?)?;
+    Some((from, from + ZOOM_S))
+}
+
+/// Where the window with the greatest sum of squares begins; none in a trace hardly longer than it.
+pub(crate) fn most_in(values: &[f64], window: usize) -> Option<usize> {
     let (mut sum, mut best, mut at) = (0.0, -1.0, 0);
-    for (index, value) in force.iter().enumerate() {
+    for (index, value) in values.iter().enumerate() {
         sum += value * value;
         if index >= window {
-            sum -= force[index - window] * force[index - window];
+            sum -= values[index - window] * values[index - window];
         }
         if index + 1 >= window && sum > best {
             (best, at) = (sum, index + 1 - window);
         }
     }
-    let from = *time.get(at)?;
-    (force.len() > 2 * window).then_some((from, from + ZOOM_S))
+    (values.len() > 2 * window).then_some(at)
 }
 
-fn kilo(values: &[f64]) -> Vec<f64> {
+pub(crate) fn kilo(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value * 1e-3).collect()
 }
 
-fn milli(values: &[f64]) -> Vec<f64> {
+pub(crate) fn milli(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value * 1e3).collect()
 }
 
@@ -262,7 +275,8 @@ fn watch(run: &Run, columns: &Columns) -> Option<Section> {
 /// Highest frequency that spectra show (Hz).
 const SPECTRUM_TO_HZ: f64 = 50.0;
 
-fn spectrum(values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+/// Frequencies (Hz) and densities of a trace, up to what a plot shows.
+pub(crate) fn spectrum(values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     match Spectrum::welch(values, 1.0 / CYCLE_S, SEGMENT_S) {
         Ok(spectrum) => spectrum
             .lines()

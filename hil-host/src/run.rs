@@ -3,6 +3,7 @@
 use crate::bus::{Bus, BusCounters, MemoryBus, Sent, SocketCanBus, WireFrame};
 use crate::clock::Pacer;
 use crate::columns::{Columns, Watched};
+use crate::comparison::{self, Comparison, SecondRun};
 use crate::control::watch::Watch;
 use crate::control::{End, Pace, Port, Session, SessionState};
 use crate::page::page;
@@ -146,15 +147,18 @@ pub struct Finished {
 
 /// Where the rig of a slot is.
 #[derive(Debug, Clone, Copy)]
-struct RigPlace {
+pub(crate) struct RigPlace {
     slot: usize,
-    node: Node,
+    pub(crate) node: Node,
     /// Number of its bus in the list of choices.
     bus: usize,
 }
 
 /// All buses that the scenario names, and where each rig is.
-fn rigs_of(run: &Run, default: &BusChoice) -> anyhow::Result<(Vec<BusChoice>, Vec<RigPlace>)> {
+pub(crate) fn rigs_of(
+    run: &Run,
+    default: &BusChoice,
+) -> anyhow::Result<(Vec<BusChoice>, Vec<RigPlace>)> {
     let mut choices: Vec<BusChoice> = Vec::new();
     let mut rigs = Vec::new();
     for (slot, place) in run.slots.iter().enumerate() {
@@ -188,28 +192,12 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
     for line in &plan_lines {
         eprintln!("{line}");
     }
+    let in_memory = |rig: &RigPlace| choices.get(rig.bus) == Some(&BusChoice::Memory);
+    let other = run.compared(|slot| rigs.iter().any(|rig| rig.slot == slot && in_memory(rig)))?;
     let mut buses = open_buses(run, options, &choices, &rigs)?;
 
     let track = run.track.view();
-    let line = line(run, &track);
-    let ports = rigs
-        .iter()
-        .map(|rig| {
-            let port = Port::new(rig.node, rig.bus, rig.slot, options.profile)?;
-            Ok(match watch_of(run, rig.slot) {
-                Some(watch) => port.watched(watch),
-                None => port,
-            })
-        })
-        .collect::<Result<_, can_protocol::Error>>()?;
-    let body = |name: &str| run.body_names.iter().position(|body| body == name);
-    let session = Session {
-        line,
-        ports,
-        profile: options.profile,
-        slow_down: options.slow_down,
-        watched: [body("carbody"), body("bogie_front"), body("wheelset_1")],
-    };
+    let session = session(run, &track, &rigs, options.profile, options.slow_down)?;
     let mut state = session.start(session.line.start(run.start.state.clone()));
 
     let period_ns = (CYCLE_S * 1e9) as u64;
@@ -268,13 +256,58 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
         bus_load: load,
         watched: session.watched,
     };
-    let summary = Summary::of(&outcome, &recording.columns);
-    let json = serde_json::to_string_pretty(&summary)?;
-    std::fs::write(folder.file("summary.json"), format!("{json}\n"))?;
+    let mut summary = Summary::of(&outcome, &recording.columns);
+    let leave = |summary: &Summary, compared| -> anyhow::Result<()> {
+        let json = serde_json::to_string_pretty(summary)?;
+        std::fs::write(folder.file("summary.json"), format!("{json}\n"))?;
+        let page = page(run, summary, &recording.columns, &plan_lines, compared);
+        Ok(page.write_to(folder.file("report.html"))?)
+    };
     std::fs::write(folder.file("scenario.toml"), &run.effective.scenario)?;
     std::fs::write(folder.file("vehicle.toml"), &run.effective.vehicle)?;
-    page(run, &summary, &recording.columns, &plan_lines).write_to(folder.file("report.html"))?;
+    leave(&summary, None)?;
+    if let (Some(setup), Some(other)) = (&run.compare, &other) {
+        // Whoever stopped the run wants what there is of it, compared; a second time stops this too.
+        stop.store(false, Ordering::Relaxed);
+        let record = folder.file("record-compared.npy");
+        match SecondRun::through(other, options.profile, summary.steps, &record, stop)? {
+            Some(second) => {
+                let main = (run, &summary, &recording.columns);
+                let found = Comparison::of(setup, main, (other, &second));
+                let section =
+                    comparison::section(run, &summary.state, &recording.columns, &found, &second);
+                summary.comparison = Some(found);
+                leave(&summary, Some(section))?;
+            }
+            None => eprintln!("the comparison was stopped and is left out"),
+        }
+    }
     Ok(Finished { summary, folder: folder.path().to_owned() })
+}
+
+/// The control session of a scenario with its rigs.
+pub(crate) fn session<'a>(
+    run: &'a Run,
+    track: &'a Track<'a>,
+    rigs: &[RigPlace],
+    profile: Profile,
+    slow_down: NonZeroU8,
+) -> Result<Session<'a>, can_protocol::Error> {
+    let port = |rig: &RigPlace| {
+        let port = Port::new(rig.node, rig.bus, rig.slot, profile)?;
+        Ok(match watch_of(run, rig.slot) {
+            Some(watch) => port.watched(watch),
+            None => port,
+        })
+    };
+    let body = |name: &str| run.body_names.iter().position(|body| body == name);
+    Ok(Session {
+        line: line(run, track),
+        ports: rigs.iter().map(port).collect::<Result<_, can_protocol::Error>>()?,
+        profile,
+        slow_down,
+        watched: [body("carbody"), body("bogie_front"), body("wheelset_1")],
+    })
 }
 
 /// The line of a scenario: the vehicle on its track with its damper slots.

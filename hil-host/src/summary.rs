@@ -2,6 +2,7 @@
 
 use crate::bus::BusCounters;
 use crate::columns::Columns;
+use crate::comparison::Comparison;
 use crate::control::{End, SessionState, hash};
 use hdrhistogram::Histogram;
 use scenario::run::{CYCLE_S, Run, SlotForce};
@@ -52,6 +53,8 @@ pub struct Summary {
     pub damper: Vec<DamperSummary>,
     /// Accelerations of three bodies.
     pub accelerations: Accelerations,
+    /// The same run with another damper; null without `[compare]`.
+    pub comparison: Option<Comparison>,
     /// `completed`, `stopped` or `safe`.
     pub state: String,
     /// 16 hex digits over host state and received forces of every cycle.
@@ -215,29 +218,13 @@ impl Summary {
         let first = columns.first_after(run.run_in_s);
         let frames = frames(outcome);
         let clocked = outcome.pace == "realtime";
-        let mut dampers: Vec<DamperSummary> = run
-            .slots
-            .iter()
-            .enumerate()
-            .map(|(slot, place)| {
-                let rig = matches!(place.force, SlotForce::Rig { .. });
-                damper(&place.place, rig, slot, first, columns)
-            })
-            .collect();
+        let mut dampers = dampers(run, columns, first);
         for (port, memory) in outcome.ports.iter().zip(&state.ports) {
             if let Some(damper) = dampers.get_mut(port.slot) {
                 damper.saturated_commands = Some(memory.saturated);
                 damper.flagged_measurements = Some(memory.flagged);
             }
         }
-        let body = |index: usize| {
-            outcome.watched[index].map(|_| Acceleration {
-                lateral_rms_m_per_s2: statistics::rms(&columns.acceleration[2 * index][first..]),
-                vertical_rms_m_per_s2: statistics::rms(
-                    &columns.acceleration[2 * index + 1][first..],
-                ),
-            })
-        };
         Self {
             format: 1,
             title: run.title.clone(),
@@ -268,11 +255,8 @@ impl Summary {
                 error_frames: outcome.counters.error_frames,
             },
             damper: dampers,
-            accelerations: Accelerations {
-                carbody: body(0),
-                bogie_front: body(1),
-                wheelset_1: body(2),
-            },
+            accelerations: accelerations(outcome.watched, columns, first),
+            comparison: None,
             state: match outcome.end {
                 End::Completed => "completed",
                 End::Stopped => "stopped",
@@ -285,6 +269,32 @@ impl Summary {
             bus_load: outcome.bus_load,
         }
     }
+}
+
+/// Every damper slot from the row `first` on.
+pub fn dampers(run: &Run, columns: &Columns, first: usize) -> Vec<DamperSummary> {
+    let slots = run.slots.iter().enumerate();
+    let dampers = slots.map(|(slot, place)| {
+        let rig = matches!(place.force, SlotForce::Rig { .. });
+        damper(&place.place, rig, slot, first, columns)
+    });
+    dampers.collect()
+}
+
+/// Accelerations of the bodies that were watched, from the row `first` on.
+pub fn accelerations(
+    watched: [Option<usize>; 3],
+    columns: &Columns,
+    first: usize,
+) -> Accelerations {
+    let rms = |index: usize| statistics::rms(&columns.acceleration[index][first..]);
+    let body = |index: usize| {
+        watched[index].map(|_| Acceleration {
+            lateral_rms_m_per_s2: rms(2 * index),
+            vertical_rms_m_per_s2: rms(2 * index + 1),
+        })
+    };
+    Accelerations { carbody: body(0), bogie_front: body(1), wheelset_1: body(2) }
 }
 
 fn frames(outcome: &Outcome<'_>) -> Frames {

@@ -1,8 +1,9 @@
 //! The scenario of a run: vehicle, speed, track, four damper slots, rig.
 
+use crate::compare::{CompareFile, CompareSetup};
 use crate::damper::DamperFile;
 use crate::damper_mass;
-use crate::equilibrium::{self, Equilibrium};
+use crate::equilibrium::{self, Equilibrium, NoEquilibrium};
 use crate::irregularity::IrregularityFile;
 use crate::minimum_speed::minimum_speed_m_per_s;
 use crate::quantity::Quantity;
@@ -57,6 +58,8 @@ pub struct RunFile {
     /// The emulated rig on the memory bus; its damper defaults to that of the scenario.
     #[serde(default)]
     pub rig: RigFile,
+    /// Another damper that the run is compared with.
+    pub compare: Option<CompareFile>,
 }
 
 /// One damper slot.
@@ -157,6 +160,8 @@ pub struct Run {
     pub slots: Vec<Slot>,
     /// The emulated rig.
     pub rig: RigSetup,
+    /// Another damper that the run is compared with.
+    pub compare: Option<CompareSetup>,
     /// Where it starts from: steady running.
     pub start: Equilibrium,
     /// Names of the bodies, in order.
@@ -207,6 +212,7 @@ impl Run {
                 watch.damper = std::mem::take(&mut watch.damper).resolved(source)?;
             }
         }
+        file.compare = file.compare.map(|compare| compare.resolved(source)).transpose()?;
         if let Some(duration) = overrides.duration_s {
             file.duration_s = Quantity::plain(duration);
         }
@@ -231,6 +237,8 @@ impl Run {
         let contact = vehicle_file.wheel_rail.contact(&vehicle_source)?;
         let rig_file = RigFile { damper: file.rig.damper.over(&file.damper), ..file.rig.clone() };
         let rig = rig_file.build(source)?;
+        let compare = file.compare.as_ref().map(|compare| compare.build(source, &vehicle));
+        let compare = compare.transpose()?;
         let mut slots = slots(&file, &vehicle_file, source, rig.damper.nominal().ke_n_per_m)?;
         for (number, slot) in slots.iter_mut().enumerate() {
             if let SlotForce::Modelled(damper) = &mut slot.force {
@@ -258,10 +266,8 @@ impl Run {
                 ),
             ));
         }
-        let start = equilibrium::running(&vehicle, table, speed_m_per_s)
+        let start = Self::steady(&vehicle, contact.as_ref(), speed_m_per_s)
             .map_err(|error| vehicle_source.whole_error(error.to_string()))?;
-        let mut start = start;
-        start.state.distance_m.0[0] = START_M;
         let end_m = START_M + speed_m_per_s * duration_s + 20.0;
         let track = file.track.build(source, 0.0, end_m)?;
         let mut about: Vec<String> = vehicle_file.about.iter().cloned().collect();
@@ -289,10 +295,23 @@ impl Run {
             track,
             slots,
             rig,
+            compare,
             start,
             body_names,
             effective,
         })
+    }
+
+    /// Steady running, with all wheels behind the beginning of the track.
+    pub(crate) fn steady(
+        vehicle: &Vehicle,
+        contact: Option<&Contact>,
+        speed_m_per_s: f64,
+    ) -> Result<Equilibrium, NoEquilibrium> {
+        let table = contact.map(|contact| &*contact.table);
+        let mut start = equilibrium::running(vehicle, table, speed_m_per_s)?;
+        start.state.distance_m.0[0] = START_M;
+        Ok(start)
     }
 
     /// Number of control cycles.
@@ -318,6 +337,7 @@ fn effective(
     for watch in file.slot.iter_mut().filter_map(|slot| slot.watch.as_mut()) {
         *watch = watch.with_defaults(&file.damper);
     }
+    file.compare = file.compare.map(|compare| compare.with_defaults());
     if let Some(IrregularityFile::Csv { path }) = &mut file.track.irregularity {
         *path = full(source, path);
     }
