@@ -57,6 +57,7 @@ fn the_page_tells_what_was_found_and_shows_every_held_out_test() {
         train: records(&[asymmetry], &train),
         holdout: records(&[asymmetry], &holdout),
         datasheet: Some(Nominal { ce_n_s_per_m: 1.2e6, f_relief_n: 16e3, ..NOMINAL }),
+        empirical: false,
         notes: vec!["a note <that is told>".to_owned()],
     };
     let found = identify(question, &|_| ()).unwrap();
@@ -105,6 +106,7 @@ fn a_page_of_one_test_without_datasheet_and_holdout_says_so() {
         train: records(&[], &["sine-3.5hz-3.46mm"]),
         holdout: Vec::new(),
         datasheet: None,
+        empirical: false,
         notes: Vec::new(),
     };
     let found = identify(question, &|_| ()).unwrap();

@@ -219,7 +219,8 @@ fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
     for warning in datasheet.iter().flat_map(|sheet| &sheet.warnings) {
         eprintln!("warning: datasheet: {warning}");
     }
-    Ok(Question { train, holdout, datasheet: datasheet.map(|sheet| sheet.nominal), notes })
+    let datasheet = datasheet.map(|sheet| sheet.nominal);
+    Ok(Question { train, holdout, datasheet, empirical: false, notes })
 }
 
 /// What each sampling rate lets through, once per rate.
