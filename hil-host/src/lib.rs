@@ -18,6 +18,7 @@ pub mod columns;
 pub mod control;
 pub mod identify;
 pub mod page;
+mod predictions;
 pub mod realtime;
 pub mod record;
 pub mod rig;
