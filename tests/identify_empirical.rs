@@ -140,6 +140,20 @@ fn a_kept_map_stands_beside_the_physics_in_files_of_its_own() {
     let squares: f64 = pairs.map(|(y, f)| (y - f) * (y - f)).sum();
     let rmse_n = (squares / (measured.len() - run_in) as f64).sqrt();
     assert!((rmse_n / after - 1.0).abs() < 1e-9, "{rmse_n} {after}");
+    it_runs_in_a_vehicle(&place.join("found"));
+}
+
+fn it_runs_in_a_vehicle(found: &Path) {
+    let vehicle = repository().join("scenarios/vehicles/ss9.toml");
+    let scenario = format!(
+        "title = \"mapped\"\nvehicle = \"{}\"\nspeed_kmh = 160.0\nduration_s = 1.0\n\
+         [damper]\nfile = \"model-empirical.toml\"\n",
+        vehicle.display()
+    );
+    std::fs::write(found.join("scenario.toml"), scenario).unwrap();
+    said(found, &["run", "scenario.toml", "--pace", "fast", "--out", "run"]);
+    let kept = text_of(&found.join("run/scenario.toml"));
+    assert!(kept.contains("[damper.empirical]"), "the run did not have the map: {kept}");
 }
 
 #[test]

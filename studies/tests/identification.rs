@@ -9,8 +9,11 @@ use studies::bench_visit::excitation::Excitation;
 use studies::bench_visit::protocol::Test;
 use studies::bench_visit::sensors::{Coloured, Sensors};
 use studies::bench_visit::{Modelled, NullGenerator, Specimen, record};
+use studies::identify::empirical::empirical;
+use studies::identify::fit::Fit;
 use studies::identify::result::{Errors, Verdict};
 use studies::identify::simulation::{simulate, start_deflection_m};
+use studies::identify::tests_at_hand::TestsAtHand;
 use studies::identify::{Identification, Question, identify};
 use studies::series_model::SeriesModel;
 use studies::series_model::outside::Outside;
@@ -165,4 +168,16 @@ fn a_worn_bore_gets_a_map_over_displacement_that_is_no_physics() {
     let highest = knots.iter().max_by(|a, b| a.lower_n.total_cmp(&b.lower_n)).unwrap();
     assert!(lowest.upper_n < -800.0 && (0.0..4e-3).contains(&lowest.at), "{lowest:?}");
     assert!(highest.lower_n > 800.0 && (-4e-3..2e-3).contains(&highest.at), "{highest:?}");
+
+    // A sound damper held out: there the map is wrong, so it is not kept.
+    let sound = NullGenerator { model: SERIES, outside: Vec::new() };
+    let test = Test::new("sound".to_owned(), Excitation::sine(6e-3, 3.0), 5.0);
+    let sound = record(&sound, &test, &sensors(), 50).measurement().unwrap();
+    let sound = TestsAtHand::new(vec![sound]);
+    let model = &found.found.with_effects;
+    let fit = &model.standing.fit;
+    let fit = Fit::of(&fit.model, &fit.values, &sound).unwrap();
+    let tried = empirical(model, &found.left_after, Some(&fit), (&found.train, &sound));
+    assert!(!tried.kept && tried.kept().is_none() && tried.fitted.is_some(), "{}", tried.why);
+    assert!(tried.why.starts_with("worse on the tests held out: "), "{}", tried.why);
 }

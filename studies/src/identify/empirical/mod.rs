@@ -6,7 +6,7 @@
 //!
 //! The coordinates of the left-over are tried in the order of what they explain, those that a damper
 //! knows while it runs: displacement, dashpot velocity, force, time since reversal. Coordinate and
-//! branch come from walking the damper itself, so what is fitted ([`smooth`]) is what `simulate` does.
+//! branch come from walking the damper itself, so what is fitted (`smooth`) is what `simulate` does.
 //! Judged is each piece with a model and a map that have not seen it; what counts is what counts for
 //! an effect, but for chance: a map claims nothing. The first that gains is taken, and kept if it is
 //! no worse on the tests held out.
