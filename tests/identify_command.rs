@@ -139,6 +139,8 @@ fn a_missing_effect_is_named_and_the_damper_with_it_runs_in_a_vehicle() {
     assert!(told.contains("datasheet: C2 = 0.06 Ce"), "{told}");
     assert!(told.contains("lose 3 dB at") && !told.contains("hold-out"), "{told}");
     assert!(text_of(&place.join("report.html")).contains("asymmetric damping"), "no such report");
+    assert_eq!(result["empirical"], Value::Null, "nobody asked for a map");
+    assert!(!place.join("model-empirical.toml").exists());
 
     predictions_fit_the_result(&result, &place);
     simulate_gives_the_predictions_again(&place);

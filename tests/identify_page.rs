@@ -6,11 +6,14 @@
 use firmware_core::damper::effects::Effect;
 use firmware_core::damper::{Damper, Nominal};
 use std::path::PathBuf;
+use studies::bench_visit::excitation::Excitation;
 use studies::bench_visit::sensors::Sensors;
-use studies::bench_visit::{self, Modelled, protocol};
+use studies::bench_visit::{self, Modelled, NullGenerator, protocol};
 use studies::identify::result::Verdict;
 use studies::identify::{Identification, Question, identify, page};
 use studies::measurement::{Measurement, Series};
+use studies::series_model::SeriesModel;
+use studies::series_model::outside::Outside;
 
 const NOMINAL: Nominal = Nominal {
     ce_n_s_per_m: 1e6,
@@ -18,6 +21,15 @@ const NOMINAL: Nominal = Nominal {
     clearance_2a_m: 1e-3,
     f_relief_n: 15e3,
     c2_n_s_per_m: 60e3,
+};
+
+/// The same damper for the generator that shares nothing with the core.
+const SERIES: SeriesModel = SeriesModel {
+    ce_n_s_per_m: NOMINAL.ce_n_s_per_m,
+    ke_n_per_m: NOMINAL.ke_n_per_m,
+    clearance_2a_m: NOMINAL.clearance_2a_m,
+    f_relief_n: NOMINAL.f_relief_n,
+    c2_n_s_per_m: NOMINAL.c2_n_s_per_m,
 };
 
 /// Records of a damper with these effects in the named tests of the short protocol.
@@ -57,6 +69,7 @@ fn the_page_tells_what_was_found_and_shows_every_held_out_test() {
         train: records(&[asymmetry], &train),
         holdout: records(&[asymmetry], &holdout),
         datasheet: Some(Nominal { ce_n_s_per_m: 1.2e6, f_relief_n: 16e3, ..NOMINAL }),
+        empirical: false,
         notes: vec!["a note <that is told>".to_owned()],
     };
     let found = identify(question, &|_| ()).unwrap();
@@ -97,6 +110,7 @@ fn the_page_tells_what_was_found_and_shows_every_held_out_test() {
         assert!(text.contains(&format!("<td>{}</td>", hidden.name)), "{}", hidden.name);
     }
     assert!(text.contains("a note &lt;that is told&gt;"), "no note");
+    assert!(!text.contains("mpirical"), "a word of a map that nobody asked for");
 }
 
 #[test]
@@ -105,6 +119,7 @@ fn a_page_of_one_test_without_datasheet_and_holdout_says_so() {
         train: records(&[], &["sine-3.5hz-3.46mm"]),
         holdout: Vec::new(),
         datasheet: None,
+        empirical: false,
         notes: Vec::new(),
     };
     let found = identify(question, &|_| ()).unwrap();
@@ -119,4 +134,33 @@ fn a_page_of_one_test_without_datasheet_and_holdout_says_so() {
         "it does not say that nothing was added"
     );
     assert!(!text.contains("datasheet (N)"), "a column of nothing");
+}
+
+#[test]
+fn a_map_that_was_asked_for_comes_last_and_is_called_no_physics() {
+    let worn = Outside::WornBand { depth: 0.12, at_m: 0.8e-3, width_m: 3e-3 };
+    let specimen = NullGenerator { model: SERIES, outside: vec![worn] };
+    let sensors = Sensors::of_range(50e3, 0.1);
+    let sines = [(4.0, 3.5), (6.0, 1.5), (5.0, 2.5), (8.0, 2.0), (4.5, 3.0), (6.0, 3.0)];
+    let mut train: Vec<Measurement> = sines
+        .iter()
+        .enumerate()
+        .map(|(seed, (amplitude_mm, frequency_hz))| {
+            let sine = Excitation::sine(amplitude_mm * 1e-3, *frequency_hz);
+            let test = protocol::Test::new(format!("{amplitude_mm}mm-{frequency_hz}hz"), sine, 5.0);
+            bench_visit::record(&specimen, &test, &sensors, seed as u64).measurement().unwrap()
+        })
+        .collect();
+    let holdout = train.split_off(5);
+    let question = Question { train, holdout, datasheet: None, empirical: true, notes: Vec::new() };
+    let found = identify(question, &|_| ()).unwrap();
+    assert!(found.empirical.as_ref().unwrap().kept, "{:?}", found.result.empirical);
+    let text = opened(&found, "identify-empirical.html");
+    let section = text.split_once("<h2>An empirical map (no physics)</h2>").unwrap().1;
+    assert!(section.contains("Empirical map over displacement"), "no curve");
+    assert!(section.contains("<td>empirical map, kept</td>"), "no errors");
+    assert!(section.contains("valid only inside the range of these records"), "no limits");
+    let (_, after) = section.split_once("<h2>").unwrap();
+    assert!(after.starts_with("How this was done") && !after.contains("<h2>"), "not last");
+    assert!(text.contains("something is left without a name"), "the map has changed the verdict");
 }

@@ -11,7 +11,9 @@ use core::hint::black_box;
 use firmware_core::damper::curve::Curve;
 use firmware_core::damper::effects::CATALOGUE;
 use firmware_core::damper::law::{Factors, Parts, attachment_force_n};
-use firmware_core::damper::{Damper, DamperState, Effect, Motion, Nominal};
+use firmware_core::damper::{
+    Damper, DamperState, Effect, EmpiricalMap, MapCoordinate, MapKnot, Motion, Nominal,
+};
 use firmware_core::guard::{ForceInput, Guard, GuardState};
 use firmware_core::lanes::Lanes;
 use firmware_core::line::{Line, Slot};
@@ -96,7 +98,11 @@ fn damper() {
     let Ok(effect) = Effect::from_values(black_box(name), black_box(&[0.0; 4])) else { return };
     let given = [effect; 2];
     let Ok(damper) = Damper::new(black_box(Nominal::NEW), black_box(&given)) else { return };
-    let mut damper = damper.prepared(black_box(1e-3));
+    let coordinate = black_box(MapCoordinate::Displacement);
+    let knot = MapKnot { at: 0.0, upper_n: 0.0, lower_n: 0.0 };
+    let map = EmpiricalMap::new(coordinate, black_box(&[knot; 2]), black_box(0.0));
+    let Ok(map) = map else { return };
+    let mut damper = damper.with_empirical(map).prepared(black_box(1e-3));
     black_box(&mut damper);
     let state = DamperState::starting(Motion::default());
     let mut state = black_box(state.with_piston_m(black_box(0.0)));

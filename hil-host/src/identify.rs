@@ -1,6 +1,7 @@
 //! `yawbench identify` and `yawbench simulate`: from measured records to the effect that a damper
 //! model lacks, and a model's force on a record.
 
+use crate::predictions::{self, Forces};
 use crate::record::RunFolder;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -11,19 +12,25 @@ use scenario::datasheet::Datasheet;
 use scenario::quantity::Provenance;
 use scenario::source::Source;
 use std::collections::BTreeMap;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use studies::campaign::Shard;
+use studies::identify::empirical::{Empirical, FittedMap};
 use studies::identify::fit::Fit;
 use studies::identify::result::{IdentifyResult, Models, Verdict};
 use studies::identify::simulation::{simulate, start_deflection_m};
 use studies::identify::split::split;
-use studies::identify::tests_at_hand::{Test, TestsAtHand};
+use studies::identify::tests_at_hand::TestsAtHand;
 use studies::identify::{Identification, Question, identify, page};
 use studies::measurement::mapping::{Mapping, Reading};
 use studies::measurement::table::Table;
 use studies::measurement::{Measurement, MeasurementError, interpolant, read_tests, series};
+
+/// The identified damper.
+const MODEL: &str = "model.toml";
+/// The same with an empirical map.
+const WITH_MAP: &str = "model-empirical.toml";
 
 /// What `identify` is told.
 #[derive(Debug, Args)]
@@ -41,6 +48,10 @@ pub struct IdentifyArgs {
     /// Columns and units of the records.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
+    /// Then put a smooth map over the coordinate that explains most of what is left: empirical and no
+    /// physics, kept only if it gains on tests left out.
+    #[arg(long, conflicts_with_all = ["campaign", "merge"])]
+    empirical: bool,
     /// Folder for the files [default: runs/identify-N, of a campaign runs/campaign-SEED].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
@@ -106,19 +117,31 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
     };
     folder.create().with_context(|| folder.path().display().to_string())?;
     write("result.json", &format!("{json}\n"))?;
-    write("model.toml", &model_text(&damper, result))?;
+    write(MODEL, &model_text(&damper, result, ""))?;
+    let map = identification.empirical.as_ref().and_then(Empirical::kept);
+    match map {
+        Some(map) => write(WITH_MAP, &empirical_text(map, result))?,
+        // One of an earlier identification would be taken for one of this.
+        None if folder.file(WITH_MAP).exists() => {
+            std::fs::remove_file(folder.file(WITH_MAP)).with_context(|| place(WITH_MAP))?;
+        }
+        None => {}
+    }
     write("report.html", &html)?;
-    let predictions = folder.file("predictions");
-    std::fs::create_dir_all(&predictions).with_context(|| place("predictions"))?;
-    for (tests, models) in [
-        (&identification.train, &identification.on_train),
-        (&identification.holdout, &identification.on_holdout),
+    let within = folder.file("predictions");
+    std::fs::create_dir_all(&within).with_context(|| place("predictions"))?;
+    for (tests, models, mapped) in [
+        (&identification.train, &identification.on_train, map.map(|map| &map.on_train)),
+        (&identification.holdout, &identification.on_holdout, map.map(|map| &map.on_holdout)),
     ] {
         for (index, test) in tests.tests.iter().enumerate() {
-            let path = predictions.join(format!("{}.csv", test.record.name));
-            let models = models.map(|fit| force_of(fit.as_ref(), index));
-            write_predictions(&path, test, Some(&test.record.force_n), &models)
-                .with_context(|| path.display().to_string())?;
+            let path = within.join(format!("{}.csv", test.record.name));
+            let forces = Forces {
+                measured: Some(&test.record.force_n),
+                models: models.map(|fit| force_of(fit.as_ref(), index)),
+                with_empirical: mapped.map(|force_n| force_n[index].as_slice()),
+            };
+            predictions::write(&path, test, &forces).with_context(|| path.display().to_string())?;
         }
     }
     let mut out = std::io::stdout().lock();
@@ -150,18 +173,23 @@ pub fn simulate_command(args: &SimulateArgs) -> anyhow::Result<()> {
     }
     let tests = TestsAtHand::new(records);
     let Some(test) = tests.tests.first() else { bail!("no test") };
-    let start_m = if measured {
-        start_deflection_m(&damper, test)
-    } else {
+    if !measured {
         let file = args.record.display();
         eprintln!("{file}: no column force_n, started at rest in the middle of the clearance");
-        0.0
+    }
+    let run = |damper: &Damper| {
+        let start_m = if measured { start_deflection_m(damper, test) } else { 0.0 };
+        simulate(damper, test, start_m)
     };
-    let force_n = simulate(&damper, test, start_m);
-    let models = Models { datasheet: None, refitted: None, with_effects: Some(force_n.as_slice()) };
-    let measured_n = measured.then_some(test.record.force_n.as_slice());
-    write_predictions(&args.out, test, measured_n, &models)
-        .with_context(|| args.out.display().to_string())?;
+    // A model with a map is two: its physics, and what the map makes of it.
+    let mapped_n = damper.empirical().map(|_| run(&damper));
+    let force_n = run(&damper.without_empirical());
+    let forces = Forces {
+        measured: measured.then_some(test.record.force_n.as_slice()),
+        models: Models { datasheet: None, refitted: None, with_effects: Some(&force_n) },
+        with_empirical: mapped_n.as_deref(),
+    };
+    predictions::write(&args.out, test, &forces).with_context(|| args.out.display().to_string())?;
     Ok(())
 }
 
@@ -219,7 +247,8 @@ fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
     for warning in datasheet.iter().flat_map(|sheet| &sheet.warnings) {
         eprintln!("warning: datasheet: {warning}");
     }
-    Ok(Question { train, holdout, datasheet: datasheet.map(|sheet| sheet.nominal), notes })
+    let datasheet = datasheet.map(|sheet| sheet.nominal);
+    Ok(Question { train, holdout, datasheet, empirical: args.empirical, notes })
 }
 
 /// What each sampling rate lets through, once per rate.
@@ -258,7 +287,7 @@ fn force_of(fit: Option<&Fit>, test: usize) -> Option<&[f64]> {
 }
 
 /// The identified damper as a file that scenarios load.
-fn model_text(damper: &Damper, result: &IdentifyResult) -> String {
+fn model_text(damper: &Damper, result: &IdentifyResult, more: &str) -> String {
     let mut notes = BTreeMap::new();
     let std = |std: Option<f64>| match std {
         Some(std) => format!("+- {std:.3e}"),
@@ -272,8 +301,18 @@ fn model_text(damper: &Damper, result: &IdentifyResult) -> String {
             notes.insert(format!("{}.{name}", effect.name), std(value.std));
         }
     }
-    let heading = format!("Identified from measured records: {}.", sentence(result));
+    let heading = format!("Identified from measured records: {}.{more}", sentence(result));
     DamperFile::from_damper(damper, Provenance::Identified, &notes).to_model(&heading)
+}
+
+/// The same with the map, which nobody shall take for physics.
+fn empirical_text(fitted: &FittedMap, result: &IdentifyResult) -> String {
+    let over = fitted.map.coordinate().name();
+    let more = format!(
+        "\nEmpirical, no physics: a map over {over} stands beside the damper that was identified,\n\
+         which is {MODEL}. It is valid only inside the range of the records."
+    );
+    model_text(&fitted.damper, result, &more)
 }
 
 /// The verdict in words.
@@ -297,36 +336,6 @@ fn sentence(result: &IdentifyResult) -> String {
     }
 }
 
-/// The columns of `predictions/<test>.csv`; a model that is not there has empty cells.
-fn write_predictions(
-    path: &Path,
-    test: &Test,
-    measured_n: Option<&[f64]>,
-    models: &Models<Option<&[f64]>>,
-) -> std::io::Result<()> {
-    let mut to = BufWriter::new(std::fs::File::create(path)?);
-    let record = &test.record;
-    let extension = if record.direction_declared { "positive" } else { "unknown" };
-    writeln!(to, "# extension: {extension}")?;
-    writeln!(to, "time_s,displacement_m,force_n,datasheet_n,refitted_n,with_effects_n")?;
-    let cell = |model: Option<&[f64]>, sample: usize| {
-        model.and_then(|force_n| force_n.get(sample)).map_or(String::new(), f64::to_string)
-    };
-    for sample in 0..record.len() {
-        writeln!(
-            to,
-            "{},{},{},{},{},{}",
-            record.time_s(sample),
-            record.displacement_m[sample],
-            cell(measured_n, sample),
-            cell(models.datasheet, sample),
-            cell(models.refitted, sample),
-            cell(models.with_effects, sample),
-        )?;
-    }
-    to.flush()
-}
-
 /// The summary for people.
 fn tell(
     out: &mut impl Write,
@@ -336,10 +345,13 @@ fn tell(
     let result = &identification.result;
     writeln!(out, "{}", sentence(result))?;
     writeln!(out, "\n{:<14}{:>14}{:>9}{:>14}{:>9}", "rms error", "train N", "", "hold-out N", "")?;
+    let kept = result.empirical.as_ref().filter(|part| part.kept);
+    let with_map = kept.and_then(|part| part.errors);
     let models = [
         ("datasheet", &result.errors.datasheet),
         ("refitted", &result.errors.refitted),
         ("with effects", &result.errors.with_effects),
+        ("empirical map", &with_map),
     ];
     for (name, errors) in models {
         let Some(errors) = errors else {
@@ -391,6 +403,14 @@ fn tell(
     }
     if let Some(left) = &result.unexplained {
         writeln!(out, "left: {}", left.description)?;
+    }
+    if let Some(part) = &result.empirical {
+        let over = part.coordinate.map_or(String::new(), |over| format!(" over {over}"));
+        if part.kept {
+            writeln!(out, "empirical map{over}: {}; it is no physics ({WITH_MAP})", part.why)?;
+        } else {
+            writeln!(out, "no empirical map{over}: {}", part.why)?;
+        }
     }
     for note in &result.notes {
         writeln!(out, "note: {note}")?;

@@ -21,6 +21,7 @@ pub mod comparison;
 pub mod control;
 pub mod identify;
 pub mod page;
+mod predictions;
 pub mod realtime;
 pub mod record;
 pub mod rig;

@@ -1,4 +1,5 @@
-//! A damper in a file: the nominal parameters and the effects that it has beyond them.
+//! A damper in a file: the nominal parameters, the effects that it has beyond them, and, where somebody
+//! wanted one, an empirical map ([`crate::empirical`]).
 //!
 //! Values stand in the `[damper]` of a scenario, a slot or a rig, or in a file of their own, a
 //! **model**, that `file` names:
@@ -10,6 +11,7 @@
 //! A model holds one `[damper]`, so it is a rig file too. What [`DamperFile::to_model`] writes is read
 //! back to the same bits: numbers stand with as many digits as it takes.
 
+use crate::empirical::EmpiricalFile;
 use crate::quantity::{Provenance, Quantity};
 use crate::source::{ScenarioError, Source};
 use firmware_core::damper::effects::{CATALOGUE, Effect};
@@ -40,6 +42,9 @@ pub struct DamperFile {
     /// Effects beyond the nominal model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effect: Vec<EffectFile>,
+    /// A map beside all of them that is no physics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub empirical: Option<EmpiricalFile>,
 }
 
 /// An effect by name with its parameters.
@@ -94,6 +99,7 @@ impl DamperFile {
             f_relief_n: plain(Nominal::NEW.f_relief_n),
             c2_n_s_per_m: plain(Nominal::NEW.c2_n_s_per_m),
             effect: Vec::new(),
+            empirical: None,
         }
     }
 
@@ -108,6 +114,7 @@ impl DamperFile {
             f_relief_n: self.f_relief_n.clone().or(base.f_relief_n.clone()),
             c2_n_s_per_m: self.c2_n_s_per_m.clone().or(base.c2_n_s_per_m.clone()),
             effect: if self.effect.is_empty() { base.effect.clone() } else { self.effect.clone() },
+            empirical: self.empirical.clone().or(base.empirical.clone()),
         }
     }
 
@@ -161,6 +168,7 @@ impl DamperFile {
             f_relief_n: Some(told("f_relief_n", nominal.f_relief_n)),
             c2_n_s_per_m: Some(told("c2_n_s_per_m", nominal.c2_n_s_per_m)),
             effect: damper.effects().iter().map(effect).collect(),
+            empirical: damper.empirical().map(EmpiricalFile::from_map),
         }
     }
 
@@ -198,6 +206,9 @@ impl DamperFile {
             for (key, value) in values {
                 write_quantity(&mut text, key, value);
             }
+        }
+        if let Some(map) = &self.empirical {
+            map.write(&mut text);
         }
         text
     }
@@ -239,7 +250,11 @@ impl DamperFile {
         nominal.validate().map_err(|error| located(error.to_string()))?;
         let effects =
             self.effect.iter().map(|effect| effect.build(source)).collect::<Result<Vec<_>, _>>()?;
-        Damper::new(nominal, &effects).map_err(|error| located(error.to_string()))
+        let damper = Damper::new(nominal, &effects).map_err(|error| located(error.to_string()))?;
+        Ok(match &self.empirical {
+            Some(map) => damper.with_empirical(map.build(source)?),
+            None => damper,
+        })
     }
 }
 

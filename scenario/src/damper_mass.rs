@@ -35,7 +35,11 @@ pub fn give_to_bodies(
     }
     let others = |effect: &&Effect| !matches!(effect, Effect::MovingMass(_));
     let left: Vec<Effect> = damper.effects().iter().filter(others).copied().collect();
-    Damper::new(*damper.nominal(), &left)
+    let lighter = Damper::new(*damper.nominal(), &left)?;
+    Ok(match damper.empirical() {
+        Some(map) => lighter.with_empirical(map.clone()),
+        None => lighter,
+    })
 }
 
 /// Fixes a mass point to a body.

@@ -14,6 +14,7 @@ pub mod contact_geometry;
 pub mod damper;
 pub mod damper_mass;
 pub mod datasheet;
+pub mod empirical;
 pub mod equilibrium;
 pub mod irregularity;
 pub mod minimum_speed;

@@ -54,6 +54,22 @@ pub enum DamperError {
         /// `attachment` or `body`.
         law: &'static str,
     },
+    /// An empirical map has too few or too many knots.
+    MapKnots {
+        /// How many were given.
+        given: usize,
+        /// How many it takes.
+        fewest: usize,
+        /// How many fit.
+        most: usize,
+    },
+    /// A knot of an empirical map does not lie beyond the one before it.
+    MapNotRising {
+        /// Where it lies.
+        at: f64,
+        /// Where the one before it lies.
+        after: f64,
+    },
 }
 
 impl fmt::Display for DamperError {
@@ -74,6 +90,12 @@ impl fmt::Display for DamperError {
                 write!(f, "the law of the {law} has more than {limit} knots")
             }
             Self::NotMonotone { law } => write!(f, "the law of the {law} is not rising"),
+            Self::MapKnots { given, fewest, most } => {
+                write!(f, "empirical: {given} knots given, {fewest} to {most} expected")
+            }
+            Self::MapNotRising { at, after } => {
+                write!(f, "empirical: a knot at {at} after one at {after}, expected rising places")
+            }
         }
     }
 }

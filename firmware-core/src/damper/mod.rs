@@ -19,7 +19,8 @@
 //!   second-order, L-stable step ([`implicit`]).
 //! - A step is cut where an effect switches (a void opens, a gap closes) and where a late sensor
 //!   will look (`step`).
-//! - Parts beside the whole damper and the sensor act on the result.
+//! - Parts beside the whole damper and the sensor act on the result; an [`empirical`] map, where
+//!   there is one, comes on top.
 //!
 //! Work is bounded in every case, there is no heap and no way to panic.
 //!
@@ -40,6 +41,7 @@
 pub mod curve;
 mod delay;
 pub mod effects;
+pub mod empirical;
 pub mod error;
 pub mod implicit;
 pub mod law;
@@ -51,12 +53,14 @@ mod step;
 use heapless::Vec;
 
 pub use effects::Effect;
+pub use empirical::{EmpiricalMap, MAP_KNOTS, MapCoordinate, MapKnot};
 pub use error::DamperError;
 pub use nominal::Nominal;
 
 use curve::Curve;
 use delay::DelayLine;
 use effects::Memory;
+use empirical::Turned;
 use law::{Factors, Law, Parts};
 use series::{Arrival, Drive, Stand};
 use step::Sample;
@@ -151,6 +155,7 @@ pub struct DamperState {
     temperature_degc: Option<f64>,
     memory: [Memory; MAX_EFFECTS],
     delay: DelayLine,
+    turned: Turned,
     fallbacks: u32,
 }
 
@@ -230,7 +235,7 @@ impl DamperState {
     }
 }
 
-/// A damper: nominal parameters, effects, and the laws that follow from them.
+/// A damper: nominal parameters, effects, the laws that follow from them, and a map where it has one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Damper {
     nominal: Nominal,
@@ -242,6 +247,7 @@ pub struct Damper {
     creeps: bool,
     switches: bool,
     delay_s: f64,
+    empirical: Option<EmpiricalMap>,
 }
 
 impl Damper {
@@ -275,9 +281,30 @@ impl Damper {
         let creeps = ordered.iter().any(Effect::creeps);
         let switches = ordered.iter().any(Effect::switches);
         let delay_s = ordered.iter().map(Effect::delay_s).sum();
-        let effects = ordered;
-        let per_step = 0.0;
-        Ok(Self { nominal, effects, parts, law, per_step, slow, creeps, switches, delay_s })
+        Ok(Self {
+            nominal,
+            effects: ordered,
+            parts,
+            law,
+            per_step: 0.0,
+            slow,
+            creeps,
+            switches,
+            delay_s,
+            empirical: None,
+        })
+    }
+
+    /// The same damper with an empirical map beside it.
+    #[must_use]
+    pub fn with_empirical(self, map: EmpiricalMap) -> Self {
+        Self { empirical: Some(map), ..self }
+    }
+
+    /// The same damper without its empirical map: its physics alone.
+    #[must_use]
+    pub fn without_empirical(self) -> Self {
+        Self { empirical: None, ..self }
     }
 
     /// The same damper, faster for steps of exactly this length. It gives the same numbers.
@@ -298,7 +325,12 @@ impl Damper {
         &self.effects
     }
 
-    /// The force at a constant velocity of the piston at mid-stroke, N, slow factors left out.
+    /// The empirical map, if there is one.
+    pub fn empirical(&self) -> Option<&EmpiricalMap> {
+        self.empirical.as_ref()
+    }
+
+    /// The force at a constant velocity of the piston at mid-stroke, N, slow factors and map left out.
     ///
     /// ```
     /// use firmware_core::damper::{Damper, Nominal};
@@ -330,14 +362,20 @@ impl Damper {
             velocity_m_per_s: mean - 0.5 * gained,
             acceleration_m_per_s2: gained * per_step,
         };
-        if !self.effects.is_empty() {
-            return self.advance_with_effects(state, &Sample { motion, drive, step_s });
+        let mut force_n = if self.effects.is_empty() {
+            let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
+            let arrival = series::advance(&self.law, stand, drive, step_s);
+            state.arrive(&arrival, motion);
+            arrival.force_n
+        } else {
+            self.advance_with_effects(state, &Sample { motion, drive, step_s })
+        };
+        if let Some(map) = &self.empirical {
+            let velocity = drive.velocity_m_per_s + drive.acceleration_m_per_s2 * step_s;
+            force_n += map.advance(state, velocity, step_s);
         }
-        let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
-        let arrival = series::advance(&self.law, stand, drive, step_s);
-        state.arrive(&arrival, motion);
-        state.output_n = arrival.force_n;
-        arrival.force_n
+        state.output_n = force_n;
+        force_n
     }
 }
 

@@ -41,11 +41,11 @@ struct Tried {
 }
 
 impl Damper {
+    /// Moves the state through a step and returns the force that is read at its end.
     pub(super) fn advance_with_effects(&self, state: &mut DamperState, sample: &Sample) -> f64 {
         let step_s = sample.step_s;
         if self.delay_s <= 0.0 {
-            state.output_n = self.stretch(state, sample, 0.0, step_s);
-            return state.output_n;
+            return self.stretch(state, sample, 0.0, step_s);
         }
         state.delay.pass(step_s);
         if let Some(cut_s) = DelayLine::cut_s(self.delay_s, step_s) {
@@ -56,8 +56,7 @@ impl Damper {
             let force_n = self.stretch(state, sample, 0.0, step_s);
             state.delay.keep(0.0, self.delay_s, force_n);
         }
-        state.output_n = state.delay.read(self.delay_s);
-        state.output_n
+        state.delay.read(self.delay_s)
     }
 
     /// Moves the state from one time within a step to another, and returns the force there.

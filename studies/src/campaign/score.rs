@@ -163,7 +163,13 @@ impl Line {
         self.parameters = mounted.damper.as_ref().map(true_parameters).unwrap_or_default();
         let (train, holdout) = records(case, &*mounted.specimen, &case.sensors);
         let (fitted, judged) = (TestsAtHand::new(train.clone()), TestsAtHand::new(holdout.clone()));
-        let question = Question { train, holdout, datasheet: case.datasheet, notes: Vec::new() };
+        let question = Question {
+            train,
+            holdout,
+            datasheet: case.datasheet,
+            empirical: false,
+            notes: Vec::new(),
+        };
         let without = case.datasheet.is_some().then(|| {
             let question = Question { datasheet: None, ..question.clone() };
             identify(question, &|_| {}).map(|found| found.result)

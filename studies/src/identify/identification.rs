@@ -1,11 +1,12 @@
 //! The whole identification: records in, three models and the story of what was found out.
 
+use super::empirical::{Empirical, FittedMap, empirical};
 use super::fit::Fit;
 use super::grey_box::{GreyBox, NOMINAL, vector_of};
 use super::left_over::{LeftOver, Unexplained};
 use super::result::{
-    EffectFound, EffectNotTestable, EffectRejected, Errors, EvidenceFound, IdentifyResult, Models,
-    NominalValue, ParameterValue, PerTest, UnexplainedPart, Verdict,
+    EffectFound, EffectNotTestable, EffectRejected, EmpiricalPart, Errors, EvidenceFound,
+    IdentifyResult, Models, NominalValue, ParameterValue, PerTest, UnexplainedPart, Verdict,
 };
 use super::search::{Found, search};
 use super::start::nominal_fit;
@@ -13,7 +14,7 @@ use super::tests_at_hand::{Test, TestsAtHand};
 use super::uncertainty::uncertainty;
 use crate::measurement::Measurement;
 use firmware_core::damper::effects::CATALOGUE;
-use firmware_core::damper::{Damper, Nominal};
+use firmware_core::damper::{Damper, MapKnot, Nominal};
 
 /// What an identification starts from.
 #[derive(Debug, Clone)]
@@ -24,6 +25,8 @@ pub struct Question {
     pub holdout: Vec<Measurement>,
     /// The maker's numbers, if there are any.
     pub datasheet: Option<Nominal>,
+    /// A smooth map, which is no physics, is wanted on what is left.
+    pub empirical: bool,
     /// What the reader should know of all this.
     pub notes: Vec<String>,
 }
@@ -45,6 +48,8 @@ pub struct Identification {
     pub left_before: LeftOver,
     /// The residual with all effects that were found.
     pub left_after: LeftOver,
+    /// What came of the wish for an empirical map; none where nobody had it.
+    pub empirical: Option<Empirical>,
     /// The result as it is written.
     pub result: IdentifyResult,
 }
@@ -77,7 +82,7 @@ pub fn identify(
     question: Question,
     progress: &dyn Fn(&str),
 ) -> Result<Identification, IdentifyError> {
-    let Question { train, holdout, datasheet, mut notes } = question;
+    let Question { train, holdout, datasheet, empirical: wanted, mut notes } = question;
     let train = TestsAtHand::new(train);
     let holdout = TestsAtHand::new(holdout);
     if train.counted_samples() < 2 {
@@ -110,6 +115,11 @@ pub fn identify(
     };
     let left = |fit: &Fit| LeftOver::of(fit, &train).ok_or(IdentifyError::NoFit);
     let (left_before, left_after) = (left(refitted)?, left(with_effects)?);
+    let tried = wanted.then(|| {
+        progress("an empirical map");
+        let on_holdout = on_holdout.with_effects.as_ref();
+        empirical(&found.with_effects, &left_after, on_holdout, (&train, &holdout))
+    });
     let deviations = uncertainty(&found.with_effects.standing, &train);
     let mut identification = Identification {
         result: IdentifyResult {
@@ -124,6 +134,7 @@ pub fn identify(
             not_testable: not_testable(&found, &train),
             unexplained: left_after.unexplained.as_ref().map(unexplained),
             unexplained_before: left_before.unexplained.as_ref().map(unexplained),
+            empirical: None,
             notes,
         },
         train,
@@ -133,7 +144,14 @@ pub fn identify(
         found,
         left_before,
         left_after,
+        empirical: tried,
     };
+    identification.result.empirical = identification.empirical.as_ref().map(|tried| {
+        let errors = |fitted: &FittedMap| {
+            identification.errors_of(&fitted.on_train, Some(&fitted.on_holdout))
+        };
+        empirical_part(tried, tried.fitted.as_ref().and_then(errors))
+    });
     identification.result.errors = identification.errors();
     identification.result.per_test = identification.per_test();
     Ok(identification)
@@ -147,17 +165,21 @@ impl Identification {
     }
 
     fn errors(&self) -> Models<Option<Errors>> {
-        let of = |train: Option<&Fit>, holdout: Option<&Fit>| {
-            let train = rmse(train?, &self.train)?;
-            let held = holdout.and_then(|fit| rmse(fit, &self.holdout));
-            Some(Errors {
-                train_rmse_n: train,
-                holdout_rmse_n: held,
-                train_nrmse: train / self.train.rms_force_n(),
-                holdout_nrmse: held.map(|held| held / self.holdout.rms_force_n()),
-            })
-        };
-        self.on_train.zip_with(&self.on_holdout, of)
+        self.on_train.zip_with(&self.on_holdout, |train, holdout| {
+            self.errors_of(&train?.force_n, holdout.map(|fit| fit.force_n.as_slice()))
+        })
+    }
+
+    /// Errors of simulated forces on the training tests and on those held out.
+    fn errors_of(&self, train_n: &[Vec<f64>], holdout_n: Option<&[Vec<f64>]>) -> Option<Errors> {
+        let train = self.train.rmse_n(train_n)?;
+        let held = holdout_n.and_then(|force_n| self.holdout.rmse_n(force_n));
+        Some(Errors {
+            train_rmse_n: train,
+            holdout_rmse_n: held,
+            train_nrmse: train / self.train.rms_force_n(),
+            holdout_nrmse: held.map(|held| held / self.holdout.rms_force_n()),
+        })
     }
 
     fn per_test(&self) -> Vec<PerTest> {
@@ -171,7 +193,7 @@ impl Identification {
                     role,
                     samples: test.counted().len(),
                     run_in_samples: test.record.run_in,
-                    rmse_n: forces.map(|force| force.map(|force| rmse_of(test, force))),
+                    rmse_n: forces.map(|force| force.map(|force| test.rmse_n(force))),
                     peak_force_error: forces.map(|force| peak_error(test, (*force)?)),
                     work_per_cycle_error: forces.map(|force| work_error(test, (*force)?)),
                 }
@@ -219,22 +241,6 @@ fn verdict(found: &Found, left: &LeftOver) -> Verdict {
         (true, false) => Verdict::Unexplained,
         (false, false) => Verdict::EffectsFoundAndUnexplained,
     }
-}
-
-/// Over all tests, whatever they are cut into.
-fn rmse(fit: &Fit, tests: &TestsAtHand) -> Option<f64> {
-    let (mut sum, mut count) = (0.0, 0);
-    for (test, force) in tests.tests.iter().zip(&fit.force_n) {
-        let samples = test.counted().len();
-        sum += rmse_of(test, force) * rmse_of(test, force) * samples as f64;
-        count += samples;
-    }
-    (count > 0).then(|| (sum / count as f64).sqrt())
-}
-
-fn rmse_of(test: &Test, force_n: &[f64]) -> f64 {
-    let counted = test.counted();
-    (test.squares_n2(force_n, counted.clone()) / counted.len().max(1) as f64).sqrt()
 }
 
 fn peak_error(test: &Test, force_n: &[f64]) -> Option<f64> {
@@ -378,5 +384,23 @@ fn unexplained(part: &Unexplained) -> UnexplainedPart {
         rms_n: part.rms_n,
         coordinate: part.coordinate,
         description: part.description.clone(),
+    }
+}
+
+fn empirical_part(tried: &Empirical, errors: Option<Errors>) -> EmpiricalPart {
+    let fitted = tried.fitted.as_ref();
+    let map = fitted.map(|fitted| &fitted.map);
+    let all = |of: fn(&MapKnot) -> f64| map.map(|map| map.knots().iter().map(of).collect());
+    EmpiricalPart {
+        kept: tried.kept,
+        why: tried.why.clone(),
+        coordinate: map.map(|map| map.coordinate().name()),
+        unit: map.map(|map| map.coordinate().unit()),
+        at: all(|knot| knot.at),
+        upper_n: all(|knot| knot.upper_n),
+        lower_n: all(|knot| knot.lower_n),
+        holdout_gain: fitted.map(|fitted| fitted.holdout_gain),
+        tests_improved: fitted.map(|fitted| fitted.tests_improved),
+        errors,
     }
 }

@@ -18,6 +18,7 @@
 //! | [`trial`], [`folds`] | one candidate fitted and judged on what it has not seen |
 //! | [`search`] | acceptance, rivals, several effects |
 //! | [`left_over`] | is the rest noise? |
+//! | [`empirical`] | a map on the rest, where somebody wants one: no physics |
 //! | [`uncertainty`] | how well parameters are known |
 //! | [`identification`], [`result`] | the whole, and how it is written |
 //! | [`page`] | the report for people |
@@ -26,6 +27,7 @@ pub mod candidate;
 pub mod chance;
 pub mod colour;
 pub mod coordinate;
+pub mod empirical;
 pub mod fit;
 pub mod folds;
 pub mod gram;

@@ -42,6 +42,8 @@ pub struct IdentifyResult {
     pub unexplained: Option<UnexplainedPart>,
     /// What was left when the nominal model had been refitted.
     pub unexplained_before: Option<UnexplainedPart>,
+    /// A map on what is left, which is no physics; none where nobody asked for one.
+    pub empirical: Option<EmpiricalPart>,
     /// What the reader should know: how tests were parted, repairs of records, conversions.
     pub notes: Vec<String>,
 }
@@ -176,4 +178,29 @@ pub struct UnexplainedPart {
     pub coordinate: &'static str,
     /// In words.
     pub description: String,
+}
+
+/// A smooth map over one coordinate on what is left: empirical, never physical.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EmpiricalPart {
+    /// It gains on tests it has not seen, and so is kept.
+    pub kept: bool,
+    /// Why, or why not.
+    pub why: String,
+    /// What it is drawn over; nothing where none could be fitted, like all below.
+    pub coordinate: Option<&'static str>,
+    /// Unit of the coordinate.
+    pub unit: Option<&'static str>,
+    /// Places of its knots.
+    pub at: Option<Vec<f64>>,
+    /// Force at each while the damper extends, N.
+    pub upper_n: Option<Vec<f64>>,
+    /// Force at each while it is compressed, N.
+    pub lower_n: Option<Vec<f64>>,
+    /// Share of the squared error that it takes away on pieces left out.
+    pub holdout_gain: Option<f64>,
+    /// Share of those pieces that it improves or leaves as they are.
+    pub tests_improved: Option<f64>,
+    /// Errors of the model with effects and map.
+    pub errors: Option<Errors>,
 }

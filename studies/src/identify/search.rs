@@ -353,22 +353,31 @@ fn objection(
     let before = standing.standing.fit.total_n2();
     let seen_gain = 1.0 - trial.judged.standing.fit.total_n2() / before;
     let p = (p_value * candidates as f64).min(1.0);
-    for (gain, of) in [(seen_gain, "the tests it is fitted to"), (holdout_gain, "tests left out")] {
-        if gain < LEAST_GAIN {
-            let gain = 100.0 * gain;
-            return Some(format!(
-                "takes away {gain:.2} % of the squared error on {of}, less than 3 %"
-            ));
-        }
-    }
-    if improved < LEAST_IMPROVED {
-        let share = 100.0 * improved;
-        return Some(format!("improves or leaves unchanged only {share:.0} % of the tests"));
+    let gains = [(seen_gain, "the tests it is fitted to"), (holdout_gain, "tests left out")];
+    let unfit = gains.into_iter().find_map(|(gain, of)| too_little(gain, of));
+    if let Some(why) = unfit.or_else(|| too_seldom(improved)) {
+        return Some(why);
     }
     if p > LARGEST_P {
         return Some(format!("may be chance: p = {p:.3} with all candidates counted"));
     }
     at_a_bound(trial, tests).map(|name| format!("{name} runs to its bound"))
+}
+
+/// Why a gain is none, if it is none.
+pub(super) fn too_little(gain: f64, of: &str) -> Option<String> {
+    (gain < LEAST_GAIN).then(|| {
+        let gain = 100.0 * gain;
+        format!("takes away {gain:.2} % of the squared error on {of}, less than 3 %")
+    })
+}
+
+/// Why a gain in too few pieces is none.
+pub(super) fn too_seldom(improved: f64) -> Option<String> {
+    (improved < LEAST_IMPROVED).then(|| {
+        let share = 100.0 * improved;
+        format!("improves or leaves unchanged only {share:.0} % of the tests")
+    })
 }
 
 /// The first parameter of the newest effect that ends on a bound that only the impossible lies

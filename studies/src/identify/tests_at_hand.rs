@@ -103,6 +103,17 @@ impl TestsAtHand {
         (sum / self.counted_samples().max(1) as f64).sqrt()
     }
 
+    /// rms error of a simulated force over all tests, whatever they are cut into, N; run-ins left out.
+    pub fn rmse_n(&self, force_n: &[Vec<f64>]) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0);
+        for (test, force_n) in self.tests.iter().zip(force_n) {
+            let samples = test.counted().len();
+            sum += test.rmse_n(force_n) * test.rmse_n(force_n) * samples as f64;
+            count += samples;
+        }
+        (count > 0).then(|| (sum / count as f64).sqrt())
+    }
+
     /// The same tests cut short after their run-in: enough to look for start values. Their size stays
     /// that of the whole.
     #[must_use]
@@ -132,6 +143,12 @@ impl Test {
     pub fn squares_n2(&self, force_n: &[f64], samples: Range<usize>) -> f64 {
         let pairs = self.record.force_n[samples.clone()].iter().zip(&force_n[samples]);
         pairs.map(|(y, f)| (y - f) * (y - f)).sum()
+    }
+
+    /// rms error of a simulated force, N, the run-in left out.
+    pub fn rmse_n(&self, force_n: &[f64]) -> f64 {
+        let counted = self.counted();
+        (self.squares_n2(force_n, counted.clone()) / counted.len().max(1) as f64).sqrt()
     }
 
     /// All samples but the run-in.

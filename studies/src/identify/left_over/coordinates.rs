@@ -6,7 +6,10 @@
 
 use crate::identify::simulation::walk;
 use crate::identify::tests_at_hand::Test;
-use firmware_core::damper::Damper;
+use firmware_core::damper::{Damper, MapCoordinate};
+
+/// A reversal is one once the motion is faster than this share of its largest speed.
+pub const UNDER_WAY: f64 = 0.02;
 
 /// A coordinate of a residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,6 +74,17 @@ impl Coordinate {
         }
     }
 
+    /// The same, if a damper knows it while it runs.
+    pub const fn of_a_damper(self) -> Option<MapCoordinate> {
+        match self {
+            Self::Displacement => Some(MapCoordinate::Displacement),
+            Self::DashpotVelocity => Some(MapCoordinate::DashpotVelocity),
+            Self::Force => Some(MapCoordinate::Force),
+            Self::TimeSinceReversal => Some(MapCoordinate::TimeSinceReversal),
+            Self::Time | Self::Temperature => None,
+        }
+    }
+
     /// Its upper and its lower branch in words.
     pub const fn branches(self) -> (&'static str, &'static str) {
         if self.parts_by_force() {
@@ -107,8 +121,7 @@ impl Track {
         let largest = record.velocity_m_per_s.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let (mut forward, mut since, mut now, mut reversed) = (vec![], vec![], true, 0);
         for (i, v) in record.velocity_m_per_s.iter().enumerate() {
-            // A reversal is one once the motion is under way.
-            if (*v > 0.0) != now && v.abs() > 0.02 * largest {
+            if (*v > 0.0) != now && v.abs() > UNDER_WAY * largest {
                 (now, reversed) = (*v > 0.0, i);
             }
             forward.push(now);

@@ -134,12 +134,12 @@ pub(super) fn shares(left: &LeftOver, before: Option<&LeftOver>) -> Table {
 }
 
 /// Bins that have a mean.
-fn present(centres: &[f64], means: &[Option<f64>]) -> (Vec<f64>, Vec<f64>) {
+pub(super) fn present(centres: &[f64], means: &[Option<f64>]) -> (Vec<f64>, Vec<f64>) {
     centres.iter().zip(means).filter_map(|(at, mean)| Some((*at, (*mean)?))).unzip()
 }
 
 /// Name and SI unit.
-fn name_of(coordinate: Coordinate) -> (&'static str, &'static str) {
+pub(super) fn name_of(coordinate: Coordinate) -> (&'static str, &'static str) {
     match coordinate {
         Coordinate::Displacement => ("displacement", "m"),
         Coordinate::DashpotVelocity => ("dashpot velocity", "m/s"),
@@ -151,7 +151,7 @@ fn name_of(coordinate: Coordinate) -> (&'static str, &'static str) {
 }
 
 /// What the upper and the lower branch are.
-fn branches(coordinate: Coordinate, declared: bool) -> (&'static str, &'static str) {
+pub(super) fn branches(coordinate: Coordinate, declared: bool) -> (&'static str, &'static str) {
     match (coordinate, declared) {
         (Coordinate::Time | Coordinate::Temperature, true) => ("in tension", "in compression"),
         (Coordinate::Time | Coordinate::Temperature, false) => {

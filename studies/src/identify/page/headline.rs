@@ -174,6 +174,7 @@ pub(super) fn about(identification: &Identification) -> Section {
             train.pieces.len()
         )
     };
+    let tried = identification.empirical.as_ref();
     let mut section = Section::new("How this was done")
         .text(
             "A laboratory tool and no safety function. Errors are measured less simulated force, \
@@ -183,12 +184,18 @@ pub(super) fn about(identification: &Identification) -> Section {
         )
         .text(&format!(
             "Candidates were judged by leaving out {left_out}. Tests held out were used for nothing but \
-             the errors shown."
+             the errors shown{}.",
+            if tried.is_some() { " and to refuse an empirical map that is worse on them" } else { "" }
         ))
-        .text(
-            "The numbers are in result.json, the damper in model.toml, every simulated sample in the \
+        .text(&format!(
+            "The numbers are in result.json, the damper in model.toml{}, every simulated sample in the \
              folder predictions.",
-        );
+            if tried.is_some_and(|tried| tried.kept) {
+                ", with the empirical map in model-empirical.toml"
+            } else {
+                ""
+            }
+        ));
     let notes = &identification.result.notes;
     for note in notes {
         section = section.note(note);

@@ -16,6 +16,7 @@ const SEGMENTS: f64 = 4.0;
 pub(super) fn section(identification: &Identification) -> Section {
     let (before, after) = (&identification.left_before, &identification.left_after);
     let added = !identification.result.effects.is_empty();
+    let mapped = identification.empirical.as_ref().is_some_and(|tried| tried.kept);
     let mut section = Section::new("What is left");
     section = match &after.unexplained {
         None => section.text(&format!(
@@ -26,10 +27,15 @@ pub(super) fn section(identification: &Identification) -> Section {
         )),
         Some(part) => section
             .warning(&format!(
-                "{} rms {} have no name in the catalogue: {}. No patch was put over it.",
+                "{} rms {} have no name in the catalogue: {}. {}",
                 quantity(part.rms_n, "N"),
                 lives(part.coordinate),
-                part.description
+                part.description,
+                if mapped {
+                    "The model has no patch over it; the empirical map below stands beside the model."
+                } else {
+                    "No patch was put over it."
+                }
             ))
             .text(&format!("In all {} rms are left.", quantity(after.rms_n, "N"))),
     };

@@ -3,8 +3,8 @@
 //!
 //! The verdict first. Then the record with the maker's model over it, the model refitted, the
 //! residual against every coordinate, the candidates, each effect that was added, loops before and
-//! after, errors test by test, what these records cannot show, and what is left. A chapter shrinks
-//! where there is nothing to tell: no datasheet, no tests held out, no effect found.
+//! after, errors test by test, what these records cannot show, and what is left, with an empirical map
+//! on it where one was asked for. A chapter shrinks where there is nothing to tell: no datasheet, no tests held out, no effect found.
 //!
 //! Tables are in SI, to be copied; axes carry the prefix that reads best. All curves are
 //! free-running simulation from the measured displacement; the residual is measured less simulated.
@@ -13,6 +13,7 @@ mod candidates;
 mod coordinates;
 mod curves;
 mod effects;
+mod empirical;
 mod errors;
 mod headline;
 mod left;
@@ -35,7 +36,7 @@ pub fn page(identification: &Identification) -> Report {
     for (name, value) in headline::facts(identification) {
         report = report.fact(name, &value);
     }
-    report
+    report = report
         .section(headline::section(identification))
         .section(models::datasheet(identification, telling))
         .section(models::refitted(identification, telling))
@@ -45,6 +46,9 @@ pub fn page(identification: &Identification) -> Report {
         .section(loops::section(identification, &tests))
         .section(errors::section(identification))
         .section(limits::section(identification))
-        .section(left::section(identification))
-        .section(headline::about(identification))
+        .section(left::section(identification));
+    if let Some(section) = empirical::section(identification) {
+        report = report.section(section);
+    }
+    report.section(headline::about(identification))
 }
