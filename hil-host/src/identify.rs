@@ -19,6 +19,7 @@ use studies::campaign::Shard;
 use studies::identify::empirical::{Empirical, FittedMap};
 use studies::identify::fit::Fit;
 use studies::identify::result::{IdentifyResult, Models, Verdict};
+use studies::identify::search::Progress;
 use studies::identify::simulation::{simulate, start_deflection_m};
 use studies::identify::split::split;
 use studies::identify::tests_at_hand::TestsAtHand;
@@ -228,6 +229,12 @@ fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
     if let Some(twice) = twice {
         bail!("{}: both in --train and in --holdout, expected in one of them", twice.display());
     }
+    for files in [&args.train, &args.holdout] {
+        let again = |(index, file): (usize, &PathBuf)| files[..index].contains(file);
+        if let Some(place) = files.iter().enumerate().position(again) {
+            bail!("{}: given twice, expected each record once", files[place].display());
+        }
+    }
     let mapping = args.mapping.as_deref();
     // Read together, so that no two tests share a name.
     let paths: Vec<PathBuf> = args.train.iter().chain(&args.holdout).cloned().collect();
@@ -266,7 +273,7 @@ fn bandwidths<'a>(records: impl Iterator<Item = &'a Measurement>) -> Vec<String>
 }
 
 /// Runs a task that says what it is doing; after two seconds people see it.
-fn with_progress<T>(task: impl FnOnce(&dyn Fn(&str)) -> T) -> T {
+fn with_progress<T>(task: impl FnOnce(Progress<'_>) -> T) -> T {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
     if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}") {
         bar.set_style(style);

@@ -28,6 +28,8 @@ pub struct Effort {
 impl Effort {
     /// To the bottom.
     pub const FULL: Self = Self { rounds: 3, patience: 12, gain: 1e-7 };
+    /// Near enough to the bottom to judge a candidate.
+    pub const TRIAL: Self = Self { rounds: 2, patience: 8, gain: 1e-5 };
     /// Enough to compare starts.
     pub const SHORT: Self = Self { rounds: 1, patience: 4, gain: 1e-4 };
 }

@@ -13,6 +13,9 @@ pub const NOMINAL: [(&str, &str); 5] = [
     ("c2_n_s_per_m", "N s/m"),
 ];
 
+/// Place of the clearance among them.
+pub const CLEARANCE: usize = 2;
+
 /// Which effects a model has, and how its parameters are bounded.
 #[derive(Debug, Clone)]
 pub struct GreyBox {

@@ -1,5 +1,6 @@
 //! The whole identification: records in, three models and the story of what was found out.
 
+use super::cautions::{extrapolations, other_unit};
 use super::empirical::{Empirical, FittedMap, empirical};
 use super::fit::Fit;
 use super::grey_box::{GreyBox, NOMINAL, vector_of};
@@ -8,7 +9,7 @@ use super::result::{
     EffectFound, EffectNotTestable, EffectRejected, EmpiricalPart, Errors, EvidenceFound,
     IdentifyResult, Models, NominalValue, ParameterValue, PerTest, UnexplainedPart, Verdict,
 };
-use super::search::{Found, search};
+use super::search::{Found, Progress, search};
 use super::start::nominal_fit;
 use super::tests_at_hand::{Test, TestsAtHand};
 use super::uncertainty::uncertainty;
@@ -80,7 +81,7 @@ impl std::error::Error for IdentifyError {}
 /// Nothing to fit, or nothing fits.
 pub fn identify(
     question: Question,
-    progress: &dyn Fn(&str),
+    progress: Progress<'_>,
 ) -> Result<Identification, IdentifyError> {
     let Question { train, holdout, datasheet, empirical: wanted, mut notes } = question;
     let train = TestsAtHand::new(train);
@@ -113,6 +114,8 @@ pub fn identify(
         refitted: of(refitted, &holdout),
         with_effects: of(with_effects, &holdout),
     };
+    notes.extend(other_unit(on_train.datasheet.as_ref(), &train));
+    notes.extend(extrapolations(&train, &holdout));
     let left = |fit: &Fit| LeftOver::of(fit, &train).ok_or(IdentifyError::NoFit);
     let (left_before, left_after) = (left(refitted)?, left(with_effects)?);
     let tried = wanted.then(|| {

@@ -20,10 +20,12 @@
 //! | [`left_over`] | is the rest noise? |
 //! | [`empirical`] | a map on the rest, where somebody wants one: no physics |
 //! | [`uncertainty`] | how well parameters are known |
+//! | [`cautions`] | what to ask before believing the numbers |
 //! | [`identification`], [`result`] | the whole, and how it is written |
 //! | [`page`] | the report for people |
 
 pub mod candidate;
+pub mod cautions;
 pub mod chance;
 pub mod colour;
 pub mod coordinate;

@@ -12,8 +12,9 @@
 //! earlier one is dropped if the model predicts as well without it.
 
 use super::candidate::{Candidate, candidates};
-use super::fit::{Effort, Fit, fit};
+use super::fit::{Effort, Fit, fit, fit_on};
 use super::grey_box::GreyBox;
+use super::left_over::repeat::repeat;
 use super::screening::{Screened, screen};
 use super::start::{BEGINNING_S, NominalFit};
 use super::tests_at_hand::TestsAtHand;
@@ -40,6 +41,8 @@ const LISTED: (usize, usize) = (6, 3);
 const TRIED: usize = 5;
 /// A model is far off when its error is more than this share of the force.
 const FAR_OFF: f64 = 0.03;
+/// A residual is far above its noise from this multiple.
+const ABOVE_NOISE: f64 = 1.5;
 /// Ratio from which a nominal parameter is of another size.
 const OTHER_SIZE: f64 = 3.0;
 /// Share of the squared error by which another minimum of the standing model is better.
@@ -50,6 +53,9 @@ const STARTS: usize = 4;
 const LEAST_UNABSORBED: f64 = 0.01;
 /// An effect that stands out by fewer standard errors at its usual size does not show.
 const LEAST_STANDING_OUT: f64 = 1.0;
+
+/// Is told what is being done, from any thread.
+pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
 
 /// An effect that was found missing.
 #[derive(Debug, Clone)]
@@ -102,7 +108,7 @@ pub struct Found {
 }
 
 /// Searches from a fitted nominal model. `progress` is told what is being done.
-pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str)) -> Option<Found> {
+pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) -> Option<Found> {
     let NominalFit { fit, others } = nominal;
     let mut refitted = Judged::new(fit, tests)?;
     let beginnings = tests.beginnings(BEGINNING_S);
@@ -115,13 +121,14 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
         let hidden = hidden(&tried, &screened);
         // What a model that is far off cannot show may show when it is near.
         let far = far_off(&standing, tests);
+        let coarse = far || above_noise(&standing, tests);
         let shown: Vec<usize> = (0..tried.len())
             .filter(|index| far || !hidden.iter().any(|(i, _)| i == index))
             .collect();
-        progress("rehearsing");
         let minima = if far { others.as_slice() } else { &[] };
         let mut rehearsed =
-            rehearsals(&standing, &tried, &shown, &screened, far, |index, which| {
+            rehearsals(&standing, &tried, &shown, &screened, coarse, |index, which| {
+                progress(&format!("rehearsing {}", tried[index].effect.name));
                 let starts = starts(&standing, &tried[index], which, minima);
                 rehearse(&standing, &tried[index], &starts, &beginnings)
             });
@@ -135,7 +142,7 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
         });
         let mut trials: Vec<Trial> = Vec::new();
         for (index, fit) in &rehearsed {
-            progress(tried[*index].effect.name);
+            progress(&format!("fitting {}", tried[*index].effect.name));
             trials.extend(try_candidate(&standing, &tried[*index], (*index, &fit.values), tests));
         }
         trials
@@ -180,7 +187,9 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: &dyn Fn(&str))
                 .map(|i| tried[trials[*i].candidate].effect.name)
                 .collect(),
         });
-        standing = trial.judged.clone();
+        // Trials stop near the bottom; what is accepted goes to it.
+        let settled = fit_on(trial.judged.standing.fit.clone(), tests, Effort::FULL)?;
+        standing = Judged::new(settled, tests)?;
         standing = drop_idle(standing, &mut accepted, tests, progress);
     }
 }
@@ -236,17 +245,25 @@ fn far_off(standing: &Judged, tests: &TestsAtHand) -> bool {
     squares.sqrt() > FAR_OFF * tests.rms_force_n()
 }
 
-/// Fits to the beginnings of the tests: of all candidates where the model is far off, otherwise of
+/// True when the residual is so far above its noise that a part of it must be due to large effects:
+/// what they do to first order, with all other parameters as they are, says little.
+fn above_noise(standing: &Judged, tests: &TestsAtHand) -> bool {
+    let squares = standing.standing.fit.total_n2() / tests.counted_samples() as f64;
+    let floor_n = repeat(&standing.standing.residual_n, tests).noise_floor_n;
+    floor_n.is_some_and(|floor_n| squares.sqrt() > ABOVE_NOISE * floor_n)
+}
+
+/// Fits to the beginnings of the tests: of all candidates where first order says little, otherwise of
 /// those that screening puts on top, chosen again without every piece.
 fn rehearsals(
     standing: &Judged,
     tried: &[Candidate],
     shown: &[usize],
     screened: &[Screened],
-    far: bool,
+    coarse: bool,
     rehearse: impl Fn(usize, &[usize]) -> Option<Fit> + Sync,
 ) -> Vec<(usize, Fit)> {
-    let listed = if far {
+    let listed = if coarse {
         shown.to_vec()
     } else {
         short_list(screened, shown, standing.left_out.squares_n2.len())
@@ -254,7 +271,7 @@ fn rehearsals(
     listed
         .par_iter()
         .filter_map(|index| {
-            let which: Vec<usize> = if far {
+            let which: Vec<usize> = if coarse {
                 (0..tried[*index].starts.len()).collect()
             } else {
                 let mut starts: Vec<&Screened> =
@@ -421,11 +438,11 @@ fn drop_idle(
     mut standing: Judged,
     accepted: &mut Vec<Accepted>,
     tests: &TestsAtHand,
-    progress: &dyn Fn(&str),
+    progress: Progress<'_>,
 ) -> Judged {
     let mut index = 0;
     while accepted.len() > 1 && index + 1 < accepted.len() {
-        progress(accepted[index].name);
+        progress(&format!("without {}", accepted[index].name));
         let fitted = &standing.standing.fit;
         let mut model = GreyBox::nominal(&tests.scale);
         let mut values = fitted.values[..5].to_vec();

@@ -13,6 +13,8 @@ use std::ops::Range;
 
 /// Longest step of a model between two samples, s.
 const LONGEST_STEP_S: f64 = 1e-3;
+/// The same where only a start is looked for.
+const LONGEST_ROUGH_STEP_S: f64 = 5e-3;
 /// Shortest block, s.
 const SHORTEST_BLOCK_S: f64 = 0.25;
 /// Fewest tests that are left out one by one.
@@ -114,8 +116,8 @@ impl TestsAtHand {
         (count > 0).then(|| (sum / count as f64).sqrt())
     }
 
-    /// The same tests cut short after their run-in: enough to look for start values. Their size stays
-    /// that of the whole.
+    /// The same tests cut short after their run-in, in longer steps: enough to look for start values.
+    /// Their size stays that of the whole.
     #[must_use]
     pub fn beginnings(&self, longest_s: f64) -> Self {
         let records = self.tests.iter().map(|test| {
@@ -123,13 +125,17 @@ impl TestsAtHand {
             let samples = (longest_s / record.step_s) as usize;
             record.until(record.run_in + samples.max(20))
         });
-        Self::with_scale(records.collect(), self.scale)
+        let mut beginnings = Self::with_scale(records.collect(), self.scale);
+        for test in &mut beginnings.tests {
+            test.substeps = substeps(test.record.step_s, LONGEST_ROUGH_STEP_S);
+        }
+        beginnings
     }
 }
 
 impl Test {
     fn new(record: Measurement) -> Self {
-        let substeps = (record.step_s / LONGEST_STEP_S - 1e-6).ceil().max(1.0) as usize;
+        let substeps = substeps(record.step_s, LONGEST_STEP_S);
         let blocks = blocks_of(&record);
         Self { record, substeps, blocks }
     }
@@ -170,6 +176,11 @@ impl Test {
         }
         ranges
     }
+}
+
+/// Equal steps of at most `longest_s` in a sampling period.
+fn substeps(period_s: f64, longest_s: f64) -> usize {
+    (period_s / longest_s - 1e-6).ceil().max(1.0) as usize
 }
 
 fn blocks_of(record: &Measurement) -> Vec<Range<usize>> {

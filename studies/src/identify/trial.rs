@@ -6,6 +6,7 @@ use super::chance::one_sided;
 use super::fit::{Effort, Fit, fit, fit_freely};
 use super::folds::{LeftOut, change_shares};
 use super::gram::Gram;
+use super::grey_box::CLEARANCE;
 use super::screening::Standing;
 use super::tests_at_hand::TestsAtHand;
 use rayon::prelude::*;
@@ -58,8 +59,12 @@ const UNCHANGED: f64 = 0.01;
 /// the others would have found the candidate too.
 const LONE_SHARE: f64 = 0.98;
 
+/// Share of the clearance with which a candidate also starts.
+const PART_OF_CLEARANCE: f64 = 0.4;
+
 /// Start parameters of a candidate, a group for each of its own start values: with the standing
-/// model's parameters, with those lifted off zero, and with other minima of the nominal damper.
+/// model's parameters, with those lifted off zero, with less clearance (which may have grown in the
+/// place of the candidate), and with other minima of the nominal damper.
 pub fn starts(
     base: &Judged,
     candidate: &Candidate,
@@ -72,6 +77,11 @@ pub fn starts(
         let mut group = vec![[standing.as_slice(), start].concat()];
         if lifted != *standing {
             group.push([lifted.as_slice(), start].concat());
+        }
+        let mut tighter = lifted.clone();
+        if let Some(clearance) = tighter.get_mut(CLEARANCE) {
+            *clearance *= PART_OF_CLEARANCE;
+            group.push([tighter.as_slice(), start].concat());
         }
         for other in others {
             // The nominal parameters of the other minimum, the effects of the standing model.
@@ -112,11 +122,11 @@ pub fn try_candidate(
 ) -> Option<Trial> {
     let standing = &base.standing;
     let model = standing.fit.model.with(candidate.effect, &tests.scale);
-    let mut best = fit(&model, start, tests, Effort::FULL)?;
+    let mut best = fit(&model, start, tests, Effort::TRIAL)?;
     if best.total_n2() > standing.fit.total_n2() {
         // A richer model cannot be worse: what the beginnings showed has led astray.
         let usual = [standing.fit.values.as_slice(), candidate.starts.first()?].concat();
-        let again = fit(&model, &usual, tests, Effort::FULL)?;
+        let again = fit(&model, &usual, tests, Effort::TRIAL)?;
         if again.total_n2() < best.total_n2() {
             best = again;
         }

@@ -192,16 +192,80 @@ pub fn clipped(series: &Series) -> Option<(f64, Vec<usize>)> {
     at(first).map(|limit| (limit, found))
 }
 
-/// Tells of clipped samples.
-pub fn tell_clipped(series: &mut Series) {
-    if let Some((limit, samples)) = clipped(series) {
-        let lines = listed(samples.iter().map(|sample| series.line(*sample)));
-        series.repairs.push(format!(
-            "left as it is: {} stays at its extreme {limit} N in {} samples while the damper moves, lines {lines}: clipped?",
-            series.columns[2],
-            samples.len()
-        ));
+/// Refuses a force that was clipped; tells of one that may have been.
+///
+/// A damper may hold its greatest force too, but not to the last digit where the rest of the record has
+/// noise.
+///
+/// # Errors
+/// Samples stay at the extreme force while the damper moves on, in a record with noise.
+pub fn refuse_clipped(series: &mut Series) -> Result<(), MeasurementError> {
+    let Some((limit, samples)) = clipped(series) else { return Ok(()) };
+    let lines = listed(samples.iter().map(|sample| series.line(*sample)));
+    let found = format!(
+        "{} at its extreme {limit} N in {} samples while the damper moves, lines {lines}",
+        series.columns[2],
+        samples.len()
+    );
+    if is_noisy(&series.force_n) {
+        let expected = "a force that was not clipped: measure again over a wider range";
+        return Err(series.error(found, expected.to_owned()));
     }
+    series.repairs.push(format!("left as it is: {found}: clipped?"));
+    Ok(())
+}
+
+/// Third differences turn from sample to sample, as those of noise do and those of a smooth signal do
+/// not, and are larger than the last digit makes them.
+fn is_noisy(force_n: &[f64]) -> bool {
+    let changes = force_n.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let digit = changes.filter(|change| *change > 0.0).fold(f64::MAX, f64::min);
+    let thirds = force_n.windows(4).map(|f| f[3] - 3.0 * f[2] + 3.0 * f[1] - f[0]);
+    // Rounding alone makes up to four digits.
+    let thirds: Vec<f64> = thirds.filter(|third| third.abs() > 8.0 * digit).collect();
+    let turns = thirds.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
+    4 * thirds.len() > force_n.len() && 2 * turns > thirds.len()
+}
+
+/// Spikes of one sample are mended by their neighbours' mean, and told.
+///
+/// A spike stands out from both neighbours alike by ten times what any other sample does but those
+/// beside spikes; a blow between clearances lasts longer. At most one in a thousand is mended.
+pub fn mend_spikes(series: &mut Series) {
+    let force = &series.force_n;
+    let off = |i: usize| (force[i] - 0.5 * (force[i - 1] + force[i + 1])).abs();
+    let mut sizes: Vec<(f64, usize)> =
+        (1..force.len().saturating_sub(1)).map(|i| (off(i), i)).collect();
+    sizes.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let most = force.len() / 1000;
+    let mut spikes: Vec<usize> = Vec::new();
+    for (size, i) in &sizes {
+        let beside = |spike: &usize| i.abs_diff(*spike) <= 1;
+        if spikes.iter().any(beside) {
+            continue;
+        }
+        let alike = (force[i + 1] - force[i - 1]).abs() < 0.2 * size;
+        if spikes.len() < most && alike {
+            spikes.push(*i);
+            continue;
+        }
+        // The first that is none: all before have to stand far above it.
+        spikes.retain(|spike| off(*spike) > 10.0 * size);
+        break;
+    }
+    if spikes.is_empty() {
+        return;
+    }
+    spikes.sort_unstable();
+    let lines = listed(spikes.iter().map(|spike| series.line(*spike)));
+    for spike in &spikes {
+        series.force_n[*spike] = 0.5 * (series.force_n[spike - 1] + series.force_n[spike + 1]);
+    }
+    series.repairs.push(format!(
+        "{}: {} spikes of one sample replaced by the mean of their neighbours, lines {lines}",
+        series.columns[2],
+        spikes.len()
+    ));
 }
 
 /// Tells of a velocity column that is not the slope of the displacement.

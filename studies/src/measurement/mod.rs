@@ -96,7 +96,8 @@ impl Measurement {
                 }
             }
         }
-        checks::tell_clipped(&mut series);
+        checks::refuse_clipped(&mut series)?;
+        checks::mend_spikes(&mut series);
         let start_s = series.time_s.first().copied().unwrap_or(0.0);
         let step_s = clock::make_uniform(&mut series)?;
         checks::length(&series, step_s)?;

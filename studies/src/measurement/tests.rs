@@ -262,7 +262,12 @@ fn every_repair_is_told() {
         (
             "clipped",
             file(2000, |_, [t, x, f]| plain([t, x, f.clamp(-900.0, 900.0)])),
-            "left as it is: force_n stays at its extreme 900 N in ",
+            "left as it is: force_n at its extreme 900 N in ",
+        ),
+        (
+            "spike",
+            file(2000, |n, [t, x, f]| plain([t, x, if n == 700 { f + 5e4 } else { f }])),
+            "force_n: 1 spikes of one sample replaced by the mean of their neighbours, lines 702",
         ),
         ("spring", file(2000, |_, [t, x, _]| plain([t, x, 1e5 * x])), "left as it is: "),
         (
@@ -290,6 +295,30 @@ fn every_repair_is_told() {
         let worst = worst.fold(0.0, f64::max);
         assert!(worst < 2e-5, "{name}: {worst}");
     }
+}
+
+#[test]
+fn a_clipped_force_with_noise_was_taken_for_an_asymmetric_damper() {
+    let rattle = |n: usize| [3.0, -2.0, 1.0, -4.0, 2.0][n % 5];
+    let error = read("", &file(2000, |n, [t, x, f]| plain([t, x, (f + rattle(n)).min(900.0)])))
+        .unwrap_err();
+    assert!(
+        error.starts_with("a.csv: found force_n at its extreme 900 N in ")
+            && error.ends_with(
+                "expected a force that was not clipped: measure again over a wider range"
+            ),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_blow_of_some_samples_is_no_spike() {
+    let blow = |n: usize| match n {
+        700..=703 => 5e4 * libm::sin(0.7 * (n - 699) as f64),
+        _ => 0.0,
+    };
+    let test = one("", &file(2000, |n, [t, x, f]| plain([t, x, f + blow(n)])));
+    assert_eq!(test.repairs, [""; 0]);
 }
 
 #[test]

@@ -7,7 +7,8 @@
 //! The pressure of the gas stands on the area of the rod and pushes it out: a positive preload is
 //! a force in compression, negative tension, at mid-stroke. Pushing the rod in compresses the gas and
 //! pulling it out relaxes it, so the rate resists displacement and centres the piston like a spring:
-//! a positive rate adds tension in extension. `x_p` is the position of the piston from mid-stroke, frozen
+//! a positive rate adds tension in extension. Below zero stands a preload where the record counts
+//! displacement from elsewhere than mid-stroke, or does not say which side is extension. `x_p` is the position of the piston from mid-stroke, frozen
 //! in each step. Inside the attachment: with clearance, the joint rests on one side.
 //!
 //! Limits: constant rate, no cooling of the gas. Source: gas law for small changes of volume.
@@ -20,7 +21,7 @@ use crate::damper::law::Factors;
 effect_parameters! {
     /// A force and a spring rate on the piston.
     GasPreload {
-        preload_n: Newton in 0.0 to 1.0, typical 0.02,
+        preload_n: Newton in -1.0 to 1.0, typical 0.02,
             "Force that pushes the rod out at mid-stroke, N.";
         rate_n_per_m: NewtonPerMetre in 0.0 to 1.0, typical 0.001,
             "Force that resists displacement of the piston, per displacement, N/m.";

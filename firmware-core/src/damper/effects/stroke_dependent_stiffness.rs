@@ -19,9 +19,9 @@ use crate::damper::law::Factors;
 effect_parameters! {
     /// An attachment whose stiffness depends on the position of the piston.
     StrokeDependentStiffness {
-        gradient_per_m: PerMetre in -1.0 to 1.0, typical 0.05,
+        gradient_per_m: PerMetre in -10.0 to 10.0, typical 0.05,
             "Relative change of stiffness per displacement at mid-stroke, 1/m.";
-        curvature_per_m2: PerMetre2 in -1.0 to 10.0, typical 0.1,
+        curvature_per_m2: PerMetre2 in -10.0 to 10.0, typical 0.1,
             "Relative change per displacement squared, 1/m2.";
     }
 }
@@ -48,6 +48,8 @@ impl DamperEffect for StrokeDependentStiffness {
     const SHOWN_BY: &'static str =
         "The same small, quick sine at three mean positions, mid-stroke and 40 mm to either side.";
     const SLOW: bool = true;
+    // Far from mid-stroke a curvature of the usual size is too much to begin with.
+    const STARTS: &'static [&'static [f64]] = &[&[0.05, 0.0], &[-0.05, 0.0]];
 
     fn slow(&self, at: &Instant, _memory: &Memory, factors: &mut Factors) {
         factors.compliance_gain /= self.factor(at.piston_m);

@@ -1,0 +1,92 @@
+//! What a careful colleague would ask before believing the numbers.
+
+use super::fit::Fit;
+use super::tests_at_hand::{Test, TestsAtHand};
+use crate::statistics::{min_max, rms};
+
+/// A test held out may go this much beyond the training tests, of their range.
+const BEYOND: f64 = 0.1;
+/// Ratio of forces beyond which units are the first suspicion.
+const OTHER_UNIT: f64 = 30.0;
+
+/// Tests held out that ask for more than the training tests have shown, a line each.
+pub fn extrapolations(train: &TestsAtHand, holdout: &TestsAtHand) -> Vec<String> {
+    let quantities: [(&str, &str, fn(&Test) -> &[f64]); 3] = [
+        ("force", "N", |test| &test.record.force_n),
+        ("velocity", "m/s", |test| &test.record.velocity_m_per_s),
+        ("displacement", "m", |test| &test.record.displacement_m),
+    ];
+    let mut lines = Vec::new();
+    for (name, unit, values) in quantities {
+        let ends = train.tests.iter().filter_map(|test| min_max(values(test)));
+        let seen = ends.reduce(|all, own| (all.0.min(own.0), all.1.max(own.1)));
+        let Some((low, high)) = seen else { continue };
+        let room = BEYOND * (high - low);
+        for test in &holdout.tests {
+            let Some((from, to)) = min_max(values(test)) else { continue };
+            if from < low - room || to > high + room {
+                lines.push(format!(
+                    "{}: {name} from {from:.4e} to {to:.4e} {unit}, the training tests from {low:.4e} to \
+                     {high:.4e}: its errors are those of extrapolation",
+                    test.record.name
+                ));
+            }
+        }
+    }
+    lines
+}
+
+/// A datasheet whose forces are of another size than the measured ones.
+pub fn other_unit(datasheet: Option<&Fit>, tests: &TestsAtHand) -> Option<String> {
+    let all = |pick: &dyn Fn(usize) -> Vec<f64>| {
+        rms(&(0..tests.tests.len()).flat_map(pick).collect::<Vec<_>>())
+    };
+    let fit = datasheet?;
+    let measured = all(&|test| tests.tests[test].record.force_n.clone());
+    let ratio = all(&|test| fit.force_n[test].clone()) / measured;
+    let alike = (1.0 / OTHER_UNIT..OTHER_UNIT).contains(&ratio);
+    (measured > 0.0 && !alike).then(|| {
+        format!(
+            "by the datasheet the force is {ratio:.3e} times the measured one: is one of them in another \
+             unit?"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::grey_box::{GreyBox, vector_of};
+    use crate::measurement::{Measurement, Series};
+    use firmware_core::damper::Nominal;
+
+    /// A damper of 1 MN s/m below relief at 3 Hz.
+    fn tests(amplitude_m: f64, force_gain: f64) -> TestsAtHand {
+        let w = std::f64::consts::TAU * 3.0;
+        let x = |n: usize| amplitude_m * libm::sin(w * n as f64 * 1e-3);
+        let f = |n: usize| force_gain * 1e6 * amplitude_m * w * libm::cos(w * n as f64 * 1e-3);
+        let series =
+            Series::sampled("a", 1e3, (0..2000).map(x).collect(), (0..2000).map(f).collect());
+        TestsAtHand::new(vec![Measurement::from_series(series).unwrap()])
+    }
+
+    #[test]
+    fn more_than_was_shown_is_told_and_less_is_not() {
+        let train = tests(1e-3, 1.0);
+        assert_eq!(extrapolations(&train, &tests(1.1e-3, 1.0)), [""; 0]);
+        let told = extrapolations(&train, &tests(2e-3, 1.0));
+        assert_eq!(told.len(), 3, "{told:?}");
+        assert!(told[2].starts_with("a: displacement from -2.0000e-3 to 2.0000e-3 m"), "{told:?}");
+    }
+
+    #[test]
+    fn kilonewtons_are_suspected() {
+        let tests = [tests(1e-3, 1.0), tests(1e-3, 1e-3)];
+        let fit = |tests: &TestsAtHand| {
+            Fit::of(&GreyBox::nominal(&tests.scale), &vector_of(&Nominal::NEW), tests)
+        };
+        assert_eq!(other_unit(fit(&tests[0]).as_ref(), &tests[0]), None);
+        let told = other_unit(fit(&tests[1]).as_ref(), &tests[1]).unwrap();
+        assert!(told.contains("another unit"), "{told}");
+    }
+}
