@@ -48,6 +48,8 @@ pub enum Coordinate {
 
 /// Ratio of bounds from which a parameter is spread over decades.
 const SPREAD: f64 = 30.0;
+/// Coordinate up to which a parameter near a bound still moves: 0.25 % of the way from it.
+const ALIVE: f64 = 6.0;
 /// Share of the bend below which a parameter from zero is stuck.
 const STUCK: f64 = 1e-2;
 /// A coordinate stays within this, or numbers vanish.
@@ -80,6 +82,16 @@ impl Coordinate {
         match *self {
             Self::FromZero { bend, .. } if value < STUCK * bend => bend,
             _ => value,
+        }
+    }
+
+    /// The coordinate itself, or, where it lies so close to a bound that nothing changes with it, the
+    /// nearest one at which something does.
+    pub fn inside(&self, u: f64) -> f64 {
+        match *self {
+            Self::FromZero { .. } => u.max(-ALIVE),
+            Self::Spread { .. } | Self::Between { .. } => u.clamp(-ALIVE, ALIVE),
+            Self::Signed { .. } => u,
         }
     }
 

@@ -13,6 +13,7 @@
 //! | --- | --- |
 //! | [`tests_at_hand`] | records cut into pieces to leave out and blocks that are independent |
 //! | [`grey_box`], [`coordinate`] | models as vectors of bounded parameters |
+//! | [`canonical`] | one way to say what two sets of parameters say alike |
 //! | [`simulation`], [`fit`], [`start`] | free-running simulation, least squares, start values |
 //! | [`candidate`], [`screening`] | the catalogue against the residual, to first order |
 //! | [`trial`], [`folds`] | one candidate fitted and judged on what it has not seen |
@@ -25,6 +26,7 @@
 //! | [`page`] | the report for people |
 
 pub mod candidate;
+pub mod canonical;
 pub mod cautions;
 pub mod chance;
 pub mod colour;

@@ -12,6 +12,7 @@
 //! earlier one is dropped if the model predicts as well without it.
 
 use super::candidate::{Candidate, candidates};
+use super::canonical::canonical;
 use super::fit::{Effort, Fit, fit, fit_on};
 use super::grey_box::GreyBox;
 use super::left_over::repeat::repeat;
@@ -187,9 +188,9 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
                 .map(|i| tried[trials[*i].candidate].effect.name)
                 .collect(),
         });
-        // Trials stop near the bottom; what is accepted goes to it.
-        let settled = fit_on(trial.judged.standing.fit.clone(), tests, Effort::FULL)?;
-        standing = Judged::new(settled, tests)?;
+        progress(&format!("settling {}", tried[trial.candidate].effect.name));
+        let settled = settled(&trial.judged.standing.fit, &tried[trial.candidate], tests)?;
+        standing = Judged::new(canonical(settled, tests), tests)?;
         standing = drop_idle(standing, &mut accepted, tests, progress);
     }
 }
@@ -204,6 +205,23 @@ fn fairer(standing: &Judged, trials: &[Trial], tests: &TestsAtHand) -> Option<Ju
     let again = fit(&before.model, values, tests, Effort::FULL)?;
     let better = again.total_n2() < (1.0 - BETTER_MINIMUM) * before.total_n2();
     if better { Judged::new(again, tests) } else { None }
+}
+
+/// An accepted model at the bottom: trials stop near it, and may lie in another hollow of the same
+/// effect than the deepest, which its other start values reach.
+fn settled(trial: &Fit, candidate: &Candidate, tests: &TestsAtHand) -> Option<Fit> {
+    let nominal = trial.values.len() - candidate.effect.parameters.len();
+    let others: Vec<Fit> = candidate
+        .starts
+        .par_iter()
+        .filter_map(|start| {
+            let from = [&trial.values[..nominal], start].concat();
+            fit(&trial.model, &from, tests, Effort::TRIAL)
+        })
+        .collect();
+    let better = others.into_iter().min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
+    let deeper = better.filter(|other| other.total_n2() < trial.total_n2());
+    fit_on(deeper.unwrap_or_else(|| trial.clone()), tests, Effort::FULL)
 }
 
 fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {

@@ -14,24 +14,29 @@
 //! blocks; it pulls each test its own way. So the same is reckoned with whole tests for blocks, and
 //! each parameter is told the larger of its two deviations.
 
+use super::fit::{Fit, slopes};
 use super::gram::Gram;
 use super::screening::Standing;
 use super::tests_at_hand::TestsAtHand;
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use std::borrow::Cow;
 
 /// A coordinate that is uncertain by more than this is not fixed by the records.
 const NOT_FIXED: f64 = 3.0;
+/// Least freedom that is reckoned with: Student's factor runs away below.
+const FEWEST_FREE: f64 = 3.0;
 
 /// Standard deviations of all parameters in their units, none where the records do not fix one.
 pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> Vec<Option<f64>> {
     let count = standing.slopes.len();
+    let (free, slopes) = alive(standing, tests);
     let (mut blocks, mut pieces): (Vec<Gram>, Vec<Gram>) = (Vec::new(), Vec::new());
     for piece in &tests.pieces {
         let first = blocks.len();
         for block in tests.blocks(piece) {
             let columns: Vec<&[f64]> =
-                standing.slopes.iter().map(|slope| &slope[piece.test][block.clone()]).collect();
+                slopes.iter().map(|slope| &slope[piece.test][block.clone()]).collect();
             blocks.push(Gram::over(&columns, &standing.residual_n[piece.test][block]));
         }
         pieces.extend(Gram::sum(blocks[first..].iter()));
@@ -48,7 +53,6 @@ pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> Vec<Option<f64>>
     } else {
         vec![0.0; count]
     };
-    let free = standing.fit.model.free(&standing.fit.values);
     let coordinates = standing.fit.model.coordinates().iter().zip(&free);
     by_block
         .iter()
@@ -61,18 +65,49 @@ pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> Vec<Option<f64>>
         .collect()
 }
 
-/// Variances of the free coordinates from independent scores, widened by Student's factor.
+/// Free coordinates and sensitivities. A parameter that lies on its bound has none there, but others may
+/// be uncertain because of it: it is looked at a little inside.
+fn alive<'a>(standing: &'a Standing, tests: &TestsAtHand) -> (Vec<f64>, Cow<'a, [Vec<Vec<f64>>]>) {
+    let Fit { model, values, .. } = &standing.fit;
+    let free = model.free(values);
+    let pairs = model.coordinates().iter().zip(&free);
+    let inside: Vec<f64> = pairs.map(|(coordinate, u)| coordinate.inside(*u)).collect();
+    let moved = if inside == free { None } else { Fit::of(model, &model.values(&inside), tests) };
+    match moved {
+        Some(fit) => {
+            let slopes = slopes(model, &inside, &fit.force_n, &fit.starts_m, tests);
+            (inside, Cow::Owned(slopes))
+        }
+        None => (free, Cow::Borrowed(&standing.slopes)),
+    }
+}
+
+/// Variances of the free coordinates from independent scores. `share` is that of `B / (B - p)`.
+///
+/// Where few blocks fix a parameter the scatter of their scores is itself uncertain. With
+/// `w_b = (N^-1 J_b' J_b N^-1)_ii` its freedom is `(sum w_b)^2 / sum w_b^2` (Satterthwaite), and Student's
+/// factor follows.
 fn variances(scores: &[Gram], freedom: usize, inverse: &DMatrix<f64>) -> Vec<f64> {
     let count = inverse.nrows();
     let mut middle = DMatrix::zeros(count, count);
+    let (mut weights, mut squares) = (vec![0.0; count], vec![0.0; count]);
     for score in scores {
         middle += &score.residual * score.residual.transpose();
+        let share = inverse * &score.columns * inverse;
+        for i in 0..count {
+            weights[i] += share[(i, i)];
+            squares[i] += share[(i, i)] * share[(i, i)];
+        }
     }
-    let freedom = freedom as f64;
-    let covariance = inverse * middle * inverse * (scores.len() as f64 / freedom);
-    let student = StudentsT::new(0.0, 1.0, freedom).map_or(1.96, |t| t.inverse_cdf(0.975));
-    let factor = student / 1.96;
-    (0..count).map(|i| covariance[(i, i)].max(0.0) * factor * factor).collect()
+    let covariance = inverse * middle * inverse * (scores.len() as f64 / freedom as f64);
+    (0..count)
+        .map(|i| {
+            let own = if squares[i] > 0.0 { weights[i] * weights[i] / squares[i] } else { 1.0 };
+            let freedom = own.min(freedom as f64).max(FEWEST_FREE);
+            let student = StudentsT::new(0.0, 1.0, freedom).map_or(1.96, |t| t.inverse_cdf(0.975));
+            covariance[(i, i)].max(0.0) * (student / 1.96) * (student / 1.96)
+        })
+        .collect()
 }
 
 /// Inverse of normal equations; directions that no record holds get a very large one.
