@@ -9,9 +9,12 @@ const BEYOND: f64 = 0.1;
 /// Ratio of forces beyond which units are the first suspicion.
 const OTHER_UNIT: f64 = 30.0;
 
+/// A signal of a test.
+type Signal = fn(&Test) -> &[f64];
+
 /// Tests held out that ask for more than the training tests have shown, a line each.
 pub fn extrapolations(train: &TestsAtHand, holdout: &TestsAtHand) -> Vec<String> {
-    let quantities: [(&str, &str, fn(&Test) -> &[f64]); 3] = [
+    let quantities: [(&str, &str, Signal); 3] = [
         ("force", "N", |test| &test.record.force_n),
         ("velocity", "m/s", |test| &test.record.velocity_m_per_s),
         ("displacement", "m", |test| &test.record.displacement_m),

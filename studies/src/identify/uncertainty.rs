@@ -22,6 +22,9 @@ use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::borrow::Cow;
 
+/// Change of force with one free coordinate, by test and sample.
+type Slope = Vec<Vec<f64>>;
+
 /// A coordinate that is uncertain by more than this is not fixed by the records.
 const NOT_FIXED: f64 = 3.0;
 /// Least freedom that is reckoned with: Student's factor runs away below.
@@ -67,7 +70,7 @@ pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> Vec<Option<f64>>
 
 /// Free coordinates and sensitivities. A parameter that lies on its bound has none there, but others may
 /// be uncertain because of it: it is looked at a little inside.
-fn alive<'a>(standing: &'a Standing, tests: &TestsAtHand) -> (Vec<f64>, Cow<'a, [Vec<Vec<f64>>]>) {
+fn alive<'a>(standing: &'a Standing, tests: &TestsAtHand) -> (Vec<f64>, Cow<'a, [Slope]>) {
     let Fit { model, values, .. } = &standing.fit;
     let free = model.free(values);
     let pairs = model.coordinates().iter().zip(&free);

@@ -172,7 +172,7 @@ mod tests {
 
     /// Noise before and after, um.
     fn left(motion: impl Fn(f64) -> f64) -> Vec<f64> {
-        let truth: Vec<f64> = (0..8000).map(|n| motion(n as f64 / RATE_HZ)).collect();
+        let truth: Vec<f64> = (0..8000).map(|n| motion(f64::from(n) / RATE_HZ)).collect();
         let measured: Vec<f64> = truth.iter().zip(noise(8000)).map(|(x, n)| x + n).collect();
         smoothed(&measured).iter().zip(&truth).map(|(s, x)| 1e6 * (s - x)).collect()
     }
