@@ -1,5 +1,6 @@
 //! What a careful colleague would ask before believing the numbers.
 
+use super::coordinate::Coordinate;
 use super::fit::Fit;
 use super::tests_at_hand::{Test, TestsAtHand};
 use crate::statistics::{min_max, rms};
@@ -8,6 +9,9 @@ use crate::statistics::{min_max, rms};
 const BEYOND: f64 = 0.1;
 /// Ratio of forces beyond which units are the first suspicion.
 const OTHER_UNIT: f64 = 30.0;
+
+/// A parameter closer to its bound than this share is on it.
+const ON_BOUND: f64 = 1e-3;
 
 /// A signal of a test.
 type Signal = fn(&Test) -> &[f64];
@@ -56,12 +60,36 @@ pub fn other_unit(datasheet: Option<&Fit>, tests: &TestsAtHand) -> Option<String
     })
 }
 
+/// Parameters of effects that lie on a bound which only the impossible lies beyond, a line each.
+pub fn on_bounds(fit: &Fit, tests: &TestsAtHand) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (index, info) in fit.model.effects.iter().enumerate() {
+        for (row, place) in info.parameters.iter().zip(fit.model.range_of(index)) {
+            let (lower, upper) = row.bounds(&tests.scale);
+            let value = fit.values[place];
+            let span = upper - lower;
+            let spread = matches!(fit.model.coordinates()[place], Coordinate::Spread { .. });
+            let below = spread && value < (1.0 + ON_BOUND) * lower;
+            if below || value > upper - ON_BOUND * span {
+                let name = row.name;
+                lines.push(format!(
+                    "{}: {name} = {value:.3e} lies on its bound: take it for \"as {} as can be\"",
+                    info.name,
+                    if below { "small" } else { "large" }
+                ));
+            }
+        }
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::identify::grey_box::{GreyBox, vector_of};
     use crate::measurement::{Measurement, Series};
     use firmware_core::damper::Nominal;
+    use firmware_core::damper::effects::CATALOGUE;
 
     /// A damper of 1 MN s/m below relief at 3 Hz.
     fn tests(amplitude_m: f64, force_gain: f64) -> TestsAtHand {
@@ -80,6 +108,20 @@ mod tests {
         let told = extrapolations(&train, &tests(2e-3, 1.0));
         assert_eq!(told.len(), 3, "{told:?}");
         assert!(told[2].starts_with("a: displacement from -2.0000e-3 to 2.0000e-3 m"), "{told:?}");
+    }
+
+    #[test]
+    fn a_parameter_on_its_bound_is_told() {
+        let tests = tests(1e-3, 1.0);
+        let stage = CATALOGUE.iter().find(|info| info.name == "second_valve_stage").unwrap();
+        let model = GreyBox::nominal(&tests.scale).with(stage, &tests.scale);
+        let told = |ratio: f64| {
+            let values = [vector_of(&Nominal::NEW), vec![5e3, ratio]].concat();
+            on_bounds(&Fit::of(&model, &values, &tests).unwrap(), &tests)
+        };
+        assert_eq!(told(0.5), [""; 0]);
+        let expected = "second_valve_stage: slope_ratio = 1.000e-2 lies on its bound";
+        assert!(told(0.01)[0].starts_with(expected), "{:?}", told(0.01));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The whole identification: records in, three models and the story of what was found out.
 
-use super::cautions::{extrapolations, other_unit};
+use super::cautions::{extrapolations, on_bounds, other_unit};
 use super::empirical::{Empirical, FittedMap, empirical};
 use super::fit::Fit;
 use super::grey_box::{GreyBox, NOMINAL, vector_of};
@@ -116,6 +116,7 @@ pub fn identify(
     };
     notes.extend(other_unit(on_train.datasheet.as_ref(), &train));
     notes.extend(extrapolations(&train, &holdout));
+    notes.extend(on_bounds(with_effects, &train));
     let left = |fit: &Fit| LeftOver::of(fit, &train).ok_or(IdentifyError::NoFit);
     let (left_before, left_after) = (left(refitted)?, left(with_effects)?);
     let tried = wanted.then(|| {

@@ -17,7 +17,8 @@
 //! | [`simulation`], [`fit`], [`start`] | free-running simulation, least squares, start values |
 //! | [`candidate`], [`screening`] | the catalogue against the residual, to first order |
 //! | [`trial`], [`folds`] | one candidate fitted and judged on what it has not seen |
-//! | [`search`] | acceptance, rivals, several effects |
+//! | [`short_list`], [`acceptance`] | which are worth a fit; which are accepted, and rivals |
+//! | [`search`] | the rounds: several effects |
 //! | [`left_over`] | is the rest noise? |
 //! | [`empirical`] | a map on the rest, where somebody wants one: no physics |
 //! | [`uncertainty`] | how well parameters are known |
@@ -25,6 +26,7 @@
 //! | [`identification`], [`result`] | the whole, and how it is written |
 //! | [`page`] | the report for people |
 
+pub mod acceptance;
 pub mod candidate;
 pub mod canonical;
 pub mod cautions;
@@ -42,6 +44,7 @@ pub mod page;
 pub mod result;
 pub mod screening;
 pub mod search;
+pub mod short_list;
 pub mod simulation;
 pub mod split;
 pub mod start;

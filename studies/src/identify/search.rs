@@ -11,12 +11,14 @@
 //! What an earlier effect stood in for may have been found since: after every acceptance each
 //! earlier one is dropped if the model predicts as well without it.
 
+use super::acceptance::{choose, objection};
 use super::candidate::{Candidate, candidates};
 use super::canonical::canonical;
 use super::fit::{Effort, Fit, fit, fit_on};
 use super::grey_box::GreyBox;
 use super::left_over::repeat::repeat;
 use super::screening::{Screened, screen};
+use super::short_list::{hidden, rehearsals, short_list};
 use super::start::{BEGINNING_S, NominalFit};
 use super::tests_at_hand::TestsAtHand;
 use super::trial::{
@@ -26,34 +28,14 @@ use rayon::prelude::*;
 
 /// Most effects that are accepted.
 pub const MOST_EFFECTS: usize = 4;
-/// Pieces that must be improved or unchanged.
-const LEAST_IMPROVED: f64 = 0.8;
-/// Pieces without which the same choice must be made.
-const LEAST_AGREEMENT: f64 = 0.8;
-/// Largest probability of a chance finding among all candidates.
-const LARGEST_P: f64 = 0.01;
-/// Standard errors by which a rival's error on left-out blocks must be larger to be told apart.
-const MARGIN: f64 = 2.5;
-/// A candidate that screens below this share is not fitted.
-const LEAST_SCREENED: f64 = 0.005;
-/// Candidates rehearsed per round, by plain and by whitened gain.
-const LISTED: (usize, usize) = (6, 3);
 /// Candidates fitted to the whole tests per round.
 const TRIED: usize = 5;
 /// A model is far off when its error is more than this share of the force.
 const FAR_OFF: f64 = 0.03;
 /// A residual is far above its noise from this multiple.
 const ABOVE_NOISE: f64 = 1.5;
-/// Ratio from which a nominal parameter is of another size.
-const OTHER_SIZE: f64 = 3.0;
 /// Share of the squared error by which another minimum of the standing model is better.
 const BETTER_MINIMUM: f64 = 0.01;
-/// Start values of a candidate that are fitted.
-const STARTS: usize = 4;
-/// Nominal parameters absorb an effect of which they leave less than this share.
-const LEAST_UNABSORBED: f64 = 0.01;
-/// An effect that stands out by fewer standard errors at its usual size does not show.
-const LEAST_STANDING_OUT: f64 = 1.0;
 
 /// Is told what is being done, from any thread.
 pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
@@ -115,6 +97,7 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
     let beginnings = tests.beginnings(BEGINNING_S);
     let mut standing = refitted.clone();
     let mut accepted: Vec<Accepted> = Vec::new();
+    let mut outdone: Vec<Outdone> = Vec::new();
     loop {
         progress("screening");
         let tried = candidates(&standing.standing.fit.model, tests);
@@ -167,7 +150,8 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
                     fitted || !hidden.iter().any(|(i, _)| i == index)
                 })
                 .collect();
-            let rejected = rejections(&standing, &trials, &tried, &open, &screened, tests);
+            let rejected =
+                rejections(&standing, &trials, &tried, (&open, &outdone), &screened, tests);
             let unseen = hidden.into_iter().filter(|(index, _)| !open.contains(index));
             let accepted_count = accepted.len();
             return Some(Found {
@@ -188,6 +172,15 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
                 .map(|i| tried[trials[*i].candidate].effect.name)
                 .collect(),
         });
+        let name = |trial: &Trial| tried[trial.candidate].effect.name;
+        outdone.extend(trials.iter().filter(|other| other.candidate != trial.candidate).map(
+            |other| Outdone {
+                name: name(other),
+                gain: other.evidence.holdout_gain,
+                by: name(trial),
+                gain_of_other: trial.evidence.holdout_gain,
+            },
+        ));
         progress(&format!("settling {}", tried[trial.candidate].effect.name));
         let settled = settled(&trial.judged.standing.fit, &tried[trial.candidate], tests)?;
         standing = Judged::new(canonical(settled, tests), tests)?;
@@ -228,33 +221,12 @@ fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {
     Evidence { p_value: (evidence.p_value * candidates as f64).min(1.0), ..*evidence }
 }
 
-/// Candidates that the records cannot show, with the reason.
-fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, NotTestable)> {
-    let mut hidden = Vec::new();
-    for (index, candidate) in tried.iter().enumerate() {
-        let starts = || screened.iter().filter(|screened| screened.candidate == index);
-        let unabsorbed = starts().map(Screened::unabsorbed).fold(0.0, f64::max);
-        let standing_out = starts().map(Screened::standing_out).fold(0.0, f64::max);
-        let gain = starts().map(|start| start.gain(None)).fold(0.0, f64::max);
-        let why = if starts().next().is_none() {
-            "no damper of this size has it".to_owned()
-        } else if standing_out == 0.0 {
-            "nothing in these records calls on it".to_owned()
-        } else if unabsorbed < LEAST_UNABSORBED {
-            format!(
-                "the other parameters do the same: {:.2} % of it is left after their refit",
-                100.0 * unabsorbed
-            )
-        } else if standing_out < LEAST_STANDING_OUT && gain < LEAST_GAIN {
-            format!("at its usual size it stands out by {standing_out:.2} standard errors")
-        } else {
-            continue;
-        };
-        let name = candidate.effect.name;
-        let test_that_would = candidate.effect.shown_by;
-        hidden.push((index, NotTestable { name, why, test_that_would }));
-    }
-    hidden
+/// A candidate that was fitted when another one was accepted.
+struct Outdone {
+    name: &'static str,
+    gain: f64,
+    by: &'static str,
+    gain_of_other: f64,
 }
 
 /// True when the standing model is so far off that first-order screening says little.
@@ -269,186 +241,6 @@ fn above_noise(standing: &Judged, tests: &TestsAtHand) -> bool {
     let squares = standing.standing.fit.total_n2() / tests.counted_samples() as f64;
     let floor_n = repeat(&standing.standing.residual_n, tests).noise_floor_n;
     floor_n.is_some_and(|floor_n| squares.sqrt() > ABOVE_NOISE * floor_n)
-}
-
-/// Fits to the beginnings of the tests: of all candidates where first order says little, otherwise of
-/// those that screening puts on top, chosen again without every piece.
-fn rehearsals(
-    standing: &Judged,
-    tried: &[Candidate],
-    shown: &[usize],
-    screened: &[Screened],
-    coarse: bool,
-    rehearse: impl Fn(usize, &[usize]) -> Option<Fit> + Sync,
-) -> Vec<(usize, Fit)> {
-    let listed = if coarse {
-        shown.to_vec()
-    } else {
-        short_list(screened, shown, standing.left_out.squares_n2.len())
-    };
-    listed
-        .par_iter()
-        .filter_map(|index| {
-            let which: Vec<usize> = if coarse {
-                (0..tried[*index].starts.len()).collect()
-            } else {
-                let mut starts: Vec<&Screened> =
-                    screened.iter().filter(|s| s.candidate == *index).collect();
-                starts.sort_by(|a, b| b.gain(None).total_cmp(&a.gain(None)));
-                starts.iter().take(STARTS).map(|s| s.start).collect()
-            };
-            rehearse(*index, &which).map(|fit| (*index, fit))
-        })
-        .collect()
-}
-
-/// The candidates on top of the screening, also when a piece is left out.
-fn short_list(screened: &[Screened], shown: &[usize], pieces: usize) -> Vec<usize> {
-    let ranked = |gain: &dyn Fn(&Screened) -> f64| {
-        let mut best: Vec<(f64, usize)> = shown
-            .iter()
-            .filter_map(|index| {
-                let starts = screened.iter().filter(|s| s.candidate == *index);
-                starts.map(gain).max_by(f64::total_cmp).map(|gain| (gain, *index))
-            })
-            .filter(|(gain, _)| *gain > LEAST_SCREENED)
-            .collect();
-        best.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        best
-    };
-    let mut listed: Vec<usize> = Vec::new();
-    let mut list = |ranked: Vec<(f64, usize)>, count: usize| {
-        for (_, index) in ranked.into_iter().take(count) {
-            if !listed.contains(&index) {
-                listed.push(index);
-            }
-        }
-    };
-    list(ranked(&|s| s.gain(None)), LISTED.0);
-    list(ranked(&|s| s.whitened_gain(None)), LISTED.1);
-    for piece in 0..pieces {
-        list(ranked(&|s| s.gain(Some(piece))), 1);
-    }
-    listed
-}
-
-/// The trial to accept, with the trials that cannot be told from it.
-fn choose(
-    standing: &Judged,
-    trials: &[Trial],
-    tried: &[Candidate],
-    tests: &TestsAtHand,
-) -> Option<(usize, Vec<usize>)> {
-    let fit_for_it: Vec<usize> = (0..trials.len())
-        .filter(|index| objection(standing, &trials[*index], tried.len(), tests).is_none())
-        .collect();
-    let best = *fit_for_it.first()?;
-    let alike: Vec<usize> = fit_for_it
-        .iter()
-        .copied()
-        .filter(|index| !told_apart(&trials[best], &trials[*index], tests))
-        .collect();
-    // Among equals one that leaves the damper the size it has, then the one with fewest parameters.
-    let parameters = |index: &usize| tried[trials[*index].candidate].effect.parameters.len();
-    let rank = |index: &usize| (remakes(standing, &trials[*index]), parameters(index), *index);
-    let winner = alike.iter().copied().min_by_key(rank)?;
-    let agreeing = (0..tests.pieces.len())
-        .filter(|piece| {
-            let seen = |index: &usize| trials[*index].judged.left_out.seen_squares_n2[*piece];
-            let first = (0..trials.len()).min_by(|a, b| seen(a).total_cmp(&seen(b)));
-            let ours = alike.iter().map(seen).fold(f64::INFINITY, f64::min);
-            first.is_some_and(|first| ours <= (1.0 + LEAST_GAIN) * seen(&first))
-        })
-        .count();
-    if (agreeing as f64) < LEAST_AGREEMENT * tests.pieces.len() as f64 {
-        return None;
-    }
-    Some((winner, alike.into_iter().filter(|index| *index != winner).collect()))
-}
-
-/// True when a trial needs another damper altogether: damping, stiffness or relief force of another
-/// size. A valve stage on a hundredfold Ce does the same as dry friction.
-fn remakes(standing: &Judged, trial: &Trial) -> bool {
-    let before = &standing.standing.fit.values;
-    let after = &trial.judged.standing.fit.values;
-    [0, 1, 3].iter().any(|index| {
-        let ratio = after[*index] / before[*index];
-        !(1.0 / OTHER_SIZE..=OTHER_SIZE).contains(&ratio)
-    })
-}
-
-/// Why a trial cannot be accepted, if anything speaks against it.
-fn objection(
-    standing: &Judged,
-    trial: &Trial,
-    candidates: usize,
-    tests: &TestsAtHand,
-) -> Option<String> {
-    let Evidence { holdout_gain, improved, p_value } = trial.evidence;
-    let before = standing.standing.fit.total_n2();
-    let seen_gain = 1.0 - trial.judged.standing.fit.total_n2() / before;
-    let p = (p_value * candidates as f64).min(1.0);
-    let gains = [(seen_gain, "the tests it is fitted to"), (holdout_gain, "tests left out")];
-    let unfit = gains.into_iter().find_map(|(gain, of)| too_little(gain, of));
-    if let Some(why) = unfit.or_else(|| too_seldom(improved)) {
-        return Some(why);
-    }
-    if p > LARGEST_P {
-        return Some(format!("may be chance: p = {p:.3} with all candidates counted"));
-    }
-    at_a_bound(trial, tests).map(|name| format!("{name} runs to its bound"))
-}
-
-/// Why a gain is none, if it is none.
-pub(super) fn too_little(gain: f64, of: &str) -> Option<String> {
-    (gain < LEAST_GAIN).then(|| {
-        let gain = 100.0 * gain;
-        format!("takes away {gain:.2} % of the squared error on {of}, less than 3 %")
-    })
-}
-
-/// Why a gain in too few pieces is none.
-pub(super) fn too_seldom(improved: f64) -> Option<String> {
-    (improved < LEAST_IMPROVED).then(|| {
-        let share = 100.0 * improved;
-        format!("improves or leaves unchanged only {share:.0} % of the tests")
-    })
-}
-
-/// The first parameter of the newest effect that ends on a bound that only the impossible lies
-/// beyond, and whose value matters there.
-fn at_a_bound(trial: &Trial, tests: &TestsAtHand) -> Option<&'static str> {
-    let fit = &trial.judged.standing.fit;
-    let effect = fit.model.effects.len() - 1;
-    let range = fit.model.range_of(effect);
-    let rows = fit.model.effects[effect].parameters;
-    let free = fit.model.free(&fit.values);
-    let error_n = (fit.total_n2() / tests.counted_samples() as f64).sqrt();
-    rows.iter().zip(range).find_map(|(row, index)| {
-        let (lower, upper) = row.bounds(&tests.scale);
-        let span = upper - lower;
-        let value = fit.values[index];
-        let beyond = value > upper - 1e-3 * span || (lower < 0.0 && value < lower + 1e-3 * span);
-        let slope = fit.model.coordinates()[index].slope(free[index]).max(1e-12 * span);
-        let columns = &trial.judged.standing.slopes[index];
-        let squares: f64 = columns.iter().flatten().map(|s| s * s).sum();
-        let moved_n = (squares / tests.counted_samples() as f64).sqrt() * 0.01 * span / slope;
-        (beyond && moved_n > 0.1 * error_n).then_some(row.name)
-    })
-}
-
-/// True when the second trial is worse on left-out blocks by more than its scatter.
-fn told_apart(best: &Trial, rival: &Trial, tests: &TestsAtHand) -> bool {
-    if best.candidate == rival.candidate {
-        return false;
-    }
-    let ours = best.judged.left_out.block_squares(tests);
-    let theirs = rival.judged.left_out.block_squares(tests);
-    let differences: Vec<f64> = ours.iter().zip(&theirs).map(|(a, b)| b - a).collect();
-    let sum: f64 = differences.iter().sum();
-    let scatter = differences.iter().map(|d| d * d).sum::<f64>().sqrt();
-    let relevant = sum > LEAST_GAIN * best.judged.left_out.total_n2();
-    relevant && sum > MARGIN * scatter
 }
 
 /// Drops earlier effects that the newest one has made idle.
@@ -491,7 +283,7 @@ fn rejections(
     standing: &Judged,
     trials: &[Trial],
     tried: &[Candidate],
-    shown: &[usize],
+    (shown, outdone): (&[usize], &[Outdone]),
     screened: &[Screened],
     tests: &TestsAtHand,
 ) -> Vec<Rejected> {
@@ -507,8 +299,21 @@ fn rejections(
     for index in shown.iter().filter(|i| trials.iter().all(|trial| trial.candidate != **i)) {
         let gains = screened.iter().filter(|s| s.candidate == *index).map(|s| s.gain(None));
         let gain = 100.0 * gains.fold(0.0, f64::max);
+        let name = tried[*index].effect.name;
         let why = format!("screened out: to first order it explains {gain:.2} % of what is left");
-        rejected.push(Rejected { name: tried[*index].effect.name, why, holdout_gain: None });
+        rejected.push(match outdone.iter().rfind(|other| other.name == name) {
+            Some(Outdone { gain: own, by, gain_of_other, .. }) => Rejected {
+                name,
+                why: format!(
+                    "takes away {:.1} % of the squared error on tests left out where {by} takes away \
+                     {:.1} %; beside that, {why}",
+                    100.0 * own,
+                    100.0 * gain_of_other
+                ),
+                holdout_gain: Some(*own),
+            },
+            None => Rejected { name, why, holdout_gain: None },
+        });
     }
     rejected
 }

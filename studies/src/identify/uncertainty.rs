@@ -25,7 +25,8 @@ use std::borrow::Cow;
 /// Change of force with one free coordinate, by test and sample.
 type Slope = Vec<Vec<f64>>;
 
-/// A coordinate that is uncertain by more than this is not fixed by the records.
+/// A coordinate that is uncertain by more than this is not fixed by the records, unless the parameter
+/// is certain to less than itself.
 const NOT_FIXED: f64 = 3.0;
 /// Least freedom that is reckoned with: Student's factor runs away below.
 const FEWEST_FREE: f64 = 3.0;
@@ -63,7 +64,10 @@ pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> Vec<Option<f64>>
         .map(|(block, piece)| block.max(*piece).sqrt())
         .zip(coordinates)
         .map(|(spread, (coordinate, u))| {
-            (spread < NOT_FIXED && spread > 0.0).then(|| spread * coordinate.slope(*u))
+            let deviation = spread * coordinate.slope(*u);
+            // Far above its bend a parameter from zero is known to its own size over many bends.
+            let fixed = spread < NOT_FIXED || deviation < coordinate.value(*u).abs();
+            (fixed && spread > 0.0).then_some(deviation)
         })
         .collect()
 }

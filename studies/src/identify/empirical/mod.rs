@@ -16,10 +16,10 @@
 
 mod smooth;
 
+use super::acceptance::{too_little, too_seldom};
 use super::fit::Fit;
 use super::left_over::LeftOver;
 use super::left_over::coordinates::UNDER_WAY;
-use super::search::{too_little, too_seldom};
 use super::simulation::{simulate, start_deflection_m, walk};
 use super::tests_at_hand::TestsAtHand;
 use super::trial::{Judged, improved};

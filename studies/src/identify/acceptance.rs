@@ -1,0 +1,139 @@
+//! What a candidate has to show before it is accepted, and what cannot be told from it.
+//!
+//! Gain on pieces left out and on those seen, four in five pieces improved or unchanged, no chance with all
+//! candidates counted, parameters off their bounds, and the same choice made again without each piece.
+//! Among those that predict equally well one is named and the others beside it.
+
+use super::candidate::Candidate;
+use super::tests_at_hand::TestsAtHand;
+use super::trial::{Evidence, Judged, LEAST_GAIN, Trial};
+
+/// Pieces that must be improved or unchanged.
+const LEAST_IMPROVED: f64 = 0.8;
+/// Pieces without which the same choice must be made.
+const LEAST_AGREEMENT: f64 = 0.8;
+/// Largest probability of a chance finding among all candidates.
+const LARGEST_P: f64 = 0.01;
+/// Standard errors by which a rival's error on left-out blocks must be larger to be told apart.
+const MARGIN: f64 = 2.5;
+/// Ratio from which a nominal parameter is of another size.
+const OTHER_SIZE: f64 = 3.0;
+
+/// The trial to accept, with the trials that cannot be told from it.
+pub fn choose(
+    standing: &Judged,
+    trials: &[Trial],
+    tried: &[Candidate],
+    tests: &TestsAtHand,
+) -> Option<(usize, Vec<usize>)> {
+    let fit_for_it: Vec<usize> = (0..trials.len())
+        .filter(|index| objection(standing, &trials[*index], tried.len(), tests).is_none())
+        .collect();
+    let best = *fit_for_it.first()?;
+    let alike: Vec<usize> = fit_for_it
+        .iter()
+        .copied()
+        .filter(|index| !told_apart(&trials[best], &trials[*index], tests))
+        .collect();
+    // Among equals one that leaves the damper the size it has, then the one with fewest parameters.
+    let parameters = |index: &usize| tried[trials[*index].candidate].effect.parameters.len();
+    let rank = |index: &usize| (remakes(standing, &trials[*index]), parameters(index), *index);
+    let winner = alike.iter().copied().min_by_key(rank)?;
+    let agreeing = (0..tests.pieces.len())
+        .filter(|piece| {
+            let seen = |index: &usize| trials[*index].judged.left_out.seen_squares_n2[*piece];
+            let first = (0..trials.len()).min_by(|a, b| seen(a).total_cmp(&seen(b)));
+            let ours = alike.iter().map(seen).fold(f64::INFINITY, f64::min);
+            first.is_some_and(|first| ours <= (1.0 + LEAST_GAIN) * seen(&first))
+        })
+        .count();
+    if (agreeing as f64) < LEAST_AGREEMENT * tests.pieces.len() as f64 {
+        return None;
+    }
+    Some((winner, alike.into_iter().filter(|index| *index != winner).collect()))
+}
+
+/// True when a trial needs another damper altogether: damping, stiffness or relief force of another
+/// size. A valve stage on a hundredfold Ce does the same as dry friction.
+fn remakes(standing: &Judged, trial: &Trial) -> bool {
+    let before = &standing.standing.fit.values;
+    let after = &trial.judged.standing.fit.values;
+    [0, 1, 3].iter().any(|index| {
+        let ratio = after[*index] / before[*index];
+        !(1.0 / OTHER_SIZE..=OTHER_SIZE).contains(&ratio)
+    })
+}
+
+/// Why a trial cannot be accepted, if anything speaks against it.
+pub fn objection(
+    standing: &Judged,
+    trial: &Trial,
+    candidates: usize,
+    tests: &TestsAtHand,
+) -> Option<String> {
+    let Evidence { holdout_gain, improved, p_value } = trial.evidence;
+    let before = standing.standing.fit.total_n2();
+    let seen_gain = 1.0 - trial.judged.standing.fit.total_n2() / before;
+    let p = (p_value * candidates as f64).min(1.0);
+    let gains = [(seen_gain, "the tests it is fitted to"), (holdout_gain, "tests left out")];
+    let unfit = gains.into_iter().find_map(|(gain, of)| too_little(gain, of));
+    if let Some(why) = unfit.or_else(|| too_seldom(improved)) {
+        return Some(why);
+    }
+    if p > LARGEST_P {
+        return Some(format!("may be chance: p = {p:.3} with all candidates counted"));
+    }
+    at_a_bound(trial, tests).map(|name| format!("{name} runs to its bound"))
+}
+
+/// Why a gain is none, if it is none.
+pub(super) fn too_little(gain: f64, of: &str) -> Option<String> {
+    (gain < LEAST_GAIN).then(|| {
+        let gain = 100.0 * gain;
+        format!("takes away {gain:.2} % of the squared error on {of}, less than 3 %")
+    })
+}
+
+/// Why a gain in too few pieces is none.
+pub(super) fn too_seldom(improved: f64) -> Option<String> {
+    (improved < LEAST_IMPROVED).then(|| {
+        let share = 100.0 * improved;
+        format!("improves or leaves unchanged only {share:.0} % of the tests")
+    })
+}
+
+/// The first parameter of the newest effect that ends on a bound that only the impossible lies
+/// beyond, and whose value matters there.
+fn at_a_bound(trial: &Trial, tests: &TestsAtHand) -> Option<&'static str> {
+    let fit = &trial.judged.standing.fit;
+    let effect = fit.model.effects.len() - 1;
+    let range = fit.model.range_of(effect);
+    let rows = fit.model.effects[effect].parameters;
+    let free = fit.model.free(&fit.values);
+    let error_n = (fit.total_n2() / tests.counted_samples() as f64).sqrt();
+    rows.iter().zip(range).find_map(|(row, index)| {
+        let (lower, upper) = row.bounds(&tests.scale);
+        let span = upper - lower;
+        let value = fit.values[index];
+        let beyond = value > upper - 1e-3 * span || (lower < 0.0 && value < lower + 1e-3 * span);
+        let slope = fit.model.coordinates()[index].slope(free[index]).max(1e-12 * span);
+        let columns = &trial.judged.standing.slopes[index];
+        let squares: f64 = columns.iter().flatten().map(|s| s * s).sum();
+        let moved_n = (squares / tests.counted_samples() as f64).sqrt() * 0.01 * span / slope;
+        (beyond && moved_n > 0.1 * error_n).then_some(row.name)
+    })
+}
+
+/// True when the second trial is worse on left-out blocks by more than its scatter.
+fn told_apart(best: &Trial, rival: &Trial, tests: &TestsAtHand) -> bool {
+    if best.candidate == rival.candidate {
+        return false;
+    }
+    let ours = best.judged.left_out.block_squares(tests);
+    let theirs = rival.judged.left_out.block_squares(tests);
+    let differences: Vec<f64> = ours.iter().zip(&theirs).map(|(a, b)| b - a).collect();
+    let sum: f64 = differences.iter().sum();
+    let scatter = differences.iter().map(|d| d * d).sum::<f64>().sqrt();
+    let relevant = sum > LEAST_GAIN * best.judged.left_out.total_n2();
+    relevant && sum > MARGIN * scatter
+}
