@@ -264,7 +264,7 @@ fn a_few_tests_of_other_laboratories_come_out_as_before() {
 }
 
 #[test]
-#[ignore = "a table of docs/identified-records.md; about four minutes"]
+#[ignore = "a table of docs/identified-records.md; two minutes"]
 fn table_1_of_short_tests() {
     print_table(vec![
         short_sines(4, "1.0"),
@@ -279,7 +279,7 @@ fn table_1_of_short_tests() {
 }
 
 #[test]
-#[ignore = "every test of every record; an hour and more"]
+#[ignore = "every test of every record; half an hour"]
 fn table_2_of_all_tests() {
     let mut visits = vec![
         Visit::utfsm("1.0", "1.0"),
