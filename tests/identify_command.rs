@@ -8,6 +8,9 @@
 mod command;
 #[path = "support/schema.rs"]
 mod schema;
+#[path = "support/visit.rs"]
+#[allow(dead_code, reason = "shared by several tests")]
+mod visit;
 
 use command::{output, repository, yawbench};
 use serde_json::Value;
@@ -15,6 +18,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::sync::LazyLock;
+use visit::{Sine, text_of, visit};
 
 /// One clear effect: 5 % more damping and relief in extension, as much less in compression.
 const DAMPER: &str = "[damper]\nclearance_2a_m = 1e-3\nf_relief_n = 15e3\nc2_n_s_per_m = 60e3\n\
@@ -23,7 +27,7 @@ const DAMPER: &str = "[damper]\nclearance_2a_m = 1e-3\nf_relief_n = 15e3\nc2_n_s
 /// A tenth off, and no word of clearance or slope beyond relief.
 const SHEET: &str = "[damper]\nce_n_s_per_m = 1.1e6\nke_n_per_m = 11e6\nf_relief_n = 16e3\n";
 /// Sines: millimetres, hertz, seconds. Short, but with some forty whole cycles for chance to fail in.
-const SINES: [(&str, f64, f64, f64); 5] = [
+const SINES: [Sine; 5] = [
     ("work", 3.46, 3.5, 2.5),
     ("large", 5.0, 4.0, 2.5),
     ("small", 2.2, 4.0, 2.5),
@@ -34,34 +38,12 @@ const MODELS: [&str; 3] = ["datasheet", "refitted", "with_effects"];
 
 /// The records of one virtual visit, `bench/*.csv`, and `sheet.toml`.
 static VISIT: LazyLock<PathBuf> = LazyLock::new(|| {
-    let place = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("identify-visit");
-    let _ = std::fs::remove_dir_all(&place);
-    std::fs::create_dir_all(&place).unwrap();
-    let mut list = String::new();
-    for (name, amplitude_mm, frequency_hz, duration_s) in SINES {
-        writeln!(
-            list,
-            "[[test]]\nname = \"{name}\"\nduration_s = {duration_s}\n\
-             sine = {{ amplitude_m = {amplitude_mm}e-3, frequency_hz = {frequency_hz} }}"
-        )
-        .unwrap();
-    }
-    list.push_str(
-        "[[test]]\nname = \"service\"\nduration_s = 3.0\ntest_only = true\n\
-         service = { rms_m = 2e-3, lowest_hz = 0.5, highest_hz = 12.0, tones = 24, seed = 2014 }\n",
-    );
-    for (name, text) in [("damper.toml", DAMPER), ("sheet.toml", SHEET), ("list.toml", &list)] {
-        std::fs::write(place.join(name), text).unwrap();
-    }
-    let args = ["characterise", "damper.toml", "--tests", "list.toml", "--out", "bench"];
-    let visit = output(yawbench().args(args).current_dir(&place));
-    assert_eq!(visit.status.code(), Some(0), "{}", String::from_utf8_lossy(&visit.stderr));
+    let service = "[[test]]\nname = \"service\"\nduration_s = 3.0\ntest_only = true\n\
+         service = { rms_m = 2e-3, lowest_hz = 0.5, highest_hz = 12.0, tones = 24, seed = 2014 }\n";
+    let place = visit("identify-visit", DAMPER, &SINES, service);
+    std::fs::write(place.join("sheet.toml"), SHEET).unwrap();
     place
 });
-
-fn text_of(path: &Path) -> String {
-    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-}
 
 fn identify(args: &[&str]) -> Output {
     output(yawbench().arg("identify").args(args).current_dir(&*VISIT))

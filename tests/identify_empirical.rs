@@ -8,11 +8,13 @@
 mod command;
 #[path = "support/schema.rs"]
 mod schema;
+#[path = "support/visit.rs"]
+mod visit;
 
-use command::{output, repository, yawbench};
+use command::repository;
 use serde_json::Value;
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use visit::{Sine, said, text_of, visit};
 
 const DAMPER: &str = "[damper]\nclearance_2a_m = 1e-3\nf_relief_n = 15e3\nc2_n_s_per_m = 60e3\n";
 /// A force in the middle of the stroke that no effect of the catalogue makes.
@@ -21,40 +23,13 @@ const MAP: &str = "[damper.empirical]\ncoordinate = \"displacement\"\n\
     upper_n = [0.0, 400.0, 0.0, -600.0, 0.0, 400.0, 0.0]\n\
     lower_n = [0.0, 0.0, 500.0, 0.0, -500.0, 0.0, 0.0]\nreversal_m_per_s = 1e-3\n";
 /// Sines: millimetres, hertz, seconds.
-const SINES: [(&str, f64, f64, f64); 5] = [
+const SINES: [Sine; 5] = [
     ("work", 3.46, 3.5, 2.5),
     ("large", 5.0, 4.0, 2.5),
     ("small", 3.0, 4.0, 2.5),
     ("slow", 5.0, 2.0, 3.5),
     ("fast", 3.5, 5.0, 2.0),
 ];
-
-/// A folder with the records of a virtual visit in `bench`.
-fn visit(name: &str, damper: &str) -> PathBuf {
-    let place = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&place);
-    std::fs::create_dir_all(&place).unwrap();
-    let mut list = String::new();
-    for (name, amplitude_mm, frequency_hz, duration_s) in SINES {
-        writeln!(
-            list,
-            "[[test]]\nname = \"{name}\"\nduration_s = {duration_s}\n\
-             sine = {{ amplitude_m = {amplitude_mm}e-3, frequency_hz = {frequency_hz} }}"
-        )
-        .unwrap();
-    }
-    std::fs::write(place.join("damper.toml"), damper).unwrap();
-    std::fs::write(place.join("list.toml"), list).unwrap();
-    said(&place, &["characterise", "damper.toml", "--tests", "list.toml", "--out", "bench"]);
-    place
-}
-
-/// What a command prints; it must succeed.
-fn said(place: &Path, args: &[&str]) -> String {
-    let done = output(yawbench().args(args).current_dir(place));
-    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
-    String::from_utf8(done.stdout).unwrap()
-}
 
 /// What `identify --empirical` prints and its result, held against the schema.
 fn identified(place: &Path) -> (String, Value) {
@@ -67,10 +42,6 @@ fn identified(place: &Path) -> (String, Value) {
     let schema: Value = serde_json::from_str(&schema).unwrap();
     assert_eq!(schema::misfits(&schema, &result), Vec::<String>::new());
     (text, result)
-}
-
-fn text_of(path: &Path) -> String {
-    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// The cells of a CSV below the name of a column.
@@ -88,7 +59,7 @@ fn numbers(path: &Path, name: &str) -> Vec<f64> {
 
 #[test]
 fn a_kept_map_stands_beside_the_physics_in_files_of_its_own() {
-    let place = visit("identify-empirical", &format!("{DAMPER}{MAP}"));
+    let place = visit("identify-empirical", &format!("{DAMPER}{MAP}"), &SINES, "");
     let (text, result) = identified(&place);
     let map = &result["empirical"];
     assert_eq!((&map["kept"], &map["coordinate"]), (&true.into(), &"displacement".into()), "{map}");
@@ -158,7 +129,7 @@ fn it_runs_in_a_vehicle(found: &Path) {
 
 #[test]
 fn where_nothing_is_left_there_is_no_map_and_no_file_of_an_earlier_one() {
-    let place = visit("identify-no-map", DAMPER);
+    let place = visit("identify-no-map", DAMPER, &SINES, "");
     std::fs::create_dir_all(place.join("found")).unwrap();
     std::fs::write(place.join("found/model-empirical.toml"), "of an earlier one").unwrap();
     let (text, result) = identified(&place);
