@@ -53,6 +53,18 @@ pub fn percentile(values: &[f64], share: f64) -> Option<f64> {
     Some(low + (high - low) * fraction)
 }
 
+/// The smallest change from one value to the next that is larger than `above`: the last digit of a record.
+/// `f64::MAX` where nothing changes.
+///
+/// ```
+/// use studies::statistics::smallest_change;
+/// assert_eq!(smallest_change(&[1.0, 1.0, 1.25, 0.0], 0.0), 0.25);
+/// ```
+pub fn smallest_change(values: &[f64], above: f64) -> f64 {
+    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    changes.filter(|change| *change > above).fold(f64::MAX, f64::min)
+}
+
 /// One half cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfCycle {

@@ -135,7 +135,7 @@ fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
             best = other;
         }
     }
-    Some((best.total_n2() / tests.counted_samples() as f64).sqrt())
+    Some(best.rms_n(&tests))
 }
 
 /// The records of a case: those to fit and those to judge by.

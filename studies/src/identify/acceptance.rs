@@ -5,6 +5,7 @@
 //! Among those that predict equally well one is named and the others beside it.
 
 use super::candidate::Candidate;
+use super::grey_box::{CE, KE, RELIEF};
 use super::tests_at_hand::TestsAtHand;
 use super::trial::{Evidence, Judged, LEAST_GAIN, Trial};
 
@@ -58,8 +59,8 @@ pub fn choose(
 fn remakes(standing: &Judged, trial: &Trial) -> bool {
     let before = &standing.standing.fit.values;
     let after = &trial.judged.standing.fit.values;
-    [0, 1, 3].iter().any(|index| {
-        let ratio = after[*index] / before[*index];
+    [CE, KE, RELIEF].into_iter().any(|place| {
+        let ratio = after[place] / before[place];
         !(1.0 / OTHER_SIZE..=OTHER_SIZE).contains(&ratio)
     })
 }
@@ -110,7 +111,7 @@ fn at_a_bound(trial: &Trial, tests: &TestsAtHand) -> Option<&'static str> {
     let range = fit.model.range_of(effect);
     let rows = fit.model.effects[effect].parameters;
     let free = fit.model.free(&fit.values);
-    let error_n = (fit.total_n2() / tests.counted_samples() as f64).sqrt();
+    let error_n = fit.rms_n(tests);
     rows.iter().zip(range).find_map(|(row, index)| {
         let (lower, upper) = row.bounds(&tests.scale);
         let span = upper - lower;

@@ -9,12 +9,9 @@
 //! The stage is told below relief, where its table has its usual size.
 
 use super::fit::Fit;
+use super::grey_box::{C2, CE, RELIEF};
 use super::tests_at_hand::TestsAtHand;
 
-/// Places of the nominal parameters.
-const CE: usize = 0;
-const RELIEF: usize = 3;
-const C2: usize = 4;
 /// Share by which the squared error may differ.
 const SAME: f64 = 1e-9;
 

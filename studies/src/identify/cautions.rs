@@ -3,7 +3,7 @@
 use super::coordinate::Coordinate;
 use super::fit::Fit;
 use super::tests_at_hand::{Test, TestsAtHand};
-use crate::statistics::{min_max, rms};
+use crate::statistics::min_max;
 
 /// A test held out may go this much beyond the training tests, of their range.
 const BEYOND: f64 = 0.1;
@@ -45,12 +45,10 @@ pub fn extrapolations(train: &TestsAtHand, holdout: &TestsAtHand) -> Vec<String>
 
 /// A datasheet whose forces are of another size than the measured ones.
 pub fn other_unit(datasheet: Option<&Fit>, tests: &TestsAtHand) -> Option<String> {
-    let all = |pick: &dyn Fn(usize) -> Vec<f64>| {
-        rms(&(0..tests.tests.len()).flat_map(pick).collect::<Vec<_>>())
-    };
     let fit = datasheet?;
-    let measured = all(&|test| tests.tests[test].record.force_n.clone());
-    let ratio = all(&|test| fit.force_n[test].clone()) / measured;
+    let square = |sum: f64, force_n: &f64| sum + force_n * force_n;
+    let measured = tests.tests.iter().flat_map(|test| &test.record.force_n).fold(0.0, square);
+    let ratio = (fit.force_n.iter().flatten().fold(0.0, square) / measured).sqrt();
     let alike = (1.0 / OTHER_UNIT..OTHER_UNIT).contains(&ratio);
     (measured > 0.0 && !alike).then(|| {
         format!(

@@ -72,6 +72,11 @@ impl Fit {
         self.squares_n2.iter().sum()
     }
 
+    /// rms error over all pieces, N.
+    pub fn rms_n(&self, tests: &TestsAtHand) -> f64 {
+        (self.total_n2() / tests.counted_samples() as f64).sqrt()
+    }
+
     /// Measured less simulated force of a test, N.
     pub fn residual_n(&self, tests: &TestsAtHand, test: usize) -> Vec<f64> {
         let measured = &tests.tests[test].record.force_n;

@@ -13,8 +13,16 @@ pub const NOMINAL: [(&str, &str); 5] = [
     ("c2_n_s_per_m", "N s/m"),
 ];
 
-/// Place of the clearance among them.
+/// Place of the damping among them.
+pub const CE: usize = 0;
+/// Of the stiffness.
+pub const KE: usize = 1;
+/// Of the clearance.
 pub const CLEARANCE: usize = 2;
+/// Of the relief force.
+pub const RELIEF: usize = 3;
+/// Of the slope beyond relief.
+pub const C2: usize = 4;
 
 /// Which effects a model has, and how its parameters are bounded.
 #[derive(Debug, Clone)]

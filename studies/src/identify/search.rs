@@ -231,16 +231,14 @@ struct Outdone {
 
 /// True when the standing model is so far off that first-order screening says little.
 fn far_off(standing: &Judged, tests: &TestsAtHand) -> bool {
-    let squares = standing.standing.fit.total_n2() / tests.counted_samples() as f64;
-    squares.sqrt() > FAR_OFF * tests.rms_force_n()
+    standing.standing.fit.rms_n(tests) > FAR_OFF * tests.rms_force_n()
 }
 
 /// True when the residual is so far above its noise that a part of it must be due to large effects:
 /// what they do to first order, with all other parameters as they are, says little.
 fn above_noise(standing: &Judged, tests: &TestsAtHand) -> bool {
-    let squares = standing.standing.fit.total_n2() / tests.counted_samples() as f64;
     let floor_n = repeat(&standing.standing.residual_n, tests).noise_floor_n;
-    floor_n.is_some_and(|floor_n| squares.sqrt() > ABOVE_NOISE * floor_n)
+    floor_n.is_some_and(|floor_n| standing.standing.fit.rms_n(tests) > ABOVE_NOISE * floor_n)
 }
 
 /// Drops earlier effects that the newest one has made idle.

@@ -89,7 +89,8 @@ fn alive<'a>(standing: &'a Standing, tests: &TestsAtHand) -> (Vec<f64>, Cow<'a, 
     }
 }
 
-/// Variances of the free coordinates from independent scores. `share` is that of `B / (B - p)`.
+/// Variances of the free coordinates from independent scores, of which `freedom` are free: B - p blocks, or
+/// all tests but one.
 ///
 /// Where few blocks fix a parameter the scatter of their scores is itself uncertain. With
 /// `w_b = (N^-1 J_b' J_b N^-1)_ii` its freedom is `(sum w_b)^2 / sum w_b^2` (Satterthwaite), and Student's

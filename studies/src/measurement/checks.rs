@@ -3,7 +3,7 @@
 use super::clock::listed;
 use super::error::MeasurementError;
 use super::series::Series;
-use crate::statistics::{mean, min_max, rms};
+use crate::statistics::{mean, min_max, rms, smallest_change};
 
 /// Fewest samples of a test.
 pub const SAMPLES_LEAST: usize = 50;
@@ -169,8 +169,7 @@ pub fn clipped(series: &Series) -> Option<(f64, Vec<usize>)> {
     let (low, high) = min_max(force)?;
     let moved = 0.01 * span(&series.displacement_m);
     let close = 1e-9 * (high - low);
-    let changes = force.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let digit = changes.filter(|change| *change > close).fold(f64::MAX, f64::min);
+    let digit = smallest_change(force, close);
     let at = |sample: usize| force.get(sample).copied();
     let (mut found, mut start, mut limit) = (Vec::new(), 0, 0.0);
     for sample in 0..=force.len() {
@@ -218,8 +217,7 @@ pub fn refuse_clipped(series: &mut Series) -> Result<(), MeasurementError> {
 /// Third differences turn from sample to sample, as those of noise do and those of a smooth signal do
 /// not, and are larger than the last digit makes them.
 fn is_noisy(force_n: &[f64]) -> bool {
-    let changes = force_n.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let digit = changes.filter(|change| *change > 0.0).fold(f64::MAX, f64::min);
+    let digit = smallest_change(force_n, 0.0);
     let thirds = force_n.windows(4).map(|f| f[3] - 3.0 * f[2] + 3.0 * f[1] - f[0]);
     // Rounding alone makes up to four digits.
     let thirds: Vec<f64> = thirds.filter(|third| third.abs() > 8.0 * digit).collect();

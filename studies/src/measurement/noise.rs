@@ -20,7 +20,7 @@
 //! itself is in the differences.
 
 use super::Measurement;
-use crate::statistics::percentile;
+use crate::statistics::{percentile, smallest_change};
 use nalgebra::{Matrix4, Vector4};
 
 /// A noise floor and where it comes from.
@@ -56,8 +56,7 @@ impl NoiseMethod {
 
 /// The noise floor of one test, never below the rounding of the force's last digit.
 pub fn floor(test: &Measurement) -> NoiseFloor {
-    let changes = test.force_n.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let digit_n = changes.filter(|change| *change > 0.0).fold(f64::MAX, f64::min);
+    let digit_n = smallest_change(&test.force_n, 0.0);
     let rounding_n = if digit_n < f64::MAX { digit_n / 12.0_f64.sqrt() } else { 0.0 };
     let (rms_n, method) = match repeat_n(test) {
         Some(rms_n) => (rms_n, NoiseMethod::Repeat),

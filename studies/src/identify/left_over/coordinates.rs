@@ -41,13 +41,10 @@ impl Coordinate {
 
     /// As it is written in results.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Displacement => "displacement",
-            Self::DashpotVelocity => "dashpot_velocity",
-            Self::Force => "force",
-            Self::TimeSinceReversal => "time_since_reversal",
-            Self::Time => "time",
-            Self::Temperature => "temperature",
+        match self.of_a_damper() {
+            Some(coordinate) => coordinate.name(),
+            None if matches!(self, Self::Time) => "time",
+            None => "temperature",
         }
     }
 
@@ -65,12 +62,10 @@ impl Coordinate {
 
     /// Its unit.
     pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Displacement => "m",
-            Self::DashpotVelocity => "m/s",
-            Self::Force => "N",
-            Self::TimeSinceReversal | Self::Time => "s",
-            Self::Temperature => "degC",
+        match self.of_a_damper() {
+            Some(coordinate) => coordinate.unit(),
+            None if matches!(self, Self::Time) => "s",
+            None => "degC",
         }
     }
 

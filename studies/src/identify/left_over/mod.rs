@@ -74,7 +74,7 @@ impl LeftOver {
         maps.sort_by(|a, b| b.share.total_cmp(&a.share));
         let repeat = repeat::repeat(&residual_n, tests);
         let lines = lines::lines(&residual_n, tests);
-        let rms_n = (fit.total_n2() / tests.counted_samples() as f64).sqrt();
+        let rms_n = fit.rms_n(tests);
         let lines_rms_n = pooled(&lines, tests);
         // A line that does not repeat with the cycle is no noise.
         let without_lines = |floor: f64| {
