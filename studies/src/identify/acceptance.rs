@@ -2,7 +2,8 @@
 //!
 //! Gain on pieces left out and on those seen, four in five pieces improved or unchanged, no chance with all
 //! candidates counted, parameters off their bounds, and the same choice made again without each piece.
-//! Among those that predict equally well one is named and the others beside it.
+//! Among those that predict equally well one is named and the others beside it, those too that only a
+//! parameter on its bound speaks against.
 
 use super::candidate::Candidate;
 use super::grey_box::{CE, KE, RELIEF};
@@ -51,7 +52,13 @@ pub fn choose(
     if (agreeing as f64) < LEAST_AGREEMENT * tests.pieces.len() as f64 {
         return None;
     }
-    Some((winner, alike.into_iter().filter(|index| *index != winner).collect()))
+    // What a bound speaks against is not named, but told beside what is: it predicts as well.
+    let rivals = (0..trials.len()).filter(|index| {
+        *index != winner
+            && no_gain(standing, &trials[*index], tried.len()).is_none()
+            && !told_apart(&trials[best], &trials[*index], tests)
+    });
+    Some((winner, rivals.collect()))
 }
 
 /// True when a trial needs another damper altogether: damping, stiffness or relief force of another
@@ -72,6 +79,12 @@ pub fn objection(
     candidates: usize,
     tests: &TestsAtHand,
 ) -> Option<String> {
+    no_gain(standing, trial, candidates)
+        .or_else(|| at_a_bound(trial, tests).map(|name| format!("{name} runs to its bound")))
+}
+
+/// Why a trial does not predict better than the standing model, if it does not.
+fn no_gain(standing: &Judged, trial: &Trial, candidates: usize) -> Option<String> {
     let Evidence { holdout_gain, improved, p_value } = trial.evidence;
     let before = standing.standing.fit.total_n2();
     let seen_gain = 1.0 - trial.judged.standing.fit.total_n2() / before;
@@ -81,10 +94,7 @@ pub fn objection(
     if let Some(why) = unfit.or_else(|| too_seldom(improved)) {
         return Some(why);
     }
-    if p > LARGEST_P {
-        return Some(format!("may be chance: p = {p:.3} with all candidates counted"));
-    }
-    at_a_bound(trial, tests).map(|name| format!("{name} runs to its bound"))
+    (p > LARGEST_P).then(|| format!("may be chance: p = {p:.3} with all candidates counted"))
 }
 
 /// Why a gain is none, if it is none.

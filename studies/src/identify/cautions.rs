@@ -67,15 +67,19 @@ pub fn on_bounds(fit: &Fit, tests: &TestsAtHand) -> Vec<String> {
             let value = fit.values[place];
             let span = upper - lower;
             let spread = matches!(fit.model.coordinates()[place], Coordinate::Spread { .. });
-            let below = spread && value < (1.0 + ON_BOUND) * lower;
-            if below || value > upper - ON_BOUND * span {
-                let name = row.name;
-                lines.push(format!(
-                    "{}: {name} = {value:.3e} lies on its bound: take it for \"as {} as can be\"",
-                    info.name,
-                    if below { "small" } else { "large" }
-                ));
-            }
+            let size = if spread && value < (1.0 + ON_BOUND) * lower {
+                "small"
+            } else if lower < 0.0 && value < lower + ON_BOUND * span {
+                "negative"
+            } else if value > upper - ON_BOUND * span {
+                "large"
+            } else {
+                continue;
+            };
+            lines.push(format!(
+                "{}: {} = {value:.3e} lies on its bound: take it for \"as {size} as can be\"",
+                info.name, row.name
+            ));
         }
     }
     lines
@@ -120,6 +124,22 @@ mod tests {
         assert_eq!(told(0.5), [""; 0]);
         let expected = "second_valve_stage: slope_ratio = 1.000e-2 lies on its bound";
         assert!(told(0.01)[0].starts_with(expected), "{:?}", told(0.01));
+    }
+
+    #[test]
+    fn a_parameter_on_its_negative_bound_is_told() {
+        let tests = tests(1e-3, 1.0);
+        let info = CATALOGUE.iter().find(|info| info.name == "asymmetric_damping").unwrap();
+        let model = GreyBox::nominal(&tests.scale).with(info, &tests.scale);
+        let told = |share: f64| {
+            let (lower, upper) = info.parameters[0].bounds(&tests.scale);
+            let value = lower + share * (upper - lower);
+            let others = vec![0.0; info.parameters.len() - 1];
+            let values = [vector_of(&Nominal::NEW), vec![value], others].concat();
+            on_bounds(&Fit::of(&model, &values, &tests).unwrap(), &tests)
+        };
+        assert_eq!(told(0.4), [""; 0]);
+        assert!(told(0.0)[0].ends_with("\"as negative as can be\""), "{:?}", told(0.0));
     }
 
     #[test]
