@@ -232,7 +232,7 @@ fn leave(
     let json = serde_json::to_string_pretty(file)?;
     let folder = RunFolder::choose(args.out.as_deref(), &crate::cli::stem(named_after));
     let place = |name: &str| folder.file(name).display().to_string();
-    folder.create().with_context(|| folder.path().display().to_string())?;
+    folder.create()?;
     for record in records {
         let name = format!("{}.csv", record.name);
         let write = || -> std::io::Result<()> {

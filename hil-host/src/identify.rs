@@ -104,6 +104,8 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
         return crate::campaign::command(args);
     }
     let question = question(args)?;
+    let folder = RunFolder::choose(args.out.as_deref(), "identify");
+    folder.try_create()?;
     let datasheet_given = question.datasheet.is_some();
     let identification = with_progress(|progress| identify(question, progress))?;
     let result = &identification.result;
@@ -111,12 +113,11 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
     let damper = identification.damper().context("the identified damper cannot be built")?;
     let html = page::page(&identification).to_html()?;
 
-    let folder = RunFolder::choose(args.out.as_deref(), "identify");
     let place = |name: &str| folder.file(name).display().to_string();
     let write = |name: &str, text: &str| {
         std::fs::write(folder.file(name), text).with_context(|| place(name))
     };
-    folder.create().with_context(|| folder.path().display().to_string())?;
+    folder.create()?;
     write("result.json", &format!("{json}\n"))?;
     write(MODEL, &model_text(&damper, result, ""))?;
     let map = identification.empirical.as_ref().and_then(Empirical::kept);

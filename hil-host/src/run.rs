@@ -230,7 +230,7 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> anyhow::Result
     }
 
     let folder = RunFolder::choose(options.out.as_deref(), &options.name);
-    folder.create().with_context(|| format!("cannot make {}", folder.path().display()))?;
+    folder.create()?;
     let recording = record(
         &session,
         &mut state,

@@ -11,6 +11,7 @@
 //! A model holds one `[damper]`, so it is a rig file too. What [`DamperFile::to_model`] writes is read
 //! back to the same bits: numbers stand with as many digits as it takes.
 
+use crate::datasheet::C2_SHARE;
 use crate::empirical::EmpiricalFile;
 use crate::quantity::{Provenance, Quantity};
 use crate::source::{ScenarioError, Source};
@@ -128,15 +129,21 @@ impl DamperFile {
         Ok(Self { file: None, ..self.over(&model) })
     }
 
-    /// Reads a model file: a `[damper]`, and a `name` if it has one.
+    /// Reads a model file: a `[damper]`, and a `name` if it has one. With Ce and no C2 it gets that of
+    /// a datasheet, 0.06 Ce.
     ///
     /// # Errors
     /// It cannot be read, or is no damper that can be, with file and line.
     pub fn load_model(path: &Path) -> Result<Self, ScenarioError> {
         let source = Source::read(path)?;
-        let ModelFile { name: _, damper } = source.parse()?;
+        let ModelFile { name: _, mut damper } = source.parse()?;
         if damper.file.is_some() {
             return Err(source.whole_error("a model names another file, expected values"));
+        }
+        if let (Some(ce), None) = (&damper.ce_n_s_per_m, &damper.c2_n_s_per_m) {
+            let note = format!("{C2_SHARE} Ce, by default");
+            let c2 = Quantity::plain(C2_SHARE * ce.value);
+            damper.c2_n_s_per_m = Some(c2.told(Provenance::Estimated, Some(note)));
         }
         damper.build(&source)?;
         Ok(damper)

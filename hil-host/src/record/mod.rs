@@ -170,9 +170,26 @@ impl RunFolder {
     /// Makes it.
     ///
     /// # Errors
-    /// It cannot be made.
-    pub fn create(&self) -> std::io::Result<()> {
-        std::fs::create_dir_all(&self.path)
+    /// It cannot be made: bad input.
+    pub fn create(&self) -> anyhow::Result<()> {
+        std::fs::create_dir_all(&self.path).map_err(|error| {
+            let place = self.path.display();
+            anyhow::anyhow!("{place}: found no place for a folder ({error}), expected one")
+        })
+    }
+
+    /// Shows before long work that it can be made; leaves nothing behind.
+    ///
+    /// # Errors
+    /// It cannot be made: bad input.
+    pub fn try_create(&self) -> anyhow::Result<()> {
+        let new: Vec<&Path> = self.path.ancestors().take_while(|path| !path.exists()).collect();
+        self.create()?;
+        for path in new {
+            // Somebody else's files may have come into it by now.
+            let _ = std::fs::remove_dir(path);
+        }
+        Ok(())
     }
 
     /// A file in it.

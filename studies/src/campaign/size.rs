@@ -5,11 +5,13 @@
 //! ```
 //!
 //! What the nominal damper can absorb does not count. The search over strengths fits from the true
-//! numbers; the size that is told is that after the same many-start fit with which `identify` begins.
+//! numbers and simulates in longer steps; the size that is told is that in steps as short as they
+//! should be, after the same many-start fit with which `identify` begins.
 
 use super::case::Case;
 use crate::bench_visit::sensors::{Channel, Sensors};
-use crate::bench_visit::{Specimen, visit};
+use crate::bench_visit::specimen::{Load, Response};
+use crate::bench_visit::{RawRecord, Specimen, visit};
 use crate::identify::fit::{Effort, fit};
 use crate::identify::grey_box::{GreyBox, vector_of};
 use crate::identify::start::nominal_fit;
@@ -24,6 +26,8 @@ const CORRECTIONS: usize = 4;
 const CLIMB: f64 = 4.0;
 /// How near is near enough.
 const NEAR: f64 = 0.04;
+/// Steps of a specimen while its strength is looked for, in those that it needs.
+const ROUGH: f64 = 5.0;
 
 /// A strength and the size that it gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,7 +130,11 @@ fn between(
 
 /// What the nominal damper leaves of the force without noise, N.
 fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
-    let tests = TestsAtHand::new(records(case, specimen, &silent(&case.sensors)).0);
+    let rough = Rough { specimen };
+    let specimen = if thorough { specimen } else { &rough };
+    let fitted: Vec<_> = case.tests.iter().filter(|test| !test.test_only).cloned().collect();
+    let visited = visit(specimen, &fitted, &silent(&case.sensors), case.seed);
+    let tests = TestsAtHand::new(visited.iter().flat_map(RawRecord::measurement).collect());
     let truth = vector_of(&case.nominal);
     let mut best = fit(&GreyBox::nominal(&tests.scale), &truth, &tests, Effort::FULL)?;
     if thorough {
@@ -136,6 +144,21 @@ fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
         }
     }
     Some(best.rms_n(&tests))
+}
+
+/// A specimen in longer steps than it needs: enough to find about how strong an effect must be.
+struct Rough<'a> {
+    specimen: &'a dyn Specimen,
+}
+
+impl Specimen for Rough<'_> {
+    fn longest_step_s(&self) -> f64 {
+        ROUGH * self.specimen.longest_step_s()
+    }
+
+    fn respond(&self, load: &Load<'_>) -> Response {
+        self.specimen.respond(load)
+    }
 }
 
 /// The records of a case: those to fit and those to judge by.

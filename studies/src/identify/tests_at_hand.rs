@@ -15,6 +15,8 @@ use std::ops::Range;
 const LONGEST_STEP_S: f64 = 1e-3;
 /// The same where only a start is looked for.
 const LONGEST_ROUGH_STEP_S: f64 = 5e-3;
+/// Samples closer than this say little more where only a start is looked for, s.
+const ROUGH_SAMPLING_S: f64 = 2e-3;
 /// Shortest block, s.
 const SHORTEST_BLOCK_S: f64 = 0.25;
 /// Fewest tests that are left out one by one.
@@ -116,14 +118,15 @@ impl TestsAtHand {
         (count > 0).then(|| (sum / count as f64).sqrt())
     }
 
-    /// The same tests cut short after their run-in, in longer steps: enough to look for start values.
-    /// Their size stays that of the whole.
+    /// The same tests cut short after their run-in, with fewer samples and longer steps: enough to look
+    /// for start values. Their size stays that of the whole.
     #[must_use]
     pub fn beginnings(&self, longest_s: f64) -> Self {
         let records = self.tests.iter().map(|test| {
             let record = &test.record;
             let samples = (longest_s / record.step_s) as usize;
-            record.until(record.run_in + samples.max(20))
+            let thinner = (ROUGH_SAMPLING_S / record.step_s + 1e-6) as usize;
+            record.until(record.run_in.saturating_add(samples.max(20))).thinned(thinner)
         });
         let mut beginnings = Self::with_scale(records.collect(), self.scale);
         for test in &mut beginnings.tests {

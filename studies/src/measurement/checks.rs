@@ -33,11 +33,12 @@ pub fn size(series: &Series) -> Result<(), MeasurementError> {
     if travel_m > TRAVEL_MOST_M {
         let expected =
             format!("a travel below {TRAVEL_MOST_M} m: another unit, or columns swapped?");
-        let found = format!("{displacement} over {travel_m:.4} m and {force} over {reach_n:.4} N");
+        let found =
+            format!("{displacement} over {travel_m:.5e} m and {force} over {reach_n:.5e} N");
         return Err(series.error(found, expected));
     }
     if reach_n > FORCE_MOST_N {
-        let found = format!("{force} over {reach_n:.0} N");
+        let found = format!("{force} over {reach_n:.5e} N");
         return Err(series.error(found, format!("less than {FORCE_MOST_N} N: another unit?")));
     }
     if travel_m < 1e-6 {

@@ -50,4 +50,23 @@ impl Measurement {
             ..self.clone()
         }
     }
+
+    /// The record with every `factor`-th sample.
+    #[must_use]
+    pub fn thinned(&self, factor: usize) -> Self {
+        let factor = factor.max(1);
+        let pick = |values: &[f64]| values.iter().step_by(factor).copied().collect();
+        Self {
+            step_s: self.step_s * factor as f64,
+            displacement_m: pick(&self.displacement_m),
+            drive_m: pick(&self.drive_m),
+            velocity_m_per_s: pick(&self.velocity_m_per_s),
+            acceleration_m_per_s2: pick(&self.acceleration_m_per_s2),
+            force_n: pick(&self.force_n),
+            temperature_degc: self.temperature_degc.as_deref().map(pick),
+            cycles: self.cycles.iter().map(|at| at / factor).collect(),
+            run_in: self.run_in.div_ceil(factor),
+            ..self.clone()
+        }
+    }
 }

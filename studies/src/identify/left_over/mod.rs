@@ -3,7 +3,8 @@
 //! Three questions, each answered against chance with independent stretches of record:
 //! does the residual repeat from cycle to cycle ([`repeat`]); has it a shape over a coordinate that
 //! holds on tests left out ([`maps`]); has it lines in its spectrum ([`lines`])? What has none of
-//! these, above a fifth of the noise floor, is taken for noise.
+//! these, above a quarter of the noise floor, is taken for noise. Two ten-thousandths of the force and
+//! less are what steps, interpolation and bounds of the models themselves leave.
 
 pub mod coordinates;
 pub mod lines;
@@ -20,6 +21,8 @@ use repeat::Repeat;
 
 /// Structure below this share of the noise floor is not worth a word.
 const LEAST_SHARE_OF_FLOOR: f64 = 0.25;
+/// Structure below this share of the rms force may be the models' own.
+const LEAST_SHARE_OF_FORCE: f64 = 2e-4;
 /// A residual this many times the noise floor is no noise, whatever the tests say.
 const FAR_ABOVE_FLOOR: f64 = 1.5;
 /// Largest probability of structure by chance, over all coordinates.
@@ -105,7 +108,8 @@ impl LeftOver {
     }
 
     fn judge(&self, tests: &TestsAtHand) -> Option<Unexplained> {
-        let least = LEAST_SHARE_OF_FLOOR * self.noise_floor_n;
+        let own_n = LEAST_SHARE_OF_FORCE * tests.rms_force_n();
+        let least = (LEAST_SHARE_OF_FLOOR * self.noise_floor_n).max(own_n);
         let questions = (self.maps.len() + 1) as f64;
         let mapped =
             self.maps.iter().find(|map| map.p_value * questions < LARGEST_P && map.rms_n > least);
@@ -138,7 +142,7 @@ impl LeftOver {
                 description: describe(map),
             });
         }
-        if !repeats && self.rms_n > FAR_ABOVE_FLOOR * self.noise_floor_n {
+        if !repeats && self.rms_n > (FAR_ABOVE_FLOOR * self.noise_floor_n).max(own_n) {
             return Some(Unexplained {
                 rms_n: self.rms_n,
                 coordinate: "unknown",
