@@ -5,9 +5,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test stops where it fails")]
 
-#[path = "physics/modes.rs"]
-mod modes;
-
 use firmware_core::lanes::Lanes;
 use firmware_core::track::{Irregularity, Layout, Track};
 use firmware_core::vehicle::{Running, Vehicle, VehicleState};
@@ -18,6 +15,7 @@ use scenario::irregularity::{Band, aar6};
 use scenario::source::Source;
 use scenario::vehicle::VehicleFile;
 use std::path::Path;
+use studies::modes::{Coordinate, Impedances, Jacobians};
 
 const SPEED_M_PER_S: f64 = 160.0 / 3.6;
 
@@ -28,6 +26,12 @@ fn coach() -> (Vehicle, Box<ContactTable>) {
     let file: VehicleFile = source.parse().unwrap();
     let contact = file.wheel_rail.contact(&source).unwrap().unwrap();
     (file.build(&source).unwrap(), contact.table)
+}
+
+/// Small motions about a state, on rails that do not give way.
+fn small_motions(vehicle: &Vehicle, table: &ContactTable, state: &VehicleState) -> Jacobians {
+    let (dampers, bodies) = (Impedances::default(), Coordinate::of_bodies(vehicle));
+    Jacobians::about(vehicle, Some(table), (state, SPEED_M_PER_S), dampers, &bodies)
 }
 
 /// Sum of the vertical forces on all wheels (N), up positive.
@@ -64,7 +68,7 @@ fn its_rigid_body_frequencies_are_those_of_a_calculation_by_hand() {
         }
     }
     let state = VehicleState::default();
-    let (stiffness, _) = modes::jacobians(&vehicle, Some(&table), &state, SPEED_M_PER_S);
+    let stiffness = small_motions(&vehicle, &table, &state).stiffness;
     let mut found: Vec<f64> =
         stiffness.complex_eigenvalues().iter().map(|value| hertz(value.re)).collect();
     found.sort_by(f64::total_cmp);
@@ -126,7 +130,7 @@ fn on_its_wheels_the_carbody_bounces_as_on_held_wheelsets() {
     for element in &mut undamped.suspensions {
         element.damping_n_s_per_m = [0.0; 3];
     }
-    let values = modes::eigenvalues(&undamped, Some(&table), &start.state, SPEED_M_PER_S);
+    let values = small_motions(&undamped, &table, &start.state).eigenvalues().unwrap();
     let frequencies: Vec<f64> =
         values.iter().map(|value| value.im.abs() / std::f64::consts::TAU).collect();
     let bounce = two_masses([4.0 * 0.430e6, 8.0 * 1.220e6], [32_000.0, 2.0 * 2_615.0])[0];

@@ -6,16 +6,17 @@
 
 #![expect(clippy::unwrap_used, reason = "a test stops where it fails")]
 
-#[path = "physics/modes.rs"]
-mod modes;
-
 use firmware_core::lanes::Lanes;
 use firmware_core::track::Track;
 use firmware_core::vehicle::{LATERAL, Running, Vehicle, VehicleState};
 use scenario::source::Source;
 use scenario::vehicle::VehicleFile;
 use std::path::Path;
+use studies::critical_speed::fold::Fold;
+use studies::critical_speed::{Critical, Procedure};
+use studies::modes::{Coordinate, Impedances, Jacobians};
 use studies::statistics;
+use studies::trip::Equipped;
 
 fn bogie() -> Vehicle {
     let path =
@@ -26,8 +27,10 @@ fn bogie() -> Vehicle {
 
 /// Real and imaginary part of the least damped eigenvalue (1/s).
 fn least_damped(vehicle: &Vehicle, speed_m_per_s: f64) -> (f64, f64) {
-    let state = VehicleState::default();
-    let values = modes::eigenvalues(vehicle, None, &state, speed_m_per_s);
+    let (state, bodies) = (VehicleState::default(), Coordinate::of_bodies(vehicle));
+    let at = (&state, speed_m_per_s);
+    let values = Jacobians::about(vehicle, None, at, Impedances::default(), &bodies);
+    let values = values.eigenvalues().unwrap();
     (values[0].re, values[0].im.abs())
 }
 
@@ -107,4 +110,32 @@ fn the_limit_cycle_has_the_known_amplitude_and_frequency() {
     assert!((fine_m - coarse_m).abs() < 2e-6, "{fine_m} {coarse_m}");
     assert!((fine_m - 10.187e-3).abs() < 3e-6, "{fine_m}");
     assert!((fine_hz - 3.983).abs() < 1e-3, "{fine_hz}");
+}
+
+#[test]
+fn its_limit_cycle_dies_at_the_known_fold() {
+    // By an independent integration, 60 s at each speed: between 66.68 and 66.70 m/s.
+    let bogie = Equipped { vehicle: bogie(), contact: None, dampers: Vec::new() };
+    let procedure = Procedure {
+        from_kmh: 230.0,
+        to_kmh: 252.0,
+        step_kmh: 2.0,
+        resolution_kmh: 0.02,
+        hold_s: 60.0,
+        ..Procedure::default()
+    };
+    let fold = Fold::of(&bogie, &procedure).unwrap();
+    let Critical::At(dies_kmh) = fold.dies else { panic!("{}", fold.dies) };
+    let last = fold.cycle.last().unwrap().motion;
+    let (speed, amplitude_mm) = (dies_kmh / 3.6, 1e3 * last.amplitude_m);
+    println!("dies at {speed:.4} m/s with {amplitude_mm:.3} mm, {:?} Hz", last.frequency_hz);
+    // A descent in steps of 0.02 km/h ends up to that far above the fold.
+    assert!((66.68..66.71).contains(&speed), "{speed}");
+    // At 67 m/s the cycle has 9.478 mm and 3.821 Hz.
+    let near = fold
+        .cycle
+        .iter()
+        .min_by(|a, b| (a.kmh / 3.6 - 67.0).abs().total_cmp(&(b.kmh / 3.6 - 67.0).abs()));
+    let near = near.unwrap();
+    println!("{:.3} m/s: {:.3} mm", near.kmh / 3.6, 1e3 * near.motion.amplitude_m);
 }

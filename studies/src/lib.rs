@@ -7,16 +7,22 @@
 //! [`series_model`] is a series damper by its own integration, apart from the core's, with disturbances
 //! that no effect of the catalogue describes; [`hydraulic`] is a damper from its chambers, valves, oil
 //! and rubber; [`bench_visit`] moves a damper as a bench does.
+//! [`trip`] runs a vehicle in virtual time; [`modes`] and [`describing_function`] are its small vibrations,
+//! [`critical_speed`] asks from which speed on it hunts.
 //! [`measurement`] is the way in for what a bench measured, [`laboratory`] what a laboratory prints of it.
 
 pub mod bench_visit;
 pub mod campaign;
+pub mod critical_speed;
+pub mod describing_function;
 pub mod error;
 pub mod guiding_force;
 pub mod hydraulic;
 pub mod identify;
 pub mod laboratory;
 pub mod measurement;
+pub mod modes;
 pub mod series_model;
 pub mod spectrum;
 pub mod statistics;
+pub mod trip;

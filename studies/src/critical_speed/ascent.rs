@@ -1,0 +1,90 @@
+//! From which speed on does irregular track throw the vehicle into a hunting that stays?
+//!
+//! At every speed anew: one wheelset 3 mm beside the middle, 300 m of class-6 track, then perfect track;
+//! hunting is what moves by more than the threshold after 14 s of it. With the irregularity kept on
+//! there is no clear threshold: it moves the wheelsets by as much as a small limit cycle.
+
+use super::bracket::{Critical, first};
+use super::hunting::{Hunting, after};
+use super::procedure::Procedure;
+use crate::trip::track::RoughStart;
+use crate::trip::{Equipped, Trip};
+use rayon::prelude::*;
+use scenario::equilibrium::NoEquilibrium;
+use serde::Serialize;
+
+/// The critical speed of a vehicle over several tracks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ascent {
+    /// The critical speed on the track of each seed.
+    pub seeds: Vec<(u64, Critical)>,
+    /// Mean of those inside the range, where all are (km/h).
+    pub mean_kmh: Option<f64>,
+    /// Lowest and highest of them (km/h).
+    pub range_kmh: Option<[f64; 2]>,
+}
+
+impl Ascent {
+    /// Asks on the tracks of all seeds.
+    ///
+    /// # Errors
+    /// The vehicle does not run steadily at some speed.
+    pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, NoEquilibrium> {
+        let seeds: Result<Vec<(u64, Critical)>, NoEquilibrium> = procedure
+            .seeds
+            .par_iter()
+            .map(|seed| Ok((*seed, critical(equipped, procedure, *seed)?)))
+            .collect();
+        let seeds = seeds?;
+        let inside: Option<Vec<f64>> = seeds.iter().map(|(_, found)| found.kmh()).collect();
+        let inside = inside.filter(|speeds| !speeds.is_empty());
+        Ok(Self {
+            mean_kmh: inside.as_deref().map(crate::statistics::mean),
+            range_kmh: inside
+                .as_deref()
+                .and_then(crate::statistics::min_max)
+                .map(|(low, high)| [low, high]),
+            seeds,
+        })
+    }
+}
+
+fn critical(
+    equipped: &Equipped,
+    procedure: &Procedure,
+    seed: u64,
+) -> Result<Critical, NoEquilibrium> {
+    let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
+    let mut failed = None;
+    let found = first([from_kmh, to_kmh], step_kmh, resolution_kmh, |kmh| {
+        match settled(equipped, procedure, seed, kmh) {
+            Ok(motion) => motion.amplitude_m > procedure.threshold_m,
+            Err(why) => {
+                failed = Some(why);
+                true
+            }
+        }
+    });
+    failed.map_or(Ok(found), Err)
+}
+
+/// What is left of the motion after the procedure at one speed (km/h).
+///
+/// # Errors
+/// The vehicle does not run steadily at this speed.
+pub fn settled(
+    equipped: &Equipped,
+    procedure: &Procedure,
+    seed: u64,
+    kmh: f64,
+) -> Result<Hunting, NoEquilibrium> {
+    let speed_m_per_s = kmh / 3.6;
+    let rough = RoughStart::new(&procedure.band(seed), procedure.rough_m);
+    let track = rough.view();
+    let trip = Trip::new(equipped, &track, speed_m_per_s, procedure.substeps);
+    let number = procedure.offset_wheelset.min(equipped.vehicle.axles.len());
+    let moved = number.checked_sub(1).and_then(|number| equipped.wheelset(number));
+    let mut state = trip.begin(&moved.map_or(vec![], |body| vec![(body, procedure.offset_m)]))?;
+    let duration_s = procedure.rough_m / speed_m_per_s + procedure.smooth_s;
+    Ok(after(&trip, equipped, &mut state, [duration_s, procedure.watched_s]))
+}

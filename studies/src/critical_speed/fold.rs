@@ -1,0 +1,132 @@
+//! Below which speed does no hunting stay, however it began?
+//!
+//! The vehicle is set swinging at the highest speed by a burst of sinusoidal alignment, several
+//! wavelengths of which are tried; the largest motion that stays is followed downward, a few seconds
+//! at each speed, from the state that the one before has left, until it dies. The last step is halved. No
+//! seed and no track enter: with a clear limit cycle this is its saddle-node, the lower end of the range of
+//! speeds at which quiet running and hunting exist side by side.
+//!
+//! A cycle that the burst does not reach is not found; the answer then is that of the cycle that was.
+
+use super::bracket::Critical;
+use super::hunting::{Hunting, after};
+use super::procedure::Procedure;
+use crate::trip::{Equipped, Trip};
+use firmware_core::line::LineState;
+use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
+use rayon::prelude::*;
+use scenario::equilibrium::NoEquilibrium;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Frequencies with which the burst shakes the vehicle (Hz).
+const BURST_HZ: [f64; 5] = [1.5, 2.2, 2.8, 3.4, 4.2];
+/// Its amplitude (m).
+const BURST_M: f64 = 8e-3;
+/// Its length (cycles).
+const BURST_CYCLES: f64 = 8.0;
+/// Where it begins (m).
+const BURST_FROM_M: f64 = 40.0;
+/// Distance between samples of it (m).
+const SAMPLE_M: f64 = 0.1;
+
+/// A hunting motion at a speed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Point {
+    /// Speed (km/h).
+    pub kmh: f64,
+    /// The motion.
+    pub motion: Hunting,
+}
+
+/// A limit cycle followed downward.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fold {
+    /// Where it dies.
+    pub dies: Critical,
+    /// The motion on the way, from the highest speed down; the last is the last that stayed.
+    pub cycle: Vec<Point>,
+}
+
+impl Fold {
+    /// Follows the largest motion that stays at the highest speed.
+    ///
+    /// # Errors
+    /// The vehicle does not run steadily at the highest speed.
+    pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, NoEquilibrium> {
+        let Procedure { from_kmh, to_kmh, resolution_kmh, alive_m, .. } = *procedure;
+        let alive = |motion: &Hunting| motion.amplitude_m > alive_m;
+        let (motion, mut state) = swinging(equipped, procedure)?;
+        let mut cycle = vec![Point { kmh: to_kmh, motion }];
+        if !alive(&motion) {
+            return Ok(Self { dies: Critical::Above(to_kmh), cycle: Vec::new() });
+        }
+        let (mut at, mut step) = (to_kmh, procedure.step_kmh);
+        loop {
+            let next = (at - step).max(from_kmh);
+            let mut tried = state.clone();
+            let motion = held(equipped, procedure, next, &mut tried);
+            if alive(&motion) {
+                cycle.push(Point { kmh: next, motion });
+                (at, state) = (next, tried);
+                if at <= from_kmh {
+                    return Ok(Self { dies: Critical::Below(from_kmh), cycle });
+                }
+            } else if step > resolution_kmh {
+                step *= 0.5;
+            } else {
+                return Ok(Self { dies: Critical::At(at), cycle });
+            }
+        }
+    }
+}
+
+/// Holds a speed on perfect track.
+fn held(equipped: &Equipped, procedure: &Procedure, kmh: f64, state: &mut LineState) -> Hunting {
+    let track = Track::default();
+    let trip = Trip::new(equipped, &track, kmh / 3.6, procedure.substeps);
+    after(&trip, equipped, state, [procedure.hold_s, procedure.watched_s])
+}
+
+/// The largest motion that a burst leaves at the highest speed, and the state in it.
+fn swinging(
+    equipped: &Equipped,
+    procedure: &Procedure,
+) -> Result<(Hunting, LineState), NoEquilibrium> {
+    let speed_m_per_s = procedure.to_kmh / 3.6;
+    let shaken: Result<Vec<(Hunting, LineState)>, NoEquilibrium> = BURST_HZ
+        .par_iter()
+        .map(|burst_hz| {
+            let samples = burst(speed_m_per_s / burst_hz);
+            let track = Track {
+                layout: Layout::tangent(),
+                irregularity: Irregularity { samples: &samples, first_m: 0.0, step_m: SAMPLE_M },
+            };
+            let trip = Trip::new(equipped, &track, speed_m_per_s, procedure.substeps);
+            let mut state = trip.begin(&[])?;
+            let burst_s = BURST_CYCLES / burst_hz + BURST_FROM_M / speed_m_per_s;
+            let times = [burst_s + procedure.hold_s, procedure.watched_s];
+            Ok((after(&trip, equipped, &mut state, times), state))
+        })
+        .collect();
+    let mut shaken = shaken?;
+    // What has left the track has no cycle.
+    let size = |motion: &Hunting| {
+        if motion.amplitude_m.is_finite() { motion.amplitude_m } else { -1.0 }
+    };
+    shaken.sort_by(|a, b| size(&b.0).total_cmp(&size(&a.0)));
+    shaken.into_iter().next().ok_or(NoEquilibrium { residual_m_per_s2: f64::NAN })
+}
+
+/// A sine of alignment that grows and fades over its length.
+fn burst(wavelength_m: f64) -> Vec<IrregularitySample> {
+    let length_m = BURST_CYCLES * wavelength_m;
+    let count = ((BURST_FROM_M + length_m) / SAMPLE_M) as usize;
+    let samples = (0..count).map(|index| {
+        let along_m = index as f64 * SAMPLE_M - BURST_FROM_M;
+        let envelope = libm::sin(0.5 * TAU * (along_m / length_m).clamp(0.0, 1.0));
+        let alignment_m = BURST_M * envelope * libm::sin(TAU * along_m / wavelength_m);
+        IrregularitySample { alignment_m, ..IrregularitySample::default() }
+    });
+    samples.collect()
+}

@@ -1,0 +1,53 @@
+//! Is it hunting? The lateral motion of the wheelsets over the last seconds of a run.
+
+use crate::statistics;
+use crate::trip::{Equipped, Trip, lateral_m};
+use firmware_core::line::LineState;
+use firmware_core::vehicle::BodyId;
+use scenario::run::CYCLE_S;
+use serde::Serialize;
+
+/// Motion around which half cycles are not counted, as a share of the amplitude.
+const DEAD_BAND: f64 = 0.2;
+
+/// The motion that a run ended in.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Hunting {
+    /// Greatest lateral position of any wheelset (m); infinite where it left the track.
+    pub amplitude_m: f64,
+    /// Frequency of the wheelset that moves most, by zero crossings (Hz).
+    pub frequency_hz: Option<f64>,
+}
+
+impl Hunting {
+    /// Off the track.
+    pub const DERAILED: Self = Self { amplitude_m: f64::INFINITY, frequency_hz: None };
+}
+
+/// Runs on, and looks at the last `watched_s` of `duration_s`.
+pub fn after(
+    trip: &Trip<'_>,
+    equipped: &Equipped,
+    state: &mut LineState,
+    [duration_s, watched_s]: [f64; 2],
+) -> Hunting {
+    let wheelsets: Vec<BodyId> = equipped.vehicle.axles.iter().map(|axle| axle.body).collect();
+    let mut seen: Vec<Vec<f64>> = vec![Vec::new(); wheelsets.len()];
+    let on_track = trip.go(state, duration_s - watched_s, |_| {})
+        && trip.go(state, watched_s, |state| {
+            for (values, body) in seen.iter_mut().zip(&wheelsets) {
+                values.push(lateral_m(state, *body));
+            }
+        });
+    if !on_track {
+        return Hunting::DERAILED;
+    }
+    let greatest = |values: &Vec<f64>| values.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    let most = seen.iter().max_by(|a, b| greatest(a).total_cmp(&greatest(b)));
+    most.map_or(Hunting { amplitude_m: 0.0, frequency_hz: None }, |values| {
+        let amplitude_m = greatest(values);
+        let dead_band_m = DEAD_BAND * amplitude_m;
+        let frequency_hz = statistics::zero_crossing_hz(values, 1.0 / CYCLE_S, dead_band_m);
+        Hunting { amplitude_m, frequency_hz }
+    })
+}

@@ -1,0 +1,110 @@
+//! From which speed on does a small motion grow, with the dampers as they are at one stroke?
+//!
+//! Eigenvalues about steady running ([`crate::modes`]) with every damper as stiffness and damping of one
+//! stroke and of the frequency of the mode that is asked for ([`crate::describing_function`]); the
+//! frequency is that of the least damped mode, found by repetition. At zero stroke a clearance would mean
+//! that there is no damper: a stroke has to be given.
+
+use super::bracket::{Critical, first};
+use super::procedure::Procedure;
+use crate::describing_function::impedance;
+use crate::modes::{Coordinate, Impedances, Jacobians};
+use crate::trip::Equipped;
+use nalgebra::Complex;
+use scenario::equilibrium;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Strokes of the default table, half the travel (m).
+pub const STROKES_M: [f64; 4] = [0.5e-3, 1e-3, 2e-3, 3.5e-3];
+/// Frequency with which the repetition begins (Hz).
+const FIRST_HZ: f64 = 3.0;
+/// Modes that are asked for lie between these (Hz).
+const MODES_HZ: [f64; 2] = [0.3, 15.0];
+/// Most repetitions.
+const REPETITIONS: usize = 12;
+/// How closely the frequency is met (Hz).
+const CLOSE_HZ: f64 = 1e-3;
+
+/// The least damped mode.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Mode {
+    /// Growth rate (1/s), negative for a motion that fades.
+    pub growth_per_s: f64,
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+}
+
+impl Mode {
+    /// Share of critical damping.
+    pub fn damping_ratio(&self) -> f64 {
+        let omega = TAU * self.frequency_hz;
+        -self.growth_per_s / libm::hypot(self.growth_per_s, omega)
+    }
+}
+
+/// The linear critical speed at one stroke of the dampers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LinearSpeed {
+    /// Stroke of the dampers, half the travel (m).
+    pub stroke_m: f64,
+    /// Where the least damped mode begins to grow.
+    pub critical: Critical,
+    /// Its frequency there (Hz).
+    pub frequency_hz: Option<f64>,
+}
+
+impl LinearSpeed {
+    /// Asks at a stroke (m, positive).
+    pub fn of(equipped: &Equipped, procedure: &Procedure, stroke_m: f64) -> Self {
+        let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
+        let grows = |kmh: f64| {
+            least_damped(equipped, kmh / 3.6, stroke_m).is_some_and(|mode| mode.growth_per_s > 0.0)
+        };
+        let critical = first([from_kmh, to_kmh], 2.0 * step_kmh, resolution_kmh, grows);
+        let mode = critical.kmh().and_then(|kmh| least_damped(equipped, kmh / 3.6, stroke_m));
+        Self { stroke_m, critical, frequency_hz: mode.map(|mode| mode.frequency_hz) }
+    }
+}
+
+/// The least damped mode at a speed, the dampers at a stroke; none where there is no steady running.
+pub fn least_damped(equipped: &Equipped, speed_m_per_s: f64, stroke_m: f64) -> Option<Mode> {
+    let mut frequency_hz = FIRST_HZ;
+    let mut found = None;
+    for _ in 0..REPETITIONS {
+        let modes = modes(equipped, speed_m_per_s, stroke_m, frequency_hz)?;
+        let mode = *modes.first()?;
+        found = Some(mode);
+        if (mode.frequency_hz - frequency_hz).abs() < CLOSE_HZ {
+            break;
+        }
+        frequency_hz = mode.frequency_hz;
+    }
+    found
+}
+
+/// All modes in the range of hunting, the least damped first, with the dampers at a stroke and a
+/// frequency.
+pub fn modes(
+    equipped: &Equipped,
+    speed_m_per_s: f64,
+    stroke_m: f64,
+    frequency_hz: f64,
+) -> Option<Vec<Mode>> {
+    let steady = equilibrium::running(&equipped.vehicle, equipped.table(), speed_m_per_s).ok()?;
+    let mut dampers = Impedances::default();
+    for (slot, damper) in dampers.0.iter_mut().zip(&equipped.dampers) {
+        *slot = impedance(damper, stroke_m, frequency_hz);
+    }
+    let jacobians = Jacobians::about(
+        &equipped.vehicle,
+        equipped.table(),
+        (&steady.state, speed_m_per_s),
+        dampers,
+        &Coordinate::all(&equipped.vehicle),
+    );
+    let mode = |value: &Complex<f64>| Mode { growth_per_s: value.re, frequency_hz: value.im / TAU };
+    let [low, high] = MODES_HZ;
+    let in_range = |mode: &Mode| (low..high).contains(&mode.frequency_hz);
+    Some(jacobians.eigenvalues()?.iter().map(mode).filter(in_range).collect())
+}

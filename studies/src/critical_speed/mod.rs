@@ -1,0 +1,22 @@
+//! The critical speed of a vehicle, found in three ways that answer three questions.
+//!
+//! | module | question |
+//! | --- | --- |
+//! | [`ascent`] | from which speed on does class-6 track throw the vehicle into a hunting motion that stays when the track is perfect again? |
+//! | [`fold`] | below which speed does no hunting motion stay, however it began? |
+//! | [`linear`] | from which speed on does a small motion grow, with the dampers as they are at one stroke? |
+//!
+//! The first depends on the track and on a threshold and is what the study calls critical speed; seeds
+//! give its range. The second depends on neither and bounds it from below; between the two a vehicle runs
+//! quietly or hunts, as it comes. The third says little with clearance and relief, and is told for several
+//! strokes.
+
+pub mod ascent;
+pub mod bracket;
+pub mod fold;
+pub mod hunting;
+pub mod linear;
+pub mod procedure;
+
+pub use bracket::Critical;
+pub use procedure::Procedure;

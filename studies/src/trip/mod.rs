@@ -1,0 +1,165 @@
+//! A vehicle under way: on one track at one speed, every damper modelled, seen cycle by cycle.
+//!
+//! Studies run the very line that drives a rig ([`firmware_core::line`]), in virtual time. A damper that
+//! the scenario puts on a rig is modelled in its place, with the wear that was to be injected in
+//! software: `2a` adds up, compliances add up.
+
+pub mod track;
+
+use firmware_core::damper::{Damper, DamperError, Nominal};
+use firmware_core::guard::{ForceInput, Guard};
+use firmware_core::line::{Line, LineState, Slot};
+use firmware_core::track::Track;
+use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Vehicle};
+use firmware_core::wheel_rail::table::ContactTable;
+use scenario::equilibrium::{self, NoEquilibrium};
+use scenario::minimum_speed::minimum_speed_m_per_s;
+use scenario::run::{CYCLE_S, Run, SlotForce};
+use scenario::wheel_rail::Contact;
+
+/// Distance at which the vehicle's reference point starts (m): all wheels on perfect track.
+pub const START_M: f64 = 15.0;
+/// Most substeps of a cycle.
+const SUBSTEPS_MAX: u32 = 64;
+
+/// A vehicle with its dampers and its contact: what neither speed nor track changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equipped {
+    /// The vehicle.
+    pub vehicle: Vehicle,
+    /// Solved profiles, for wheels that run on some.
+    pub contact: Option<Contact>,
+    /// The damper of every slot.
+    pub dampers: Vec<Damper>,
+}
+
+impl Equipped {
+    /// The vehicle of a scenario.
+    ///
+    /// # Errors
+    /// Wear on a rig that leaves no damper.
+    pub fn of(run: &Run) -> Result<Self, DamperError> {
+        let dampers: Result<Vec<Damper>, DamperError> =
+            run.slots.iter().map(|slot| modelled(&slot.force, &run.rig.damper)).collect();
+        Ok(Self { vehicle: run.vehicle.clone(), contact: run.contact.clone(), dampers: dampers? })
+    }
+
+    /// The contact table, for wheels that run on profiles.
+    pub fn table(&self) -> Option<&ContactTable> {
+        self.contact.as_ref().map(|contact| &*contact.table)
+    }
+
+    /// The body of a wheelset, counted from 0 at the front.
+    pub fn wheelset(&self, number: usize) -> Option<BodyId> {
+        self.vehicle.axles.get(number).map(|axle| axle.body)
+    }
+
+    /// Fewest substeps of a cycle, a power of two and at least `least`, at which creep is stable.
+    pub fn substeps(&self, speed_m_per_s: f64, least: u32) -> u32 {
+        let mut substeps = least.max(1);
+        let stable = |substeps: u32| {
+            let substep_s = CYCLE_S / f64::from(substeps);
+            speed_m_per_s >= minimum_speed_m_per_s(&self.vehicle, self.table(), substep_s)
+        };
+        while substeps < SUBSTEPS_MAX && !stable(substeps) {
+            substeps *= 2;
+        }
+        substeps
+    }
+}
+
+fn modelled(force: &SlotForce, on_rig: &Damper) -> Result<Damper, DamperError> {
+    match force {
+        SlotForce::Modelled(damper) => Ok(damper.clone()),
+        SlotForce::Rig { virtual_clearance_2a_m, virtual_compliance_m_per_n, .. } => {
+            let new = *on_rig.nominal();
+            let worn = Nominal {
+                clearance_2a_m: new.clearance_2a_m + virtual_clearance_2a_m,
+                ke_n_per_m: 1.0 / (1.0 / new.ke_n_per_m + virtual_compliance_m_per_n),
+                ..new
+            };
+            Damper::new(worn, on_rig.effects())
+        }
+    }
+}
+
+/// A vehicle on a track at a speed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trip<'a> {
+    line: Line<'a>,
+    equipped: &'a Equipped,
+}
+
+impl<'a> Trip<'a> {
+    /// A trip with as many substeps as the speed needs, at least `least_substeps`.
+    pub fn new(
+        equipped: &'a Equipped,
+        track: &'a Track<'a>,
+        speed_m_per_s: f64,
+        least_substeps: u32,
+    ) -> Self {
+        let substeps = equipped.substeps(speed_m_per_s, least_substeps);
+        let substep_s = CYCLE_S / f64::from(substeps);
+        let mut slots = [const { Slot::Empty }; DAMPER_SLOTS];
+        for (slot, damper) in slots.iter_mut().zip(&equipped.dampers) {
+            *slot = Slot::Modelled(damper.clone().prepared(substep_s));
+        }
+        let line = Line {
+            vehicle: &equipped.vehicle,
+            track,
+            contact: equipped.table(),
+            speed_m_per_s,
+            cycle_s: CYCLE_S,
+            substeps,
+            slots,
+            guard: Guard::default(),
+        };
+        Self { line, equipped }
+    }
+
+    /// Steady running at the beginning of the track, some wheelsets moved to the right by so much (m).
+    ///
+    /// # Errors
+    /// No steady running was found.
+    pub fn begin(&self, offsets_m: &[(BodyId, f64)]) -> Result<LineState, NoEquilibrium> {
+        let line = &self.line;
+        let mut start =
+            equilibrium::running(&self.equipped.vehicle, line.contact, line.speed_m_per_s)?;
+        start.state.distance_m.0[0] = START_M;
+        for (body, offset_m) in offsets_m {
+            if let Some(pose) = start.state.position.get_mut(body.index()) {
+                pose[LATERAL].0[0] += offset_m;
+            }
+        }
+        Ok(line.start(start.state))
+    }
+
+    /// Runs on for a time; `see` is shown every cycle. Gives false where the vehicle has left the track,
+    /// and stands there.
+    pub fn go(
+        &self,
+        state: &mut LineState,
+        duration_s: f64,
+        mut see: impl FnMut(&LineState),
+    ) -> bool {
+        let cycles = libm::round(duration_s / CYCLE_S) as u64;
+        for _ in 0..cycles {
+            self.line.step(state, &[ForceInput::Missing; DAMPER_SLOTS]);
+            if state.safe {
+                return false;
+            }
+            see(state);
+        }
+        true
+    }
+
+    /// Running speed (m/s).
+    pub fn speed_m_per_s(&self) -> f64 {
+        self.line.speed_m_per_s
+    }
+}
+
+/// Lateral position of a body (m), to the right.
+pub fn lateral_m(state: &LineState, body: BodyId) -> f64 {
+    state.vehicle.position.get(body.index()).map_or(0.0, |pose| pose[LATERAL].lane(0))
+}
