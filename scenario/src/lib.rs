@@ -22,6 +22,7 @@ pub mod profile;
 pub mod quantity;
 pub mod rig;
 pub mod run;
+pub mod setting;
 pub mod source;
 pub mod track;
 pub mod vehicle;

@@ -8,6 +8,7 @@ use crate::irregularity::IrregularityFile;
 use crate::minimum_speed::minimum_speed_m_per_s;
 use crate::quantity::Quantity;
 use crate::rig::{RigFile, RigSetup};
+use crate::setting::Setting;
 use crate::source::{ScenarioError, Source};
 use crate::track::{OwnedTrack, TrackFile};
 use crate::vehicle::VehicleFile;
@@ -198,11 +199,32 @@ impl Run {
         Self::from_source(&source, overrides)
     }
 
+    /// The same with other numbers in the scenario and in its vehicle.
+    ///
+    /// # Errors
+    /// As for [`Run::load`]; a key that leads nowhere.
+    pub fn load_with(
+        path: &Path,
+        overrides: Overrides,
+        settings: &[Setting],
+    ) -> Result<Self, ScenarioError> {
+        let source = Source::read(path)?.with_settings(settings)?;
+        Self::build(&source, overrides, settings)
+    }
+
     /// Builds a scenario from its text.
     ///
     /// # Errors
     /// One line with file, line and key for the first thing that does not fit.
     pub fn from_source(source: &Source, overrides: Overrides) -> Result<Self, ScenarioError> {
+        Self::build(source, overrides, &[])
+    }
+
+    fn build(
+        source: &Source,
+        overrides: Overrides,
+        settings: &[Setting],
+    ) -> Result<Self, ScenarioError> {
         let mut file: RunFile = source.parse()?;
         file.damper = file.damper.resolved(source)?;
         file.rig.damper = file.rig.damper.resolved(source)?;
@@ -232,6 +254,7 @@ impl Run {
             return Err(source.whole_error(format!("substeps = {substeps}, expected 2 to 64")));
         }
         let vehicle_source = Source::read(&source.beside(&file.vehicle))?;
+        let vehicle_source = vehicle_source.with_vehicle_settings(settings)?;
         let vehicle_file: VehicleFile = vehicle_source.parse()?;
         let mut vehicle = vehicle_file.build(&vehicle_source)?;
         let contact = vehicle_file.wheel_rail.contact(&vehicle_source)?;
