@@ -12,7 +12,7 @@ use firmware_core::vehicle::{LATERAL, Running, Vehicle, VehicleState};
 use scenario::source::Source;
 use scenario::vehicle::VehicleFile;
 use std::path::Path;
-use studies::critical_speed::fold::Fold;
+use studies::critical_speed::fold::{Fold, Point};
 use studies::critical_speed::{Critical, Procedure};
 use studies::modes::{Coordinate, Impedances, Jacobians};
 use studies::statistics;
@@ -127,15 +127,15 @@ fn its_limit_cycle_dies_at_the_known_fold() {
     let fold = Fold::of(&bogie, &procedure).unwrap();
     let Critical::At(dies_kmh) = fold.dies else { panic!("{}", fold.dies) };
     let last = fold.cycle.last().unwrap().motion;
-    let (speed, amplitude_mm) = (dies_kmh / 3.6, 1e3 * last.amplitude_m);
+    let (speed, amplitude_mm) = (dies_kmh / 3.6, 1e3 * last.amplitude_m.unwrap());
     println!("dies at {speed:.4} m/s with {amplitude_mm:.3} mm, {:?} Hz", last.frequency_hz);
     // A descent in steps of 0.02 km/h ends up to that far above the fold.
     assert!((66.68..66.71).contains(&speed), "{speed}");
-    // At 67 m/s the cycle has 9.478 mm and 3.821 Hz.
-    let near = fold
-        .cycle
-        .iter()
-        .min_by(|a, b| (a.kmh / 3.6 - 67.0).abs().total_cmp(&(b.kmh / 3.6 - 67.0).abs()));
-    let near = near.unwrap();
-    println!("{:.3} m/s: {:.3} mm", near.kmh / 3.6, 1e3 * near.motion.amplitude_m);
+    // At 67 m/s the cycle has 9.478 mm, growing by 0.258 mm per m/s.
+    let off = |point: &&Point| (point.kmh / 3.6 - 67.0).abs();
+    let near = fold.cycle.iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+    let amplitude_mm = 1e3 * near.motion.amplitude_m.unwrap();
+    let expected_mm = 9.478 + 0.258 * (near.kmh / 3.6 - 67.0);
+    println!("{:.3} m/s: {amplitude_mm:.3} mm, expected {expected_mm:.3}", near.kmh / 3.6);
+    assert!((amplitude_mm - expected_mm).abs() < 0.01, "{amplitude_mm} {expected_mm}");
 }

@@ -5,7 +5,8 @@ use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::{Path, PathBuf};
 use studies::campaign::score::Line;
-use studies::campaign::{Campaign, Shard, Table, page, read_lines, run, table};
+use studies::campaign::{Campaign, Table, page, run, table};
+use studies::shards::{Shard, merge};
 
 /// Runs a campaign or a shard of it, or merges what others have run.
 ///
@@ -47,7 +48,7 @@ fn last(line: &Line) -> String {
 
 /// Prints the table and writes it where there is a folder.
 fn tell(args: &IdentifyArgs, files: &[PathBuf], folder: Option<&Path>) -> anyhow::Result<()> {
-    let table = Table::new(&read_lines(files)?);
+    let table = Table::new(&merge(files)?);
     let (json, text) = (serde_json::to_string_pretty(&table)?, page::text(&table));
     if let Some(folder) = folder.or(args.out.as_deref()) {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;

@@ -4,6 +4,7 @@
 //! state.
 
 use crate::characterise::{self, CharacteriseArgs};
+use crate::critical_speed::{self, CriticalSpeedArgs};
 use crate::identify::{self, IdentifyArgs, SimulateArgs};
 use crate::realtime::RealtimeOptions;
 use crate::run::{self, BusChoice, PaceChoice, RunOptions, SilentRigs};
@@ -51,6 +52,11 @@ enum Command {
     /// The force of a model on a record, free-running from its displacement.
     #[command(after_help = "Example: yawbench simulate model.toml sine.csv --out predicted.csv")]
     Simulate(SimulateArgs),
+    /// From which speed on does the vehicle of a scenario hunt?
+    #[command(
+        after_help = "Example: yawbench critical-speed scenarios/ss9-160kmh.toml --vary damper.ke_n_per_m=3e6:15e6:5"
+    )]
+    CriticalSpeed(CriticalSpeedArgs),
 }
 
 #[derive(Debug, Args)]
@@ -177,6 +183,7 @@ pub fn main() -> ExitCode {
         Command::Characterise(args) => characterise::command(args).map(|()| ExitCode::SUCCESS),
         Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
         Command::Simulate(args) => identify::simulate_command(args).map(|()| ExitCode::SUCCESS),
+        Command::CriticalSpeed(args) => critical_speed::command(args).map(|()| ExitCode::SUCCESS),
     };
     match result {
         Ok(code) => code,

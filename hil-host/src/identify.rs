@@ -15,7 +15,6 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use studies::campaign::Shard;
 use studies::identify::empirical::{Empirical, FittedMap};
 use studies::identify::fit::Fit;
 use studies::identify::result::{IdentifyResult, Models, Verdict};
@@ -27,6 +26,7 @@ use studies::identify::{Identification, Question, identify, page};
 use studies::measurement::mapping::{Mapping, Reading};
 use studies::measurement::table::Table;
 use studies::measurement::{Measurement, MeasurementError, interpolant, read_tests, series};
+use studies::shards::Shard;
 
 /// The identified damper.
 const MODEL: &str = "model.toml";

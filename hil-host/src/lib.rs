@@ -19,6 +19,7 @@ pub mod clock;
 pub mod columns;
 pub mod comparison;
 pub mod control;
+pub mod critical_speed;
 pub mod identify;
 pub mod page;
 mod predictions;

@@ -10,6 +10,7 @@
 //! What the number replaces may stand there with provenance and note; these go with it.
 
 use crate::source::{ScenarioError, Source};
+use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 /// What keys of the vehicle's file begin with.
@@ -18,7 +19,7 @@ const VEHICLE: &str = "vehicle.";
 const NAMES: [&str; 2] = ["name", "place"];
 
 /// A key and the number that is put there.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Setting {
     /// The key.
     pub key: String,

@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 /// Cycles that are let pass.
 const SETTLING_CYCLES: usize = 6;
 /// Samples of the cycle that is looked at.
-const SAMPLES: usize = 400;
+const SAMPLES: usize = 2000;
 
 /// Stiffness and damping of a damper at a stroke (m, half the travel) and a frequency (Hz).
 ///

@@ -8,7 +8,8 @@
 //! that no effect of the catalogue describes; [`hydraulic`] is a damper from its chambers, valves, oil
 //! and rubber; [`bench_visit`] moves a damper as a bench does.
 //! [`trip`] runs a vehicle in virtual time; [`modes`] and [`describing_function`] are its small vibrations,
-//! [`critical_speed`] asks from which speed on it hunts.
+//! [`critical_speed`] asks from which speed on it hunts. [`sweep`] varies what it is asked about; [`shards`] cuts
+//! long work into parts.
 //! [`measurement`] is the way in for what a bench measured, [`laboratory`] what a laboratory prints of it.
 
 pub mod bench_visit;
@@ -23,6 +24,8 @@ pub mod laboratory;
 pub mod measurement;
 pub mod modes;
 pub mod series_model;
+pub mod shards;
 pub mod spectrum;
 pub mod statistics;
+pub mod sweep;
 pub mod trip;

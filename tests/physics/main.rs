@@ -11,3 +11,4 @@ mod equilibrium;
 mod lanes;
 mod locomotive;
 mod signs;
+mod worn_out;

@@ -13,7 +13,7 @@
 //! | [`size`] | the strength at which an effect has the wanted size |
 //! | [`specimen`] | what is mounted in the bench |
 //! | [`score`] | one case run and scored: one line |
-//! | [`shard`] | many cases: files, shards, resumption |
+//! | [`shard`] | many cases, in shards that can be stopped |
 //! | [`table`], [`page`] | the merged table, as numbers and as text |
 //! | [`wilson`] | intervals of rates |
 //!
@@ -39,5 +39,5 @@ pub mod strength;
 pub mod table;
 pub mod wilson;
 
-pub use shard::{Campaign, CampaignError, Shard, read_lines, run};
+pub use shard::{Campaign, run};
 pub use table::Table;

@@ -11,13 +11,22 @@ use crate::trip::track::RoughStart;
 use crate::trip::{Equipped, Trip};
 use rayon::prelude::*;
 use scenario::equilibrium::NoEquilibrium;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+
+/// The critical speed on one track.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OnTrack {
+    /// Seed of the track.
+    pub seed: u64,
+    /// From where the vehicle hunts.
+    pub critical: Critical,
+}
 
 /// The critical speed of a vehicle over several tracks.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Ascent {
     /// The critical speed on the track of each seed.
-    pub seeds: Vec<(u64, Critical)>,
+    pub seeds: Vec<OnTrack>,
     /// Mean of those inside the range, where all are (km/h).
     pub mean_kmh: Option<f64>,
     /// Lowest and highest of them (km/h).
@@ -30,13 +39,13 @@ impl Ascent {
     /// # Errors
     /// The vehicle does not run steadily at some speed.
     pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, NoEquilibrium> {
-        let seeds: Result<Vec<(u64, Critical)>, NoEquilibrium> = procedure
+        let seeds: Result<Vec<OnTrack>, NoEquilibrium> = procedure
             .seeds
             .par_iter()
-            .map(|seed| Ok((*seed, critical(equipped, procedure, *seed)?)))
+            .map(|&seed| Ok(OnTrack { seed, critical: critical(equipped, procedure, seed)? }))
             .collect();
         let seeds = seeds?;
-        let inside: Option<Vec<f64>> = seeds.iter().map(|(_, found)| found.kmh()).collect();
+        let inside: Option<Vec<f64>> = seeds.iter().map(|on| on.critical.kmh()).collect();
         let inside = inside.filter(|speeds| !speeds.is_empty());
         Ok(Self {
             mean_kmh: inside.as_deref().map(crate::statistics::mean),
@@ -49,6 +58,27 @@ impl Ascent {
     }
 }
 
+impl Ascent {
+    /// The mean in words, or on which side of the range the seeds lie.
+    pub fn mean(&self) -> String {
+        let alike = |first: &OnTrack| self.seeds.iter().all(|on| on.critical == first.critical);
+        match (self.mean_kmh, self.seeds.first().filter(|first| alike(first))) {
+            (Some(mean), _) => format!("{mean:.1}"),
+            (None, Some(first)) => first.critical.to_string(),
+            (None, None) => "-".to_owned(),
+        }
+    }
+
+    /// Lowest and highest in words.
+    pub fn range(&self) -> String {
+        if let Some([low, high]) = self.range_kmh {
+            return format!("{low:.1} to {high:.1}");
+        }
+        let each = self.seeds.iter().map(|on| on.critical.to_string());
+        each.collect::<Vec<_>>().join(" ")
+    }
+}
+
 fn critical(
     equipped: &Equipped,
     procedure: &Procedure,
@@ -58,7 +88,7 @@ fn critical(
     let mut failed = None;
     let found = first([from_kmh, to_kmh], step_kmh, resolution_kmh, |kmh| {
         match settled(equipped, procedure, seed, kmh) {
-            Ok(motion) => motion.amplitude_m > procedure.threshold_m,
+            Ok(motion) => motion.is_beyond(procedure.threshold_m),
             Err(why) => {
                 failed = Some(why);
                 true

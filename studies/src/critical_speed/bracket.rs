@@ -1,10 +1,10 @@
 //! A speed at which something begins, between two that were tried.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A critical speed, or on which side of the range it lies.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Form", into = "Form")]
 pub enum Critical {
     /// Here (km/h).
     At(f64),
@@ -12,6 +12,34 @@ pub enum Critical {
     Below(f64),
     /// Above the highest speed tried (km/h).
     Above(f64),
+}
+
+/// As it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Form {
+    kmh: Option<f64>,
+    below_kmh: Option<f64>,
+    above_kmh: Option<f64>,
+}
+
+impl From<Critical> for Form {
+    fn from(critical: Critical) -> Self {
+        match critical {
+            Critical::At(kmh) => Self { kmh: Some(kmh), ..Self::default() },
+            Critical::Below(kmh) => Self { below_kmh: Some(kmh), ..Self::default() },
+            Critical::Above(kmh) => Self { above_kmh: Some(kmh), ..Self::default() },
+        }
+    }
+}
+
+impl From<Form> for Critical {
+    fn from(form: Form) -> Self {
+        match form {
+            Form { kmh: Some(kmh), .. } => Self::At(kmh),
+            Form { below_kmh: Some(kmh), .. } => Self::Below(kmh),
+            Form { above_kmh, .. } => Self::Above(above_kmh.unwrap_or(f64::INFINITY)),
+        }
+    }
 }
 
 impl Critical {

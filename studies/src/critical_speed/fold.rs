@@ -6,7 +6,8 @@
 //! seed and no track enter: with a clear limit cycle this is its saddle-node, the lower end of the range of
 //! speeds at which quiet running and hunting exist side by side.
 //!
-//! A cycle that the burst does not reach is not found; the answer then is that of the cycle that was.
+//! Just below its end a motion dies slowly, and the time at each speed may not see it: a tenth of a km/h
+//! for Cooperrider's bogie. A cycle that the burst does not reach is not found; the answer then is that of the cycle that was.
 
 use super::bracket::Critical;
 use super::hunting::{Hunting, after};
@@ -16,7 +17,7 @@ use firmware_core::line::LineState;
 use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
 use rayon::prelude::*;
 use scenario::equilibrium::NoEquilibrium;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Frequencies with which the burst shakes the vehicle (Hz).
@@ -31,7 +32,7 @@ const BURST_FROM_M: f64 = 40.0;
 const SAMPLE_M: f64 = 0.1;
 
 /// A hunting motion at a speed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Speed (km/h).
     pub kmh: f64,
@@ -40,7 +41,7 @@ pub struct Point {
 }
 
 /// A limit cycle followed downward.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fold {
     /// Where it dies.
     pub dies: Critical,
@@ -55,7 +56,7 @@ impl Fold {
     /// The vehicle does not run steadily at the highest speed.
     pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, NoEquilibrium> {
         let Procedure { from_kmh, to_kmh, resolution_kmh, alive_m, .. } = *procedure;
-        let alive = |motion: &Hunting| motion.amplitude_m > alive_m;
+        let alive = |motion: &Hunting| motion.amplitude_m.is_some_and(|m| m > alive_m);
         let (motion, mut state) = swinging(equipped, procedure)?;
         let mut cycle = vec![Point { kmh: to_kmh, motion }];
         if !alive(&motion) {
@@ -111,9 +112,7 @@ fn swinging(
         .collect();
     let mut shaken = shaken?;
     // What has left the track has no cycle.
-    let size = |motion: &Hunting| {
-        if motion.amplitude_m.is_finite() { motion.amplitude_m } else { -1.0 }
-    };
+    let size = |motion: &Hunting| motion.amplitude_m.unwrap_or(-1.0);
     shaken.sort_by(|a, b| size(&b.0).total_cmp(&size(&a.0)));
     shaken.into_iter().next().ok_or(NoEquilibrium { residual_m_per_s2: f64::NAN })
 }

@@ -5,23 +5,28 @@ use crate::trip::{Equipped, Trip, lateral_m};
 use firmware_core::line::LineState;
 use firmware_core::vehicle::BodyId;
 use scenario::run::CYCLE_S;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Motion around which half cycles are not counted, as a share of the amplitude.
 const DEAD_BAND: f64 = 0.2;
 
 /// The motion that a run ended in.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Hunting {
-    /// Greatest lateral position of any wheelset (m); infinite where it left the track.
-    pub amplitude_m: f64,
+    /// Greatest lateral position of any wheelset (m); none where it left the track.
+    pub amplitude_m: Option<f64>,
     /// Frequency of the wheelset that moves most, by zero crossings (Hz).
     pub frequency_hz: Option<f64>,
 }
 
 impl Hunting {
     /// Off the track.
-    pub const DERAILED: Self = Self { amplitude_m: f64::INFINITY, frequency_hz: None };
+    pub const DERAILED: Self = Self { amplitude_m: None, frequency_hz: None };
+
+    /// True when it moves by more than a threshold (m), or has left the track.
+    pub fn is_beyond(&self, threshold_m: f64) -> bool {
+        self.amplitude_m.is_none_or(|amplitude_m| amplitude_m > threshold_m)
+    }
 }
 
 /// Runs on, and looks at the last `watched_s` of `duration_s`.
@@ -44,10 +49,10 @@ pub fn after(
     }
     let greatest = |values: &Vec<f64>| values.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
     let most = seen.iter().max_by(|a, b| greatest(a).total_cmp(&greatest(b)));
-    most.map_or(Hunting { amplitude_m: 0.0, frequency_hz: None }, |values| {
+    most.map_or(Hunting { amplitude_m: Some(0.0), frequency_hz: None }, |values| {
         let amplitude_m = greatest(values);
         let dead_band_m = DEAD_BAND * amplitude_m;
         let frequency_hz = statistics::zero_crossing_hz(values, 1.0 / CYCLE_S, dead_band_m);
-        Hunting { amplitude_m, frequency_hz }
+        Hunting { amplitude_m: Some(amplitude_m), frequency_hz }
     })
 }

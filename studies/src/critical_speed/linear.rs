@@ -12,7 +12,7 @@ use crate::modes::{Coordinate, Impedances, Jacobians};
 use crate::trip::Equipped;
 use nalgebra::Complex;
 use scenario::equilibrium;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Strokes of the default table, half the travel (m).
@@ -27,7 +27,7 @@ const REPETITIONS: usize = 12;
 const CLOSE_HZ: f64 = 1e-3;
 
 /// The least damped mode.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Mode {
     /// Growth rate (1/s), negative for a motion that fades.
     pub growth_per_s: f64,
@@ -44,7 +44,7 @@ impl Mode {
 }
 
 /// The linear critical speed at one stroke of the dampers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LinearSpeed {
     /// Stroke of the dampers, half the travel (m).
     pub stroke_m: f64,

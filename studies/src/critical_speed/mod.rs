@@ -16,7 +16,11 @@ pub mod bracket;
 pub mod fold;
 pub mod hunting;
 pub mod linear;
+pub mod page;
 pub mod procedure;
+pub mod study;
+pub mod text;
 
 pub use bracket::Critical;
 pub use procedure::Procedure;
+pub use study::{Point, Question};

@@ -100,6 +100,10 @@ impl<'a> Trip<'a> {
     ) -> Self {
         let substeps = equipped.substeps(speed_m_per_s, least_substeps);
         let substep_s = CYCLE_S / f64::from(substeps);
+        #[expect(
+            clippy::large_stack_arrays,
+            reason = "once per trip, and a line holds it by value"
+        )]
         let mut slots = [const { Slot::Empty }; DAMPER_SLOTS];
         for (slot, damper) in slots.iter_mut().zip(&equipped.dampers) {
             *slot = Slot::Modelled(damper.clone().prepared(substep_s));

@@ -1,0 +1,154 @@
+//! Points of a study: every combination of the values of some keys.
+//!
+//! ```text
+//! damper.ke_n_per_m=3e6:15e6:13       13 values from 3 to 15 MN/m, ends included
+//! damper.clearance_2a_m=0.2e-3,1e-3   these two
+//! ```
+//! The first axis changes slowest.
+
+use scenario::setting::Setting;
+use std::str::FromStr;
+
+/// Most points of a study.
+const POINTS_MAX: usize = 1_000_000;
+
+/// A key and its values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// The key, as [`Setting`] understands it.
+    pub key: String,
+    /// The values, in order.
+    pub values: Vec<f64>,
+}
+
+impl FromStr for Axis {
+    type Err = String;
+
+    /// ```
+    /// let axis: studies::sweep::Axis = "damper.ke_n_per_m=3e6:15e6:5".parse().unwrap();
+    /// assert_eq!(axis.values, [3e6, 6e6, 9e6, 12e6, 15e6]);
+    /// assert!("ke=3:4".parse::<studies::sweep::Axis>().is_err());
+    /// ```
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || format!("found \"{text}\", expected KEY=from:to:n or KEY=value,value");
+        let (key, values) = text.split_once('=').ok_or_else(expected)?;
+        let number = |text: &str| {
+            text.trim().parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(expected)
+        };
+        let values = match values.split(':').collect::<Vec<_>>()[..] {
+            [from, to, count] => {
+                let (from, to) = (number(from)?, number(to)?);
+                let count: usize = count.trim().parse().map_err(|_| expected())?;
+                even(from, to, count).ok_or_else(expected)?
+            }
+            [list] => list.split(',').map(number).collect::<Result<_, _>>()?,
+            _ => return Err(expected()),
+        };
+        if key.trim().is_empty() {
+            return Err(expected());
+        }
+        Ok(Self { key: key.trim().to_owned(), values })
+    }
+}
+
+/// So many values from one to another, ends included; one value only where both are the same.
+fn even(from: f64, to: f64, count: usize) -> Option<Vec<f64>> {
+    match count {
+        0 => None,
+        1 => (from == to).then(|| vec![from]),
+        _ if count > POINTS_MAX => None,
+        _ => {
+            let last = (count - 1) as f64;
+            Some((0..count).map(|n| from + (to - from) * (n as f64 / last)).collect())
+        }
+    }
+}
+
+/// All combinations.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Grid {
+    /// The axes, the slowest first; none for a single point.
+    pub axes: Vec<Axis>,
+}
+
+impl Grid {
+    /// The combinations of some axes.
+    ///
+    /// # Errors
+    /// More than a million points, or a key given twice.
+    pub fn new(axes: Vec<Axis>) -> Result<Self, String> {
+        for (index, axis) in axes.iter().enumerate() {
+            if axes.iter().take(index).any(|earlier| earlier.key == axis.key) {
+                return Err(format!("`{}` is varied twice", axis.key));
+            }
+        }
+        let points = axes.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.values.len()));
+        match points {
+            Some(points) if points <= POINTS_MAX => Ok(Self { axes }),
+            _ => Err(format!("more than {POINTS_MAX} points")),
+        }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
+    /// False: there is one point at least.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The values of a point.
+    pub fn point(&self, index: usize) -> Vec<Setting> {
+        let mut left = index;
+        let mut settings: Vec<Setting> = Vec::new();
+        for axis in self.axes.iter().rev() {
+            let count = axis.values.len().max(1);
+            let value = axis.values.get(left % count).copied().unwrap_or_default();
+            settings.push(Setting { key: axis.key.clone(), value });
+            left /= count;
+        }
+        settings.reverse();
+        settings
+    }
+
+    /// In one line, as it was asked for.
+    pub fn words(&self) -> String {
+        let axis = |axis: &Axis| {
+            let values: Vec<String> =
+                axis.values.iter().map(|value| format!("{value:e}")).collect();
+            format!("{}={}", axis.key, values.join(","))
+        };
+        self.axes.iter().map(axis).collect::<Vec<_>>().join(" ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_axis_changes_slowest() {
+        let axes = ["a=1,2", "b=10:30:3"].map(|text| text.parse::<Axis>().unwrap());
+        let grid = Grid::new(axes.to_vec()).unwrap();
+        let values = |index| grid.point(index).iter().map(|s| s.value).collect::<Vec<_>>();
+        assert_eq!(grid.len(), 6);
+        assert_eq!(values(0), [1.0, 10.0]);
+        assert_eq!(values(2), [1.0, 30.0]);
+        assert_eq!(values(3), [2.0, 10.0]);
+        assert_eq!(Grid::default().len(), 1);
+        assert!(Grid::default().point(0).is_empty());
+    }
+
+    #[test]
+    fn what_is_no_axis_is_refused() {
+        for text in
+            ["a", "=1", "a=", "a=1:2", "a=1:2:0", "a=1:2:1", "a=1:2:x", "a=nan", "a=1:2:3:4"]
+        {
+            assert!(text.parse::<Axis>().is_err(), "{text}");
+        }
+        let twice = Grid::new(vec!["a=1".parse().unwrap(), "a=2".parse().unwrap()]);
+        assert_eq!(twice.unwrap_err(), "`a` is varied twice");
+    }
+}
