@@ -74,7 +74,7 @@ mod tests {
         // 4 F/(pi A w) = 198.5 kN s/m for 12 kN at 3.5 mm and 3.5 Hz.
         let friction = Nominal {
             ce_n_s_per_m: 1e8,
-            ke_n_per_m: 1e10,
+            ke_n_per_m: 1e12,
             clearance_2a_m: 0.0,
             f_relief_n: 12e3,
             c2_n_s_per_m: 0.0,
