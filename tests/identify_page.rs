@@ -162,5 +162,10 @@ fn a_map_that_was_asked_for_comes_last_and_is_called_no_physics() {
     assert!(section.contains("valid only inside the range of these records"), "no limits");
     let (_, after) = section.split_once("<h2>").unwrap();
     assert!(after.starts_with("How this was done") && !after.contains("<h2>"), "not last");
-    assert!(text.contains("something is left without a name"), "the map has changed the verdict");
+    // A bump stop may be named beside it: five short sines do not tell a worn band from one everywhere.
+    let verdict = found.result.verdict;
+    let unexplained = [Verdict::Unexplained, Verdict::EffectsFoundAndUnexplained];
+    assert!(unexplained.contains(&verdict), "the map has changed the verdict: {verdict:?}");
+    let titles = ["something is left without a name", "and more is left"];
+    assert!(titles.iter().any(|title| text.contains(title)), "the page does not say so");
 }
