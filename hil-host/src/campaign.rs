@@ -1,8 +1,8 @@
 //! `yawbench identify --campaign` and `--merge`: the proof of `identify` on records whose truth is known.
 
 use crate::identify::IdentifyArgs;
+use crate::progress;
 use anyhow::{Context, bail};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::{Path, PathBuf};
 use studies::campaign::score::Line;
 use studies::campaign::{Campaign, Table, page, run, table};
@@ -23,13 +23,7 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
     // A fixed name, so that the same command goes on where it was stopped.
     let usual = || PathBuf::from(format!("runs/campaign-{seed}"));
     let folder = args.out.clone().unwrap_or_else(usual);
-    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(4));
-    let template = "{elapsed:>4} {bar:24} {pos}/{len}, {eta} to go  {msg}";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
-    bar.set_message("the first cases");
-    bar.tick();
+    let bar = progress::bar("the first cases");
     let path = run(&campaign, shard, &folder, &|line, done, of| {
         bar.set_length(of as u64);
         bar.set_position(done as u64);

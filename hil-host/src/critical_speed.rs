@@ -3,10 +3,10 @@
 //! One point, or a grid of them with `--vary`, in shards where there are many. A folder that has some of the
 //! points goes on.
 
+use crate::progress;
 use crate::record::RunFolder;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use scenario::run::{Overrides, Run};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -91,7 +91,7 @@ pub fn command(args: &CriticalSpeedArgs) -> anyhow::Result<()> {
     let name = question.check()?;
     let files = if args.merge.is_empty() {
         folder.create()?;
-        let bar = progress_bar(question.grid.len());
+        let bar = progress::bar("the first points");
         let shard = args.shard.unwrap_or(Shard::WHOLE);
         let work = Work { items: question.grid.len(), name: name.clone() };
         let point = |index| question.point(&name, index);
@@ -147,18 +147,6 @@ fn question(args: &CriticalSpeedArgs) -> anyhow::Result<Question> {
         fold: args.method != Method::Linear,
         strokes_m: if linear { strokes_m } else { Vec::new() },
     })
-}
-
-fn progress_bar(points: usize) -> ProgressBar {
-    let bar =
-        ProgressBar::with_draw_target(Some(points as u64), ProgressDrawTarget::stderr_with_hz(4));
-    let template = "{elapsed:>4} {bar:24} {pos}/{len}, {eta} to go  {msg}";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
-    bar.set_message("the first points");
-    bar.tick();
-    bar
 }
 
 /// Writes the files and prints the table.

@@ -23,6 +23,7 @@ pub mod critical_speed;
 pub mod identify;
 pub mod page;
 mod predictions;
+mod progress;
 pub mod realtime;
 pub mod record;
 pub mod rig;

@@ -1,0 +1,15 @@
+//! Progress of work that is done item by item.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// A bar on the terminal with the time that is left; `first` stands there until an item is done.
+pub(crate) fn bar(first: &'static str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(4));
+    let template = "{elapsed:>4} {bar:24} {pos}/{len}, {eta} to go  {msg}";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar.set_message(first);
+    bar.tick();
+    bar
+}
