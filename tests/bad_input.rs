@@ -151,3 +151,20 @@ fn too_much_load_on_a_bus_is_refused_before_the_run() {
     let text = refused("load", &format!("{GOOD}{}", slots.concat()), None, &[]);
     has(&text, &["108 %", "80 %", "fd"]);
 }
+
+#[test]
+fn an_output_folder_that_cannot_be_made_is_bad_input() {
+    let place = folder("no-place");
+    std::fs::write(place.join("file"), "").unwrap();
+    let scenario = repository().join("scenarios/ss9-160kmh.toml");
+    let scenario = scenario.to_str().unwrap();
+    let run = ["run", scenario, "--pace", "fast", "--duration", "0.01"];
+    let speed = ["critical-speed", scenario, "--method", "fold"];
+    for command in [&run[..], &speed[..]] {
+        let out = ["--out", "file/out"];
+        let result = output(yawbench().args(command).args(out).current_dir(&place));
+        let text = String::from_utf8_lossy(&result.stderr);
+        assert_eq!(result.status.code(), Some(2), "{command:?}: {text}");
+        has(&text, &["file/out", "no place for a folder"]);
+    }
+}
