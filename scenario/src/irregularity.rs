@@ -129,16 +129,23 @@ pub fn aar6(band: &Band, from_m: f64, to_m: f64) -> Samples {
 impl Samples {
     /// Lets the irregularity grow smoothly out of perfect track: a wheel that started on a rail some
     /// millimetres off would be thrown by its contact.
-    fn faded_in(mut self) -> Self {
+    fn faded_in(self) -> Self {
         let from_m = self.first_m.max(PERFECT_M);
-        for (index, sample) in self.samples.iter_mut().enumerate() {
-            let distance_m = self.first_m + index as f64 * self.step_m;
+        self.weighted(|distance_m| {
             let t = ((distance_m - from_m) / FADE_IN_M).clamp(0.0, 1.0);
-            let fade = t * t * t * (10.0 + t * (6.0 * t - 15.0));
-            sample.vertical_m *= fade;
-            sample.alignment_m *= fade;
-            sample.cross_level_m *= fade;
-            sample.gauge_m *= fade;
+            t * t * t * (10.0 + t * (6.0 * t - 15.0))
+        })
+    }
+
+    /// All channels times a weight that depends on distance (m).
+    #[must_use]
+    pub fn weighted(mut self, weight: impl Fn(f64) -> f64) -> Self {
+        for (index, sample) in self.samples.iter_mut().enumerate() {
+            let weight = weight(self.first_m + index as f64 * self.step_m);
+            sample.vertical_m *= weight;
+            sample.alignment_m *= weight;
+            sample.cross_level_m *= weight;
+            sample.gauge_m *= weight;
         }
         self
     }

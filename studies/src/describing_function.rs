@@ -39,18 +39,14 @@ pub fn impedance(damper: &Damper, stroke_m: f64, frequency_hz: f64) -> Impedance
         Motion::new(stroke_m * libm::sin(phase), stroke_m * omega * libm::cos(phase))
     };
     let mut state = DamperState::starting(motion(0));
-    let mut cycle_n = Vec::with_capacity(SAMPLES);
+    let (mut in_phase, mut ahead) = (0.0, 0.0);
     for sample in 1..=(SETTLING_CYCLES + 1) * SAMPLES {
         let force_n = damper.advance(&mut state, motion(sample), step_s);
         if sample > SETTLING_CYCLES * SAMPLES {
-            cycle_n.push(force_n);
+            let phase = TAU * (sample - SETTLING_CYCLES * SAMPLES) as f64 / SAMPLES as f64;
+            in_phase += force_n * libm::sin(phase);
+            ahead += force_n * libm::cos(phase);
         }
-    }
-    let (mut in_phase, mut ahead) = (0.0, 0.0);
-    for (sample, force_n) in cycle_n.iter().enumerate() {
-        let phase = TAU * (sample + 1) as f64 / SAMPLES as f64;
-        in_phase += force_n * libm::sin(phase);
-        ahead += force_n * libm::cos(phase);
     }
     let scale = 2.0 / (SAMPLES as f64 * stroke_m);
     Impedance { stiffness_n_per_m: scale * in_phase, damping_n_s_per_m: scale * ahead / omega }

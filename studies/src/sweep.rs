@@ -112,16 +112,6 @@ impl Grid {
         settings.reverse();
         settings
     }
-
-    /// In one line, as it was asked for.
-    pub fn words(&self) -> String {
-        let axis = |axis: &Axis| {
-            let values: Vec<String> =
-                axis.values.iter().map(|value| format!("{value:e}")).collect();
-            format!("{}={}", axis.key, values.join(","))
-        };
-        self.axes.iter().map(axis).collect::<Vec<_>>().join(" ")
-    }
 }
 
 #[cfg(test)]

@@ -7,8 +7,9 @@
 use super::bracket::{Critical, first};
 use super::hunting::{Hunting, after};
 use super::procedure::Procedure;
-use crate::trip::track::RoughStart;
+use crate::trip::track::rough_start;
 use crate::trip::{Equipped, Trip};
+use firmware_core::track::Track;
 use rayon::prelude::*;
 use scenario::equilibrium::NoEquilibrium;
 use serde::{Deserialize, Serialize};
@@ -56,9 +57,7 @@ impl Ascent {
             seeds,
         })
     }
-}
 
-impl Ascent {
     /// The mean in words, or on which side of the range the seeds lie.
     pub fn mean(&self) -> String {
         let alike = |first: &OnTrack| self.seeds.iter().all(|on| on.critical == first.critical);
@@ -85,9 +84,11 @@ fn critical(
     seed: u64,
 ) -> Result<Critical, NoEquilibrium> {
     let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
+    let track = rough_start(&procedure.band(seed), procedure.rough_m);
+    let track = track.view();
     let mut failed = None;
     let found = first([from_kmh, to_kmh], step_kmh, resolution_kmh, |kmh| {
-        match settled(equipped, procedure, seed, kmh) {
+        match settled(equipped, procedure, &track, kmh) {
             Ok(motion) => motion.is_beyond(procedure.threshold_m),
             Err(why) => {
                 failed = Some(why);
@@ -98,23 +99,18 @@ fn critical(
     failed.map_or(Ok(found), Err)
 }
 
-/// What is left of the motion after the procedure at one speed (km/h).
-///
-/// # Errors
-/// The vehicle does not run steadily at this speed.
-pub fn settled(
+/// What is left of the motion at one speed (km/h) behind the rough beginning of a track.
+fn settled(
     equipped: &Equipped,
     procedure: &Procedure,
-    seed: u64,
+    track: &Track<'_>,
     kmh: f64,
 ) -> Result<Hunting, NoEquilibrium> {
     let speed_m_per_s = kmh / 3.6;
-    let rough = RoughStart::new(&procedure.band(seed), procedure.rough_m);
-    let track = rough.view();
-    let trip = Trip::new(equipped, &track, speed_m_per_s, procedure.substeps);
+    let trip = Trip::new(equipped, track, speed_m_per_s, procedure.substeps);
     let number = procedure.offset_wheelset.min(equipped.vehicle.axles.len());
     let moved = number.checked_sub(1).and_then(|number| equipped.wheelset(number));
     let mut state = trip.begin(&moved.map_or(vec![], |body| vec![(body, procedure.offset_m)]))?;
     let duration_s = procedure.rough_m / speed_m_per_s + procedure.smooth_s;
-    Ok(after(&trip, equipped, &mut state, [duration_s, procedure.watched_s]))
+    Ok(after(&trip, &mut state, [duration_s, procedure.watched_s]))
 }

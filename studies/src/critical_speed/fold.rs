@@ -7,7 +7,8 @@
 //! speeds at which quiet running and hunting exist side by side.
 //!
 //! Just below its end a motion dies slowly, and the time at each speed may not see it: a tenth of a km/h
-//! for Cooperrider's bogie. A cycle that the burst does not reach is not found; the answer then is that of the cycle that was.
+//! for Cooperrider's bogie. A cycle that the burst does not reach is not found; the answer then is that of
+//! the cycle that was.
 
 use super::bracket::Critical;
 use super::hunting::{Hunting, after};
@@ -86,7 +87,7 @@ impl Fold {
 fn held(equipped: &Equipped, procedure: &Procedure, kmh: f64, state: &mut LineState) -> Hunting {
     let track = Track::default();
     let trip = Trip::new(equipped, &track, kmh / 3.6, procedure.substeps);
-    after(&trip, equipped, state, [procedure.hold_s, procedure.watched_s])
+    after(&trip, state, [procedure.hold_s, procedure.watched_s])
 }
 
 /// The largest motion that a burst leaves at the highest speed, and the state in it.
@@ -107,7 +108,7 @@ fn swinging(
             let mut state = trip.begin(&[])?;
             let burst_s = BURST_CYCLES / burst_hz + BURST_FROM_M / speed_m_per_s;
             let times = [burst_s + procedure.hold_s, procedure.watched_s];
-            Ok((after(&trip, equipped, &mut state, times), state))
+            Ok((after(&trip, &mut state, times), state))
         })
         .collect();
     let mut shaken = shaken?;

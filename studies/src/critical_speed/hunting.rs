@@ -1,7 +1,7 @@
 //! Is it hunting? The lateral motion of the wheelsets over the last seconds of a run.
 
 use crate::statistics;
-use crate::trip::{Equipped, Trip, lateral_m};
+use crate::trip::{Trip, lateral_m};
 use firmware_core::line::LineState;
 use firmware_core::vehicle::BodyId;
 use scenario::run::CYCLE_S;
@@ -30,13 +30,8 @@ impl Hunting {
 }
 
 /// Runs on, and looks at the last `watched_s` of `duration_s`.
-pub fn after(
-    trip: &Trip<'_>,
-    equipped: &Equipped,
-    state: &mut LineState,
-    [duration_s, watched_s]: [f64; 2],
-) -> Hunting {
-    let wheelsets: Vec<BodyId> = equipped.vehicle.axles.iter().map(|axle| axle.body).collect();
+pub fn after(trip: &Trip<'_>, state: &mut LineState, [duration_s, watched_s]: [f64; 2]) -> Hunting {
+    let wheelsets: Vec<BodyId> = trip.vehicle().axles.iter().map(|axle| axle.body).collect();
     let mut seen: Vec<Vec<f64>> = vec![Vec::new(); wheelsets.len()];
     let on_track = trip.go(state, duration_s - watched_s, |_| {})
         && trip.go(state, watched_s, |state| {

@@ -10,6 +10,7 @@ use super::procedure::Procedure;
 use crate::describing_function::impedance;
 use crate::modes::{Coordinate, Impedances, Jacobians};
 use crate::trip::Equipped;
+use firmware_core::vehicle::VehicleState;
 use nalgebra::Complex;
 use scenario::equilibrium;
 use serde::{Deserialize, Serialize};
@@ -35,14 +36,6 @@ pub struct Mode {
     pub frequency_hz: f64,
 }
 
-impl Mode {
-    /// Share of critical damping.
-    pub fn damping_ratio(&self) -> f64 {
-        let omega = TAU * self.frequency_hz;
-        -self.growth_per_s / libm::hypot(self.growth_per_s, omega)
-    }
-}
-
 /// The linear critical speed at one stroke of the dampers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LinearSpeed {
@@ -58,21 +51,27 @@ impl LinearSpeed {
     /// Asks at a stroke (m, positive).
     pub fn of(equipped: &Equipped, procedure: &Procedure, stroke_m: f64) -> Self {
         let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
-        let grows = |kmh: f64| {
-            least_damped(equipped, kmh / 3.6, stroke_m).is_some_and(|mode| mode.growth_per_s > 0.0)
-        };
-        let critical = first([from_kmh, to_kmh], 2.0 * step_kmh, resolution_kmh, grows);
-        let mode = critical.kmh().and_then(|kmh| least_damped(equipped, kmh / 3.6, stroke_m));
+        let mut growing = None;
+        let critical = first([from_kmh, to_kmh], 2.0 * step_kmh, resolution_kmh, |kmh| {
+            let mode = least_damped(equipped, kmh / 3.6, stroke_m);
+            let grows = mode.filter(|mode| mode.growth_per_s > 0.0);
+            // The last one found is that of the speed that is told.
+            growing = grows.or(growing);
+            grows.is_some()
+        });
+        let mode = critical.kmh().and(growing);
         Self { stroke_m, critical, frequency_hz: mode.map(|mode| mode.frequency_hz) }
     }
 }
 
 /// The least damped mode at a speed, the dampers at a stroke; none where there is no steady running.
 pub fn least_damped(equipped: &Equipped, speed_m_per_s: f64, stroke_m: f64) -> Option<Mode> {
+    let steady = equilibrium::running(&equipped.vehicle, equipped.table(), speed_m_per_s).ok()?;
     let mut frequency_hz = FIRST_HZ;
     let mut found = None;
     for _ in 0..REPETITIONS {
-        let modes = modes(equipped, speed_m_per_s, stroke_m, frequency_hz)?;
+        let about = (&steady.state, speed_m_per_s);
+        let modes = modes(equipped, about, stroke_m, frequency_hz)?;
         let mode = *modes.first()?;
         found = Some(mode);
         if (mode.frequency_hz - frequency_hz).abs() < CLOSE_HZ {
@@ -85,13 +84,12 @@ pub fn least_damped(equipped: &Equipped, speed_m_per_s: f64, stroke_m: f64) -> O
 
 /// All modes in the range of hunting, the least damped first, with the dampers at a stroke and a
 /// frequency.
-pub fn modes(
+fn modes(
     equipped: &Equipped,
-    speed_m_per_s: f64,
+    about: (&VehicleState, f64),
     stroke_m: f64,
     frequency_hz: f64,
 ) -> Option<Vec<Mode>> {
-    let steady = equilibrium::running(&equipped.vehicle, equipped.table(), speed_m_per_s).ok()?;
     let mut dampers = Impedances::default();
     for (slot, damper) in dampers.0.iter_mut().zip(&equipped.dampers) {
         *slot = impedance(damper, stroke_m, frequency_hz);
@@ -99,7 +97,7 @@ pub fn modes(
     let jacobians = Jacobians::about(
         &equipped.vehicle,
         equipped.table(),
-        (&steady.state, speed_m_per_s),
+        about,
         dampers,
         &Coordinate::all(&equipped.vehicle),
     );

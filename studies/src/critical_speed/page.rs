@@ -149,8 +149,8 @@ fn bifurcation(points: &[Point], procedure: &Procedure) -> Option<Section> {
         .y("lateral amplitude", "mm")
         .limit("counts as hunting", 1e3 * procedure.threshold_m)
         .caption(
-            "Greatest lateral position of any wheelset. Between the lower end of a line and the speed from which the vehicle hunts on irregular \
-             track it runs quietly or hunts, as it comes.",
+            "Greatest lateral position of any wheelset. Between the lower end of a line and the speed \
+             from which the vehicle hunts on irregular track it runs quietly or hunts, as it comes.",
         );
     for (point, fold) in followed.iter().take(DRAWN) {
         let name = match point.at.as_slice() {

@@ -7,6 +7,7 @@ use super::procedure::Procedure;
 use crate::shards::Item;
 use crate::sweep::Grid;
 use crate::trip::Equipped;
+use firmware_core::wheel_rail::wheel::Surface;
 use scenario::conicity::RollingRadiusDifference;
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
@@ -137,7 +138,6 @@ impl Question {
 
 /// Equivalent conicity at 3 mm of profiles, or the conicity of a cone.
 fn conicity(equipped: &Equipped) -> Option<f64> {
-    use firmware_core::wheel_rail::wheel::Surface;
     match (equipped.contact.as_ref(), equipped.vehicle.axles.first()?.wheel.surface) {
         (Some(contact), Surface::Profiles) => {
             RollingRadiusDifference::of_wheelset(&contact.pair, REACH_M)

@@ -6,6 +6,7 @@
 //! parameter on its bound speaks against.
 
 use super::candidate::Candidate;
+use super::cautions::impossible_beyond;
 use super::grey_box::{CE, KE, RELIEF};
 use super::tests_at_hand::TestsAtHand;
 use super::trial::{Evidence, Judged, LEAST_GAIN, Trial};
@@ -126,7 +127,7 @@ fn at_a_bound(trial: &Trial, tests: &TestsAtHand) -> Option<&'static str> {
         let (lower, upper) = row.bounds(&tests.scale);
         let span = upper - lower;
         let value = fit.values[index];
-        let beyond = value > upper - 1e-3 * span || (lower < 0.0 && value < lower + 1e-3 * span);
+        let beyond = impossible_beyond(value, (lower, upper)).is_some();
         let slope = fit.model.coordinates()[index].slope(free[index]).max(1e-12 * span);
         let columns = &trial.judged.standing.slopes[index];
         let squares: f64 = columns.iter().flatten().map(|s| s * s).sum();

@@ -65,14 +65,11 @@ pub fn on_bounds(fit: &Fit, tests: &TestsAtHand) -> Vec<String> {
         for (row, place) in info.parameters.iter().zip(fit.model.range_of(index)) {
             let (lower, upper) = row.bounds(&tests.scale);
             let value = fit.values[place];
-            let span = upper - lower;
             let spread = matches!(fit.model.coordinates()[place], Coordinate::Spread { .. });
             let size = if spread && value < (1.0 + ON_BOUND) * lower {
                 "small"
-            } else if lower < 0.0 && value < lower + ON_BOUND * span {
-                "negative"
-            } else if value > upper - ON_BOUND * span {
-                "large"
+            } else if let Some(size) = impossible_beyond(value, (lower, upper)) {
+                size
             } else {
                 continue;
             };
@@ -83,6 +80,17 @@ pub fn on_bounds(fit: &Fit, tests: &TestsAtHand) -> Vec<String> {
         }
     }
     lines
+}
+
+/// The bound beyond which only the impossible lies, if a value is on it. Zero as the lower bound is no
+/// such: an effect is not there.
+pub(super) fn impossible_beyond(value: f64, (lower, upper): (f64, f64)) -> Option<&'static str> {
+    let near = ON_BOUND * (upper - lower);
+    if lower < 0.0 && value < lower + near {
+        Some("negative")
+    } else {
+        (value > upper - near).then_some("large")
+    }
 }
 
 #[cfg(test)]

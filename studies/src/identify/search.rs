@@ -95,7 +95,6 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
     let NominalFit { fit, others } = nominal;
     let mut refitted = Judged::new(fit, tests)?;
     let beginnings = tests.beginnings(BEGINNING_S);
-    let rough = tests.beginnings(f64::INFINITY);
     let mut standing = refitted.clone();
     let mut accepted: Vec<Accepted> = Vec::new();
     let mut outdone: Vec<Outdone> = Vec::new();
@@ -183,7 +182,7 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
             },
         ));
         progress(&format!("settling {}", tried[trial.candidate].effect.name));
-        let settled = settled(&trial.judged.standing.fit, &tried[trial.candidate], &rough, tests)?;
+        let settled = settled(&trial.judged.standing.fit, &tried[trial.candidate], tests)?;
         standing = Judged::new(canonical(settled, tests), tests)?;
         standing = drop_idle(standing, &mut accepted, tests, progress);
     }
@@ -202,20 +201,16 @@ fn fairer(standing: &Judged, trials: &[Trial], tests: &TestsAtHand) -> Option<Ju
 }
 
 /// An accepted model at the bottom: trials stop near it, and may lie in another hollow of the same
-/// effect than the deepest, which its other start values reach. `rough` are the whole tests with
-/// fewer samples, enough to compare hollows.
-fn settled(
-    trial: &Fit,
-    candidate: &Candidate,
-    rough: &TestsAtHand,
-    tests: &TestsAtHand,
-) -> Option<Fit> {
+/// effect than the deepest, which its other start values reach.
+fn settled(trial: &Fit, candidate: &Candidate, tests: &TestsAtHand) -> Option<Fit> {
+    // Whole tests with fewer samples are enough to compare hollows.
+    let rough = tests.beginnings(f64::INFINITY);
     let nominal = trial.values.len() - candidate.effect.parameters.len();
     let others = candidate.starts.iter().map(|start| [&trial.values[..nominal], start].concat());
     let starts: Vec<Vec<f64>> = std::iter::once(trial.values.clone()).chain(others).collect();
     let mut hollows: Vec<Fit> = starts
         .par_iter()
-        .filter_map(|from| fit(&trial.model, from, rough, Effort::TRIAL))
+        .filter_map(|from| fit(&trial.model, from, &rough, Effort::TRIAL))
         .collect();
     // The trial's own hollow stays first among equals.
     hollows.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));

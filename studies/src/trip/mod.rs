@@ -87,7 +87,6 @@ fn modelled(force: &SlotForce, on_rig: &Damper) -> Result<Damper, DamperError> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trip<'a> {
     line: Line<'a>,
-    equipped: &'a Equipped,
 }
 
 impl<'a> Trip<'a> {
@@ -118,7 +117,7 @@ impl<'a> Trip<'a> {
             slots,
             guard: Guard::default(),
         };
-        Self { line, equipped }
+        Self { line }
     }
 
     /// Steady running at the beginning of the track, some wheelsets moved to the right by so much (m).
@@ -127,8 +126,7 @@ impl<'a> Trip<'a> {
     /// No steady running was found.
     pub fn begin(&self, offsets_m: &[(BodyId, f64)]) -> Result<LineState, NoEquilibrium> {
         let line = &self.line;
-        let mut start =
-            equilibrium::running(&self.equipped.vehicle, line.contact, line.speed_m_per_s)?;
+        let mut start = equilibrium::running(line.vehicle, line.contact, line.speed_m_per_s)?;
         start.state.distance_m.0[0] = START_M;
         for (body, offset_m) in offsets_m {
             if let Some(pose) = start.state.position.get_mut(body.index()) {
@@ -157,9 +155,9 @@ impl<'a> Trip<'a> {
         true
     }
 
-    /// Running speed (m/s).
-    pub fn speed_m_per_s(&self) -> f64 {
-        self.line.speed_m_per_s
+    /// The vehicle.
+    pub fn vehicle(&self) -> &Vehicle {
+        self.line.vehicle
     }
 }
 

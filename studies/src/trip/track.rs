@@ -1,44 +1,21 @@
 //! Tracks of stability studies: some irregular track to set the vehicle off, and perfect track behind
 //! it on which it either comes to rest or does not.
 
-use firmware_core::track::{Irregularity, Layout, Track};
-use scenario::irregularity::{Band, Samples, aar6};
+use firmware_core::track::Layout;
+use scenario::irregularity::{Band, aar6};
+use scenario::track::OwnedTrack;
 
 /// Over this distance the irregularity fades out (m).
 const FADE_OUT_M: f64 = 10.0;
 
-/// Irregular track that ends.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RoughStart {
-    samples: Samples,
-}
-
-impl RoughStart {
-    /// American class 6 from the beginning up to a distance, perfect track behind it.
-    pub fn new(band: &Band, length_m: f64) -> Self {
-        let mut samples = aar6(band, 0.0, length_m);
-        let (first_m, step_m) = (samples.first_m, samples.step_m);
-        for (index, sample) in samples.samples.iter_mut().enumerate() {
-            let left_m = length_m - first_m - index as f64 * step_m;
-            let share = (left_m / FADE_OUT_M).clamp(0.0, 1.0);
-            // Smooth in its slope at both ends.
-            let weight = share * share * (3.0 - 2.0 * share);
-            sample.vertical_m *= weight;
-            sample.alignment_m *= weight;
-            sample.cross_level_m *= weight;
-            sample.gauge_m *= weight;
-        }
-        Self { samples }
-    }
-
-    /// The track as a step sees it.
-    pub fn view(&self) -> Track<'_> {
-        let Samples { samples, first_m, step_m } = &self.samples;
-        Track {
-            layout: Layout::tangent(),
-            irregularity: Irregularity { samples, first_m: *first_m, step_m: *step_m },
-        }
-    }
+/// American class 6 from the beginning up to a distance, perfect track behind it.
+pub fn rough_start(band: &Band, length_m: f64) -> OwnedTrack {
+    let samples = aar6(band, 0.0, length_m).weighted(|distance_m| {
+        let share = ((length_m - distance_m) / FADE_OUT_M).clamp(0.0, 1.0);
+        // Smooth in its slope at both ends.
+        share * share * (3.0 - 2.0 * share)
+    });
+    OwnedTrack { layout: Layout::tangent(), samples }
 }
 
 #[cfg(test)]
@@ -48,7 +25,7 @@ mod tests {
     #[test]
     fn it_is_rough_at_first_and_ends_without_a_step() {
         let band = Band { seed: 3, shortest: 1.0, longest: 100.0, scale: 1.0 };
-        let start = RoughStart::new(&band, 300.0);
+        let start = rough_start(&band, 300.0);
         let track = start.view();
         let alignment = |m: f64| track.irregularity.at(m).alignment_m;
         let whole = aar6(&band, 0.0, 300.0);
