@@ -7,7 +7,7 @@
 #[allow(dead_code, reason = "shared by several tests")]
 mod command;
 
-use command::{folder, output, yawbench};
+use command::{folder, output, read, yawbench};
 use std::path::Path;
 
 fn campaign(place: &Path, more: &[&str]) -> String {
@@ -15,10 +15,6 @@ fn campaign(place: &Path, more: &[&str]) -> String {
     let result = output(yawbench().args(args).args(more).current_dir(place));
     assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
     String::from_utf8(result.stdout).unwrap()
-}
-
-fn read(path: &Path) -> String {
-    std::fs::read_to_string(path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
 }
 
 #[test]

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 #[path = "support/command.rs"]
+#[allow(dead_code, reason = "shared by several tests")]
 mod command;
 #[path = "support/record.rs"]
 #[allow(dead_code, reason = "shared by several tests")]

@@ -8,7 +8,7 @@ mod command;
 #[path = "support/schema.rs"]
 mod schema;
 
-use command::{folder, output, repository, yawbench};
+use command::{folder, output, read, repository, yawbench};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -37,10 +37,6 @@ fn run(place: &Path, args: &[&str]) -> String {
     let errors = String::from_utf8_lossy(&result.stderr);
     assert_eq!(result.status.code(), Some(0), "{args:?}: {errors}");
     String::from_utf8(result.stdout).unwrap()
-}
-
-fn read(path: &Path) -> String {
-    std::fs::read_to_string(path).unwrap_or_else(|why| panic!("{}: {why}", path.display()))
 }
 
 #[test]

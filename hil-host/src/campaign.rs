@@ -2,7 +2,8 @@
 
 use crate::identify::IdentifyArgs;
 use crate::progress;
-use anyhow::{Context, bail};
+use crate::record::RunFolder;
+use anyhow::bail;
 use std::path::{Path, PathBuf};
 use studies::campaign::score::Line;
 use studies::campaign::{Campaign, Table, page, run, table};
@@ -25,9 +26,7 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
     let folder = args.out.clone().unwrap_or_else(usual);
     let bar = progress::bar("the first cases");
     let path = run(&campaign, shard, &folder, &|line, done, of| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-        bar.set_message(last(line));
+        progress::show(&bar, [done, of], last(line));
     })?;
     bar.finish_and_clear();
     tell(args, &[path], Some(&folder))
@@ -45,11 +44,10 @@ fn tell(args: &IdentifyArgs, files: &[PathBuf], folder: Option<&Path>) -> anyhow
     let table = Table::new(&merge(files)?);
     let (json, text) = (serde_json::to_string_pretty(&table)?, page::text(&table));
     if let Some(folder) = folder.or(args.out.as_deref()) {
-        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        for (name, content) in [("table.json", format!("{json}\n")), ("table.txt", text.clone())] {
-            let path = folder.join(name);
-            std::fs::write(&path, content).with_context(|| path.display().to_string())?;
-        }
+        let folder = RunFolder::at(folder.to_owned());
+        folder.create()?;
+        folder.write("table.json", &format!("{json}\n"))?;
+        folder.write("table.txt", &text)?;
     }
     if args.json {
         println!("{json}");

@@ -242,8 +242,7 @@ fn leave(
         };
         write().with_context(|| place(&name))?;
     }
-    std::fs::write(folder.file("laboratory.json"), format!("{json}\n"))
-        .with_context(|| place("laboratory.json"))?;
+    folder.write("laboratory.json", &format!("{json}\n"))?;
     let mut out = std::io::stdout().lock();
     if args.json {
         writeln!(out, "{json}")?;

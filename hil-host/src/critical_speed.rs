@@ -5,11 +5,11 @@
 
 use crate::progress;
 use crate::record::RunFolder;
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use scenario::run::{Overrides, Run};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use studies::critical_speed::linear::STROKES_M;
 use studies::critical_speed::{Point, Procedure, Question, page, text};
 use studies::shards::{self, Shard, Work};
@@ -87,7 +87,7 @@ pub fn command(args: &CriticalSpeedArgs) -> anyhow::Result<()> {
     let question = question(args)?;
     let usual =
         || PathBuf::from(format!("runs/{}-critical-speed", crate::cli::stem(&args.scenario)));
-    let folder = RunFolder::choose(Some(&args.out.clone().unwrap_or_else(usual)), "");
+    let folder = RunFolder::at(args.out.clone().unwrap_or_else(usual));
     let name = question.check()?;
     let files = if args.merge.is_empty() {
         folder.create()?;
@@ -96,9 +96,8 @@ pub fn command(args: &CriticalSpeedArgs) -> anyhow::Result<()> {
         let work = Work { items: question.grid.len(), name: name.clone() };
         let point = |index| question.point(&name, index);
         let path = shards::run(&work, shard, folder.path(), &point, &|point: &Point, done, of| {
-            bar.set_length(of as u64);
-            bar.set_position(done as u64);
-            bar.set_message(format!("point {} of {}", point.index + 1, question.grid.len()));
+            let message = format!("point {} of {}", point.index + 1, question.grid.len());
+            progress::show(&bar, [done, of], message);
         })?;
         bar.finish_and_clear();
         vec![path]
@@ -163,8 +162,8 @@ fn leave(
     let run = Run::load(&args.scenario, Overrides { duration_s: Some(1.0), speed_kmh: None })?;
     let html = page::page(points, procedure, &run.title, &run.about).to_html()?;
     folder.create()?;
-    write(&folder.file("critical-speed.json"), &json)?;
-    write(&folder.file("report.html"), &html)?;
+    folder.write("critical-speed.json", &json)?;
+    folder.write("report.html", &html)?;
     if args.json {
         print!("{json}");
     } else {
@@ -172,8 +171,4 @@ fn leave(
         println!("\nfiles in {}: report.html, critical-speed.json", folder.path().display());
     }
     Ok(())
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| path.display().to_string())
 }

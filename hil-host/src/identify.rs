@@ -114,9 +114,7 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
     let html = page::page(&identification).to_html()?;
 
     let place = |name: &str| folder.file(name).display().to_string();
-    let write = |name: &str, text: &str| {
-        std::fs::write(folder.file(name), text).with_context(|| place(name))
-    };
+    let write = |name: &str, text: &str| folder.write(name, text);
     folder.create()?;
     write("result.json", &format!("{json}\n"))?;
     write(MODEL, &model_text(&damper, result, ""))?;

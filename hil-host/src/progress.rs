@@ -13,3 +13,10 @@ pub(crate) fn bar(first: &'static str) -> ProgressBar {
     bar.tick();
     bar
 }
+
+/// Shows how many items are done of how many, and a word on the last one.
+pub(crate) fn show(bar: &ProgressBar, [done, of]: [usize; 2], last: String) {
+    bar.set_length(of as u64);
+    bar.set_position(done as u64);
+    bar.set_message(last);
+}

@@ -17,6 +17,7 @@ pub mod campaign;
 pub mod critical_speed;
 pub mod describing_function;
 pub mod error;
+pub mod fnv;
 pub mod guiding_force;
 pub mod hydraulic;
 pub mod identify;

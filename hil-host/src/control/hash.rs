@@ -1,17 +1,17 @@
 //! The trajectory hash: one number that two runs share only when every bit of them is the same.
 //!
-//! FNV-1a over 64-bit words instead of bytes: `h = (h xor word) * 0x100000001b3`, from
-//! `0xcbf29ce484222325`. Words are the IEEE bits of the positions of all bodies and rails, then of the
+//! FNV-1a ([`studies::fnv`]) over 64-bit words instead of bytes. Words are the IEEE bits of the positions of all bodies and rails, then of the
 //! forces in the damper slots, every cycle.
 
 use firmware_core::line::LineState;
 use firmware_core::vehicle::Vehicle;
+use studies::fnv;
 
 /// Name of the algorithm in `summary.json`.
 pub const ALGORITHM: &str = "fnv1a-64 over little-endian f64 words";
 
 /// The hash of nothing.
-pub const START: u64 = 0xcbf2_9ce4_8422_2325;
+pub const START: u64 = fnv::START;
 
 /// Adds one cycle.
 pub fn add_cycle(hash: u64, vehicle: &Vehicle, state: &LineState) -> u64 {
@@ -20,7 +20,7 @@ pub fn add_cycle(hash: u64, vehicle: &Vehicle, state: &LineState) -> u64 {
     let forces = state.vehicle.damper_n.iter();
     let mut hash = hash;
     for value in bodies.chain(rails).chain(forces) {
-        hash = (hash ^ value.lane(0).to_bits()).wrapping_mul(0x0000_0100_0000_01b3);
+        hash = fnv::add(hash, value.lane(0).to_bits());
     }
     hash
 }

@@ -13,6 +13,7 @@ pub use bus_log::{BusEvent, BusLog};
 pub use npy::NpyWriter;
 pub use row::{FrameBytes, Row};
 
+use anyhow::Context;
 use crossbeam_channel::Sender;
 use heapless::spsc::{Consumer, Producer, Queue};
 use std::path::{Path, PathBuf};
@@ -155,10 +156,15 @@ impl RunFolder {
     /// `given`, or the next free `runs/<name>-<n>`.
     pub fn choose(given: Option<&Path>, name: &str) -> Self {
         if let Some(path) = given {
-            return Self { path: path.to_owned() };
+            return Self::at(path.to_owned());
         }
         let free = (1..).map(|n| Path::new("runs").join(format!("{name}-{n}")));
         let path = free.into_iter().find(|path| !path.exists()).unwrap_or_default();
+        Self { path }
+    }
+
+    /// A folder with a fixed name.
+    pub const fn at(path: PathBuf) -> Self {
         Self { path }
     }
 
@@ -190,6 +196,15 @@ impl RunFolder {
             let _ = std::fs::remove_dir(path);
         }
         Ok(())
+    }
+
+    /// Writes a text file in it.
+    ///
+    /// # Errors
+    /// A disk that fails, with the name of the file.
+    pub fn write(&self, name: &str, text: &str) -> anyhow::Result<()> {
+        let path = self.file(name);
+        std::fs::write(&path, text).with_context(|| path.display().to_string())
     }
 
     /// A file in it.

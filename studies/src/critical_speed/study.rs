@@ -4,6 +4,7 @@ use super::ascent::Ascent;
 use super::fold::Fold;
 use super::linear::LinearSpeed;
 use super::procedure::Procedure;
+use crate::fnv;
 use crate::shards::Item;
 use crate::sweep::Grid;
 use crate::trip::Equipped;
@@ -80,16 +81,17 @@ impl Question {
     /// # Errors
     /// The first point that cannot be.
     pub fn check(&self) -> Result<String, ScenarioError> {
-        let mut hash = Fnv::new();
+        let mut hash = fnv::START;
+        let mut add = |text: &str| hash = text.bytes().fold(hash, |h, b| fnv::add(h, b.into()));
         for index in 0..self.grid.len() {
             let run = self.run(index)?;
-            hash.add(run.effective.scenario.as_bytes());
-            hash.add(run.effective.vehicle.as_bytes());
+            add(&run.effective.scenario);
+            add(&run.effective.vehicle);
         }
-        hash.add(format!("{self:?}").as_bytes());
+        add(&format!("{self:?}"));
         let points = self.grid.len();
         let name = self.scenario.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(format!("{points} critical speeds of {name}, study {:016x}", hash.0))
+        Ok(format!("{points} critical speeds of {name}, study {hash:016x}"))
     }
 
     /// Finds the answer at a point.
@@ -145,20 +147,5 @@ fn conicity(equipped: &Equipped) -> Option<f64> {
         }
         (_, Surface::Conical(cone)) => Some(cone.conicity),
         (None, Surface::Profiles) => None,
-    }
-}
-
-/// FNV-1a over bytes: the same number for the same study, today and with the next compiler.
-struct Fnv(u64);
-
-impl Fnv {
-    const fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn add(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
     }
 }
