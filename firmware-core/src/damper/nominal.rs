@@ -75,7 +75,13 @@ impl Nominal {
             if self.f_relief_n.is_finite() { self.v_relief_m_per_s() } else { 0.1 };
         let force_n = self.ce_n_s_per_m * velocity_m_per_s;
         let displacement_m = force_n / self.ke_n_per_m + 0.5 * self.clearance_2a_m;
-        Scale { force_n, velocity_m_per_s, displacement_m }
+        Scale {
+            force_n,
+            velocity_m_per_s,
+            displacement_m,
+            extension_m: displacement_m,
+            compression_m: displacement_m,
+        }
     }
 
     /// Hydraulic force over piston velocity.

@@ -39,6 +39,8 @@ impl Strength {
                 force_n: nominal.f_relief_n,
                 velocity_m_per_s: scale * FASTEST_M_PER_S,
                 displacement_m: scale * STROKE_M,
+                extension_m: scale * FARTHEST_M[0],
+                compression_m: scale * FARTHEST_M[1],
             },
             nominal,
             reach_m: FARTHEST_M.map(|m| scale * m),
@@ -73,7 +75,8 @@ impl Strength {
 
     /// The parameters at a strength, in the order of the effect's table.
     pub fn values(&self, k: f64) -> Vec<f64> {
-        let Scale { force_n: force, velocity_m_per_s: speed, displacement_m: stroke } = self.scale;
+        let Scale { force_n: force, velocity_m_per_s: speed, displacement_m: stroke, .. } =
+            self.scale;
         let [a, b, c] = self.shape;
         let between = |share: f64, from: f64, to: f64| from + share * (to - from);
         // Evenly over decades.

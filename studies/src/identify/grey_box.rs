@@ -35,7 +35,7 @@ pub struct GreyBox {
 impl GreyBox {
     /// The nominal damper for records of this size.
     pub fn nominal(scale: &Scale) -> Self {
-        let Scale { force_n, velocity_m_per_s, displacement_m } = *scale;
+        let Scale { force_n, velocity_m_per_s, displacement_m, .. } = *scale;
         let ce = force_n / velocity_m_per_s;
         let ke = force_n / displacement_m;
         let coordinates = vec![

@@ -214,7 +214,8 @@ fn blocks_of(record: &Measurement) -> Vec<Range<usize>> {
     blocks
 }
 
-/// Large force, velocity and displacement of records: the 98th percentiles of all samples.
+/// Large force, velocity and displacement of records, the 98th percentiles of all samples, and the
+/// farthest positions.
 fn scale_of(records: &[Measurement]) -> Scale {
     let large = |pick: &dyn Fn(&Measurement) -> Vec<f64>| {
         let mut values: Vec<f64> = records.iter().flat_map(pick).map(f64::abs).collect();
@@ -222,13 +223,18 @@ fn scale_of(records: &[Measurement]) -> Scale {
         let index = (0.98 * values.len() as f64) as usize;
         values.get(index).copied().unwrap_or(0.0).max(1e-12)
     };
+    let displacement_m = large(&|record| {
+        let n = record.displacement_m.len().max(1) as f64;
+        let mean = record.displacement_m.iter().sum::<f64>() / n;
+        record.displacement_m.iter().map(|x| x - mean).collect()
+    });
+    let positions = || records.iter().flat_map(|record| &record.displacement_m);
+    let reach_m = |farthest_m: f64| if farthest_m > 0.0 { farthest_m } else { displacement_m };
     Scale {
         force_n: large(&|record| record.force_n.clone()),
         velocity_m_per_s: large(&|record| record.velocity_m_per_s.clone()),
-        displacement_m: large(&|record| {
-            let n = record.displacement_m.len().max(1) as f64;
-            let mean = record.displacement_m.iter().sum::<f64>() / n;
-            record.displacement_m.iter().map(|x| x - mean).collect()
-        }),
+        displacement_m,
+        extension_m: reach_m(positions().fold(0.0, |reach, &x| reach.max(x))),
+        compression_m: reach_m(positions().fold(0.0, |reach, &x| reach.max(-x))),
     }
 }

@@ -17,9 +17,9 @@ use crate::damper::Done;
 effect_parameters! {
     /// One-sided springs with damping at both ends of the stroke.
     BumpStop {
-        extension_stop_m: Metre in 0.0 to 10.0, typical 0.9,
+        extension_stop_m: MetreOfExtension in 0.0 to 10.0, typical 0.9,
             "Distance from mid-stroke at which the stop in extension begins, m.";
-        compression_stop_m: Metre in 0.0 to 10.0, typical 0.9,
+        compression_stop_m: MetreOfCompression in 0.0 to 10.0, typical 0.9,
             "Distance from mid-stroke at which the stop in compression begins, m.";
         stiffness_n_per_m: NewtonPerMetre in 0.0 to 10000.0, typical 5.0,
             "Stiffness of a stop, N/m.";
@@ -65,9 +65,13 @@ impl DamperEffect for BumpStop {
     const SHOWN_BY: &'static str =
         "Slow strokes up to either end of the travel, with the direction of extension declared.";
     const DIRECTIONAL: bool = true;
-    // A stop at either end, or at one of them.
-    const STARTS: &'static [&'static [f64]] =
-        &[&[0.7, 0.7, 5.0, 0.05], &[0.8, 3.0, 5.0, 0.05], &[3.0, 0.8, 5.0, 0.05]];
+    // A stop at either end, barely touched or well within reach, or at one of them.
+    const STARTS: &'static [&'static [f64]] = &[
+        &[0.97, 0.97, 5.0, 0.0],
+        &[0.7, 0.7, 5.0, 0.05],
+        &[0.8, 3.0, 5.0, 0.05],
+        &[3.0, 0.8, 5.0, 0.05],
+    ];
 
     fn output(&self, _memory: &mut Memory, done: &Done, force_n: f64) -> f64 {
         force_n + self.force_n(done.motion.displacement_m, done.end_velocity_m_per_s)

@@ -334,7 +334,7 @@ mod tests {
 
     #[test]
     fn every_table_is_usable() {
-        let scale = Scale { force_n: 15e3, velocity_m_per_s: 0.015, displacement_m: 3e-3 };
+        let scale = Nominal::NEW.scale();
         for info in CATALOGUE {
             assert!(!info.parameters.is_empty() && info.parameters.len() <= MAX_PARAMETERS);
             let usual: Values = info.parameters.iter().map(|row| row.usual(&scale)).collect();

@@ -8,8 +8,12 @@ pub struct Scale {
     pub force_n: f64,
     /// A large velocity, m/s.
     pub velocity_m_per_s: f64,
-    /// A large displacement, m.
+    /// A large displacement from its mean, m.
     pub displacement_m: f64,
+    /// The farthest position from the datum in extension, m.
+    pub extension_m: f64,
+    /// The farthest position from the datum in compression, m.
+    pub compression_m: f64,
 }
 
 /// Unit of a parameter; those that grow with the size of a damper know how.
@@ -23,6 +27,10 @@ pub enum Unit {
     Newton,
     /// m.
     Metre,
+    /// m; a position in extension.
+    MetreOfExtension,
+    /// m; a position in compression.
+    MetreOfCompression,
     /// m/s.
     MetrePerSecond,
     /// N/m.
@@ -54,7 +62,7 @@ impl Unit {
             Self::One => "1",
             Self::Second => "s",
             Self::Newton => "N",
-            Self::Metre => "m",
+            Self::Metre | Self::MetreOfExtension | Self::MetreOfCompression => "m",
             Self::MetrePerSecond => "m/s",
             Self::NewtonPerMetre => "N/m",
             Self::NewtonSecondPerMetre => "N s/m",
@@ -71,11 +79,13 @@ impl Unit {
 
     /// The natural size of a quantity of this unit; one where it does not grow with the damper.
     pub fn natural(self, scale: &Scale) -> f64 {
-        let Scale { force_n, velocity_m_per_s, displacement_m } = *scale;
+        let Scale { force_n, velocity_m_per_s, displacement_m, .. } = *scale;
         match self {
             Self::One | Self::Second | Self::Kelvin | Self::PerKelvin => 1.0,
             Self::Newton => force_n,
             Self::Metre => displacement_m,
+            Self::MetreOfExtension => scale.extension_m,
+            Self::MetreOfCompression => scale.compression_m,
             Self::MetrePerSecond => velocity_m_per_s,
             Self::NewtonPerMetre => force_n / displacement_m,
             Self::NewtonSecondPerMetre => force_n / velocity_m_per_s,
