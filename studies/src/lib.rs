@@ -24,6 +24,7 @@ pub mod identify;
 pub mod laboratory;
 pub mod measurement;
 pub mod modes;
+pub mod reproduce;
 pub mod series_model;
 pub mod shards;
 pub mod spectrum;

@@ -1,0 +1,162 @@
+//! What inputs do to critical speeds that are neither known nor fitted.
+//!
+//! Bogie yaw inertia, wheelbase and primary lateral stiffness of the SS9 are in no public source; the
+//! analogue's stand in their place. Each is moved by as much as it may be off, one at a time, everything
+//! else, the calibrated numbers too, as it was. A calibration made anew would take up part of it.
+
+use super::Basis;
+use super::critical_speeds::PUBLISHED;
+use super::locomotive::Locomotive;
+use super::row::{Figure, Row};
+use crate::critical_speed::ascent::Ascent;
+use rayon::prelude::*;
+use report::Plot;
+use scenario::setting::Setting;
+
+/// An input, and by which share it may be off.
+struct Input {
+    name: &'static str,
+    share: f64,
+    change: Change,
+}
+
+enum Change {
+    /// Numbers of the vehicle that are multiplied, by key and value as it stands.
+    Keys(&'static [(&'static str, f64)]),
+    /// Distance of the outer wheelsets of a bogie from its middle.
+    Wheelbase,
+}
+
+const BOGIE_YAW_INERTIA_KG_M2: f64 = 78_243.0;
+const PRIMARY_LATERAL_N_PER_M: f64 = 5.5e6;
+/// Station of a bogie's middle, and distance of the outer wheelsets from it (m).
+const BOGIE_AT_M: f64 = 5.39;
+const AXLE_SPACING_M: f64 = 2.15;
+
+const INPUTS: [Input; 3] = [
+    Input {
+        name: "bogie yaw inertia",
+        share: 0.30,
+        change: Change::Keys(&[
+            ("vehicle.body.bogie_front.yaw_inertia_kg_m2", BOGIE_YAW_INERTIA_KG_M2),
+            ("vehicle.body.bogie_rear.yaw_inertia_kg_m2", BOGIE_YAW_INERTIA_KG_M2),
+        ]),
+    },
+    Input { name: "wheelbase", share: 0.07, change: Change::Wheelbase },
+    Input {
+        name: "primary lateral stiffness",
+        share: 0.40,
+        change: Change::Keys(&[(
+            "vehicle.suspension.primary.stiffness_y_n_per_m",
+            PRIMARY_LATERAL_N_PER_M,
+        )]),
+    },
+];
+
+impl Input {
+    fn settings(&self, factor: f64) -> Vec<Setting> {
+        let set = |key: String, value: f64| Setting { key, value };
+        match self.change {
+            Change::Keys(keys) => {
+                keys.iter().map(|(key, value)| set((*key).to_owned(), factor * value)).collect()
+            }
+            Change::Wheelbase => [
+                (1, BOGIE_AT_M, 1.0),
+                (3, BOGIE_AT_M, -1.0),
+                (4, -BOGIE_AT_M, 1.0),
+                (6, -BOGIE_AT_M, -1.0),
+            ]
+            .into_iter()
+            .map(|(number, bogie_at_m, side)| {
+                let station_m = bogie_at_m + side * factor * AXLE_SPACING_M;
+                set(format!("vehicle.body.wheelset_{number}.station_m"), station_m)
+            })
+            .collect(),
+        }
+    }
+}
+
+/// Critical speeds with every input at both ends of what it may be.
+///
+/// # Errors
+/// The vehicle cannot be changed so, or does not run steadily.
+pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, String> {
+    let ends: Vec<(&Input, f64)> = INPUTS
+        .iter()
+        .flat_map(|input| [(input, 1.0 - input.share), (input, 1.0 + input.share)])
+        .collect();
+    let speeds: Result<Vec<Vec<Option<f64>>>, String> = ends
+        .par_iter()
+        .map(|(input, factor)| {
+            let changed = Locomotive::load(basis.scenario, &input.settings(*factor))
+                .map_err(|why| why.to_string())?;
+            speeds_kmh(&changed, basis)
+        })
+        .collect();
+    let speeds = speeds?;
+    let as_it_is = speeds_kmh(basis.locomotive, basis)?;
+    let mut rows = Vec::new();
+    for ((input, factor), speeds) in ends.iter().zip(&speeds) {
+        for (((ke_n_per_m, clearance_2a_m, ..), speed), before) in
+            PUBLISHED.iter().zip(speeds).zip(&as_it_is)
+        {
+            let at = [
+                ("ke_n_per_m", *ke_n_per_m),
+                ("clearance_2a_m", *clearance_2a_m),
+                ("factor", *factor),
+            ];
+            let change = match (speed, before) {
+                (Some(speed), Some(before)) => format!("{:+.1} km/h", speed - before),
+                _ => "beyond the range of speeds".to_owned(),
+            };
+            rows.push(
+                Row::new("10", "critical_speed_with_another_input", at, "km/h", *speed)
+                    .note(format!("{} times {factor:.2}: {change}", input.name)),
+            );
+        }
+    }
+    Ok(Figure {
+        number: "10",
+        title: "What inputs that are not known do to critical speeds",
+        said: "nothing: the study's appendix with the inputs is not public",
+        plots: vec![drawn(&as_it_is, &ends, &speeds)],
+        rows,
+        remarks: Vec::new(),
+    })
+}
+
+fn speeds_kmh(locomotive: &Locomotive, basis: &Basis<'_>) -> Result<Vec<Option<f64>>, String> {
+    PUBLISHED
+        .par_iter()
+        .map(|(ke_n_per_m, clearance_2a_m, ..)| {
+            let equipped = locomotive.with(*ke_n_per_m, *clearance_2a_m);
+            let ascent = Ascent::of(&equipped, basis.procedure).map_err(|why| why.to_string())?;
+            Ok(ascent.mean_kmh)
+        })
+        .collect()
+}
+
+fn drawn(as_it_is: &[Option<f64>], ends: &[(&Input, f64)], speeds: &[Vec<Option<f64>>]) -> Plot {
+    let numbers: Vec<f64> = (1..=PUBLISHED.len()).map(|number| number as f64).collect();
+    let kmh = |speeds: &[Option<f64>]| -> Vec<f64> {
+        speeds.iter().map(|speed| speed.unwrap_or(f64::NAN)).collect()
+    };
+    let published: Vec<f64> = PUBLISHED.iter().map(|(_, _, kmh, ..)| *kmh).collect();
+    let mut plot = Plot::new("Critical speeds of the five published cases")
+        .x("case", "")
+        .y("critical speed", "km/h")
+        .caption(
+            "Cases: 1 Ke 3 MN/m, 2 Ke 12.5 MN/m, 3 Ke 15 MN/m, each at 2a = 0.2 mm; 4 2a = 1 mm, 5 2a = 8 mm, \
+             both at Ke 12.5 MN/m.",
+        );
+    for pair in ends.chunks(2).zip(speeds.chunks(2)) {
+        if let ([(input, _), _], [low, high]) = pair {
+            let (low, high) = (kmh(low), kmh(high));
+            let lower: Vec<f64> = low.iter().zip(&high).map(|(a, b)| a.min(*b)).collect();
+            let upper: Vec<f64> = low.iter().zip(&high).map(|(a, b)| a.max(*b)).collect();
+            let name = format!("{} +-{:.0} %", input.name, 100.0 * input.share);
+            plot = plot.band(&name, &numbers, &lower, &upper);
+        }
+    }
+    plot.points("ours", &numbers, &kmh(as_it_is)).scatter("the study", &numbers, &published)
+}
