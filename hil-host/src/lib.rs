@@ -26,6 +26,8 @@ mod predictions;
 mod progress;
 pub mod realtime;
 pub mod record;
+pub mod ride;
 pub mod rig;
 pub mod run;
+pub mod study;
 pub mod summary;
