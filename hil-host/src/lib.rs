@@ -27,6 +27,8 @@ mod progress;
 pub mod realtime;
 pub mod record;
 pub mod reproduce;
+pub mod ride;
 pub mod rig;
 pub mod run;
+pub mod study;
 pub mod summary;

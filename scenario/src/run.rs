@@ -4,7 +4,7 @@ use crate::compare::{CompareFile, CompareSetup};
 use crate::damper::DamperFile;
 use crate::damper_mass;
 use crate::equilibrium::{self, Equilibrium, NoEquilibrium};
-use crate::irregularity::IrregularityFile;
+use crate::irregularity::{Band, IrregularityFile};
 use crate::minimum_speed::minimum_speed_m_per_s;
 use crate::quantity::Quantity;
 use crate::rig::{RigFile, RigSetup};
@@ -157,6 +157,8 @@ pub struct Run {
     pub substeps: u32,
     /// The track.
     pub track: OwnedTrack,
+    /// What its random irregularity is made from; none for a measured or a perfect track.
+    pub band: Option<Band>,
     /// The damper slots.
     pub slots: Vec<Slot>,
     /// The emulated rig.
@@ -293,6 +295,8 @@ impl Run {
             .map_err(|error| vehicle_source.whole_error(error.to_string()))?;
         let end_m = START_M + speed_m_per_s * duration_s + 20.0;
         let track = file.track.build(source, 0.0, end_m)?;
+        let irregularity = file.track.irregularity.as_ref();
+        let band = irregularity.map(|rough| rough.band(source)).transpose()?.flatten();
         let mut about: Vec<String> = vehicle_file.about.iter().cloned().collect();
         if let Some(contact) = &contact {
             for profile in &contact.profiles {
@@ -316,6 +320,7 @@ impl Run {
             run_in_s,
             substeps,
             track,
+            band,
             slots,
             rig,
             compare,

@@ -89,6 +89,19 @@ pub struct WheelForce {
     pub flange_n: f64,
     /// Power lost in both patches (W).
     pub wear_w: f64,
+    /// Rolling of the tread; zero where it does not touch.
+    pub tread: Rolling,
+    /// Rolling of the flange; zero where it does not touch.
+    pub flange: Rolling,
+}
+
+/// What creeps in one patch and what holds against it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Rolling {
+    /// Velocity of the wheel against the rail over the running speed.
+    pub creepage: Creepage,
+    /// Tangential force on the wheel and moment about the normal.
+    pub force: CreepForce,
 }
 
 /// What does not change while running: the geometry of a wheel and its material.
@@ -115,8 +128,8 @@ impl Wheel {
         let mut force = WheelForce::default();
         match (self.surface, table) {
             (Surface::Profiles, Some(table)) => {
-                force.tread_n = self.zone(&table.tread, motion, &mut force);
-                force.flange_n = self.zone(&table.flange, motion, &mut force);
+                (force.tread_n, force.tread) = self.zone(&table.tread, motion, &mut force);
+                (force.flange_n, force.flange) = self.zone(&table.flange, motion, &mut force);
             }
             (Surface::Conical(cone), _) => self.cone(cone, motion, &mut force),
             (Surface::Profiles, None) => {}
@@ -124,14 +137,14 @@ impl Wheel {
         force
     }
 
-    /// Adds one zone and gives its normal force.
+    /// Adds one zone and gives its normal force and its rolling.
     #[inline(always)]
-    fn zone(&self, zone: &ZoneTable, motion: &WheelMotion, sum: &mut WheelForce) -> f64 {
+    fn zone(&self, zone: &ZoneTable, motion: &WheelMotion, sum: &mut WheelForce) -> (f64, Rolling) {
         // Where the rolled wheel meets the rail.
         let shift = motion.shift_m - motion.roll_rad * zone.rail_radius_m(motion.shift_m);
         // Cheap refusal: a millimetre covers what roll can add.
         if motion.drop_m + 1e-3 < zone.touch_m(shift) {
-            return 0.0;
+            return (0.0, Rolling::default());
         }
         let shape = zone.at(shift);
         let touch_m = shape.touch_m - motion.roll_rad * shape.rail_centre_m;
@@ -140,7 +153,7 @@ impl Wheel {
         let sine = slope * cosine;
         let approach_m = (motion.drop_m - touch_m) * cosine;
         if approach_m <= 0.0 {
-            return 0.0;
+            return (0.0, Rolling::default());
         }
         let root = libm::sqrt(approach_m);
         let patch = Patch {
@@ -155,8 +168,8 @@ impl Wheel {
         };
         let arm_m = self.tape_m + shape.lateral_m;
         let radius_m = self.radius_m + shape.radius_deviation_m;
-        self.add_patch(&patch, [sine, cosine], arm_m, radius_m, motion, sum);
-        patch.normal_n
+        let rolling = self.add_patch(&patch, [sine, cosine], arm_m, radius_m, motion, sum);
+        (patch.normal_n, rolling)
     }
 
     #[inline(always)]
@@ -172,7 +185,7 @@ impl Wheel {
             friction: self.friction,
         };
         let radius_m = self.radius_m + cone.conicity * motion.shift_m;
-        self.add_patch(&patch, [0.0, 1.0], self.tape_m, radius_m, motion, sum);
+        sum.tread = self.add_patch(&patch, [0.0, 1.0], self.tape_m, radius_m, motion, sum);
         sum.tread_n = cone.load_n;
         sum.flange_n = cone.flange_n_per_m * (motion.shift_m - cone.flange_gap_m).max(0.0);
         sum.lateral_n -= sum.flange_n;
@@ -188,7 +201,7 @@ impl Wheel {
         radius_m: f64,
         motion: &WheelMotion,
         sum: &mut WheelForce,
-    ) {
+    ) -> Rolling {
         let spin = motion.spin_rad_per_s;
         let per_speed = 1.0 / motion.speed_m_per_s;
         let tangent = sine / cosine;
@@ -217,5 +230,6 @@ impl Wheel {
             * (creep.longitudinal_n * creepage.longitudinal
                 + creep.lateral_n * creepage.lateral
                 + creep.spin_moment_n_m * creepage.spin_per_m);
+        Rolling { creepage, force: creep }
     }
 }

@@ -12,14 +12,16 @@
 
 use super::locomotive::Locomotive;
 use super::null_models::CALIBRATED_ON;
-use crate::critical_speed::Procedure;
 use crate::critical_speed::ascent::Ascent;
+use crate::critical_speed::{Critical, Procedure};
 use scenario::setting::Setting;
 use serde::Serialize;
 use std::path::Path;
 
 /// How closely a speed is met (km/h).
 const RESOLUTION_KMH: f64 = 0.5;
+/// Speeds are tried this far around the aim (km/h).
+const NEAR_KMH: f64 = 60.0;
 /// How often all numbers are found again.
 const ROUNDS: usize = 2;
 /// Values that are tried for one number, at most.
@@ -102,14 +104,21 @@ fn one(
     see: &dyn Fn(&str, f64, Option<f64>),
 ) -> Result<Calibrated, String> {
     let (ke_n_per_m, clearance_2a_m, aim_kmh) = CALIBRATED_ON[unknown.fixed_on];
-    let speed_kmh = |value: f64| -> Result<Option<f64>, String> {
+    let near =
+        Procedure { from_kmh: aim_kmh - NEAR_KMH, to_kmh: aim_kmh + NEAR_KMH, ..procedure.clone() };
+    // How far off the aim, and the speed; beyond the range of speeds the error is that of its end.
+    let tried = |value: f64| -> Result<(f64, Option<f64>), String> {
         let mut changes = others.to_vec();
         changes.push(Setting { key: unknown.key.to_owned(), value });
         let locomotive = Locomotive::load(scenario, &changes).map_err(|why| why.to_string())?;
         let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
-        let ascent = Ascent::of(&equipped, procedure).map_err(|why| why.to_string())?;
+        let ascent = Ascent::of(&equipped, &near).map_err(|why| why.to_string())?;
         see(unknown.key, value, ascent.mean_kmh);
-        Ok(ascent.mean_kmh)
+        let clipped = ascent.seeds.iter().map(|on| match on.critical {
+            Critical::At(kmh) | Critical::Below(kmh) | Critical::Above(kmh) => kmh,
+        });
+        let mean_kmh = crate::statistics::mean(&clipped.collect::<Vec<_>>());
+        Ok((mean_kmh - aim_kmh, ascent.mean_kmh))
     };
     let [low, high] = unknown.range;
     let told = |value: f64, reached_kmh: Option<f64>| Calibrated {
@@ -119,15 +128,7 @@ fn one(
         reached_kmh,
         at_end_of_range: value == low || value == high,
     };
-    // A speed beyond the range of speeds is far off the aim, on the side of the other end.
-    let error = |kmh: Option<f64>| kmh.map(|kmh| kmh - aim_kmh);
-    let (at_low, at_high) = (speed_kmh(low)?, speed_kmh(high)?);
-    let (Some(mut below), Some(mut above)) = (error(at_low), error(at_high)) else {
-        return Err(format!(
-            "{}: at {low} or {high} the critical speed is beyond the range",
-            unknown.key
-        ));
-    };
+    let ((mut below, at_low), (mut above, at_high)) = (tried(low)?, tried(high)?);
     if below * above > 0.0 {
         let nearer = if below.abs() <= above.abs() { (low, at_low) } else { (high, at_high) };
         return Ok(told(nearer.0, nearer.1));
@@ -138,9 +139,8 @@ fn one(
         // False position, kept off the ends so that it does not creep.
         let share = (below / (below - above)).clamp(0.1, 0.9);
         let value = left + share * (right - left);
-        let kmh = speed_kmh(value)?;
+        let (off, kmh) = tried(value)?;
         best = told(value, kmh);
-        let Some(off) = error(kmh) else { break };
         if off.abs() <= RESOLUTION_KMH {
             break;
         }

@@ -8,10 +8,10 @@ use super::Basis;
 use super::locomotive::KE_N_PER_M;
 use super::row::{Figure, Role, Row};
 use super::running::{SPEED_KMH, run_with};
+use crate::ride;
 use crate::ride::assessment::{PlaceRide, PlaceSpectrum, Ride};
 use crate::ride::grade::Kind;
 use crate::ride::sperling::Direction;
-use crate::ride::{self};
 use crate::study::Busy;
 use rayon::prelude::*;
 use report::Plot;
@@ -200,7 +200,7 @@ impl Ridden {
             let worst = self.ride.worst(|place| Some(rms(place, direction)));
             rows.push(Row::new(figure, acceleration, self.at.clone(), "m/s2", worst));
             let index = index(&self.ride, direction);
-            let grade = index.map(|index| Kind::Locomotive.grade(index).to_string());
+            let grade = index.map(|index| Kind::Locomotive.grade(index).name());
             rows.push(
                 Row::new(figure, sperling, self.at.clone(), "1", index)
                     .note(grade.unwrap_or_default()),

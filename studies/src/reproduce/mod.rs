@@ -92,6 +92,8 @@ pub const FIGURES: [Recipe; 12] = [
         title: "wheelset 4 with worn-out dampers",
         make: limit_cycle::suspended,
     },
+    Recipe { number: "12-14", title: "bogie, ride over stiffness", make: comfort::over_stiffness },
+    Recipe { number: "15-17", title: "carbody over clearance", make: comfort::over_clearance },
 ];
 
 /// The figures that a number means: `10` is `10a` and `10b` too, `13` is in `12-14`.

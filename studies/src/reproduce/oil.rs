@@ -10,7 +10,8 @@
 
 use super::Basis;
 use super::row::{Figure, Row};
-use crate::bench_visit::{Sensors, protocol, record_from};
+use crate::bench_visit::sensors::Sensors;
+use crate::bench_visit::{protocol, record_from};
 use crate::critical_speed::ascent::Ascent;
 use crate::hydraulic::HydraulicDamper;
 use crate::identify::start::nominal_fit;
