@@ -12,6 +12,7 @@ use crate::modes::{Coordinate, Impedances, Jacobians};
 use crate::trip::Equipped;
 use firmware_core::vehicle::VehicleState;
 use nalgebra::Complex;
+use rayon::prelude::*;
 use scenario::equilibrium;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -24,6 +25,8 @@ const FIRST_HZ: f64 = 3.0;
 const MODES_HZ: [f64; 2] = [0.3, 15.0];
 /// Most repetitions.
 const REPETITIONS: usize = 12;
+/// Distance between the speeds of the root locus (km/h).
+const LOCUS_STEP_KMH: f64 = 20.0;
 /// How closely the frequency is met (Hz).
 const CLOSE_HZ: f64 = 1e-3;
 
@@ -36,8 +39,17 @@ pub struct Mode {
     pub frequency_hz: f64,
 }
 
+/// The modes at a speed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AtSpeed {
+    /// Speed (km/h).
+    pub kmh: f64,
+    /// The modes in the range of hunting, the least damped first; none where there is no steady running.
+    pub modes: Vec<Mode>,
+}
+
 /// The linear critical speed at one stroke of the dampers.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LinearSpeed {
     /// Stroke of the dampers, half the travel (m).
     pub stroke_m: f64,
@@ -45,6 +57,8 @@ pub struct LinearSpeed {
     pub critical: Critical,
     /// Its frequency there (Hz).
     pub frequency_hz: Option<f64>,
+    /// The modes over the whole range of speeds: the root locus.
+    pub locus: Vec<AtSpeed>,
 }
 
 impl LinearSpeed {
@@ -60,26 +74,38 @@ impl LinearSpeed {
             grows.is_some()
         });
         let mode = critical.kmh().and(growing);
-        Self { stroke_m, critical, frequency_hz: mode.map(|mode| mode.frequency_hz) }
+        let steps = ((to_kmh - from_kmh) / LOCUS_STEP_KMH + 1e-9) as usize;
+        let speeds: Vec<f64> =
+            (0..=steps).map(|step| from_kmh + step as f64 * LOCUS_STEP_KMH).collect();
+        let at = |kmh: &f64| AtSpeed {
+            kmh: *kmh,
+            modes: modes_at(equipped, kmh / 3.6, stroke_m).unwrap_or_default(),
+        };
+        let locus = speeds.par_iter().map(at).collect();
+        Self { stroke_m, critical, frequency_hz: mode.map(|mode| mode.frequency_hz), locus }
     }
 }
 
 /// The least damped mode at a speed, the dampers at a stroke; none where there is no steady running.
 pub fn least_damped(equipped: &Equipped, speed_m_per_s: f64, stroke_m: f64) -> Option<Mode> {
+    modes_at(equipped, speed_m_per_s, stroke_m)?.first().copied()
+}
+
+/// The modes at a speed, the dampers at a stroke and the frequency of the least damped one.
+fn modes_at(equipped: &Equipped, speed_m_per_s: f64, stroke_m: f64) -> Option<Vec<Mode>> {
     let steady = equilibrium::running(&equipped.vehicle, equipped.table(), speed_m_per_s).ok()?;
     let mut frequency_hz = FIRST_HZ;
-    let mut found = None;
+    let mut found = Vec::new();
     for _ in 0..REPETITIONS {
         let about = (&steady.state, speed_m_per_s);
-        let modes = modes(equipped, about, stroke_m, frequency_hz)?;
-        let mode = *modes.first()?;
-        found = Some(mode);
+        found = modes(equipped, about, stroke_m, frequency_hz)?;
+        let mode = *found.first()?;
         if (mode.frequency_hz - frequency_hz).abs() < CLOSE_HZ {
             break;
         }
         frequency_hz = mode.frequency_hz;
     }
-    found
+    Some(found)
 }
 
 /// All modes in the range of hunting, the least damped first, with the dampers at a stroke and a

@@ -16,6 +16,7 @@ pub mod bracket;
 pub mod fold;
 pub mod hunting;
 pub mod linear;
+pub mod locus;
 pub mod page;
 pub mod procedure;
 pub mod study;

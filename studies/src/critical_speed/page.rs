@@ -3,6 +3,7 @@
 
 use super::ascent::Ascent;
 use super::fold::Fold;
+use super::locus;
 use super::procedure::Procedure;
 use super::study::Point;
 use super::text::conditions;
@@ -19,7 +20,7 @@ pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
         found = found.text(&line);
     }
     let report = report.subtitle("Critical speed").section(found);
-    [over_keys(points), bifurcation(points, procedure)]
+    [over_keys(points), bifurcation(points, procedure), locus::section(points)]
         .into_iter()
         .flatten()
         .fold(report, Report::section)
