@@ -5,6 +5,7 @@
 
 use crate::characterise::{self, CharacteriseArgs};
 use crate::critical_speed::{self, CriticalSpeedArgs};
+use crate::curve::{self, CurveArgs};
 use crate::identify::{self, IdentifyArgs, SimulateArgs};
 use crate::realtime::RealtimeOptions;
 use crate::reproduce::{self, ReproduceArgs};
@@ -69,6 +70,12 @@ enum Command {
         after_help = "Example: yawbench ride scenarios/ss9-160kmh.toml --vary speed_kmh=80:180:11"
     )]
     Ride(RideArgs),
+    /// How does the vehicle of a scenario go through its curve? Guiding forces, derailment, wheel load,
+    /// wear, stability; its duration does not matter.
+    #[command(
+        after_help = "Example: yawbench curve scenarios/ss9-curve-400m.toml --vary damper.clearance_2a_m=0.5e-3,4e-3"
+    )]
+    Curve(CurveArgs),
 }
 
 #[derive(Debug, Args)]
@@ -198,6 +205,7 @@ pub fn main() -> ExitCode {
         Command::CriticalSpeed(args) => critical_speed::command(args).map(|()| ExitCode::SUCCESS),
         Command::Reproduce(args) => reproduce::command(args).map(|()| ExitCode::SUCCESS),
         Command::Ride(args) => ride::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Curve(args) => curve::command(args).map(|()| ExitCode::SUCCESS),
     };
     match result {
         Ok(code) => code,

@@ -20,6 +20,7 @@ pub mod columns;
 pub mod comparison;
 pub mod control;
 pub mod critical_speed;
+pub mod curve;
 pub mod identify;
 pub mod page;
 mod predictions;

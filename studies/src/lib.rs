@@ -16,6 +16,7 @@
 pub mod bench_visit;
 pub mod campaign;
 pub mod critical_speed;
+pub mod curve;
 pub mod describing_function;
 pub mod error;
 pub mod fnv;

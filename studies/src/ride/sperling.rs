@@ -11,7 +11,7 @@
 //! (GB/T 5599-2019, annex E). The older 7.08 with `A` in g is the same number, 7.08/9.81^0.3. The two
 //! editions differ in the window: 18 to 20 s then, 5 s now. A line's amplitude falls as windows grow, so
 //! the index of random vibration falls as `T^(-1/20)`: 20 s give 7 % less than 5 s. No taper is applied,
-//! as the standards name none; a tone between two lines reads up to 4 % low.
+//! as the standards name none; a tone between two lines reads up to 6 % low.
 
 use crate::error::SignalError;
 use realfft::RealFftPlanner;
@@ -163,12 +163,12 @@ mod tests {
     }
 
     #[test]
-    fn a_tone_between_lines_reads_at_most_4_per_cent_low() {
+    fn a_tone_between_lines_reads_at_most_6_per_cent_low() {
         for hundredth in 0..20 {
             let hz = 2.0 + 0.01 * f64::from(hundredth);
             let found = index(&sine(5000, hz, 0.3), 1000.0, Direction::Lateral).unwrap();
             let expected = 3.57 * libm::pow(0.027 * 0.8 * hz, 0.1);
-            assert!((0.96..1.01).contains(&(found / expected)), "{hz}: {}", found / expected);
+            assert!((0.935..1.01).contains(&(found / expected)), "{hz}: {}", found / expected);
         }
     }
 
