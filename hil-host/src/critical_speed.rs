@@ -4,7 +4,7 @@ use crate::study::{self, StudyArgs};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use studies::critical_speed::linear::STROKES_M;
-use studies::critical_speed::{Procedure, Question};
+use studies::critical_speed::{Criterion, Procedure, Question};
 
 /// What `critical-speed` is told.
 #[derive(Debug, Args)]
@@ -15,6 +15,9 @@ pub struct CriticalSpeedArgs {
     /// alone is the quickest.
     #[arg(long, value_enum, default_value_t = Method::Both)]
     method: Method,
+    /// What counts as hunting over irregular track.
+    #[arg(long, value_enum, default_value_t = CriterionChoice::LimitCycle)]
+    criterion: CriterionChoice,
     /// Lowest speed tried (km/h).
     #[arg(long, value_name = "KMH", default_value_t = 100.0)]
     from_kmh: f64,
@@ -28,6 +31,15 @@ pub struct CriticalSpeedArgs {
     /// there is no damper.
     #[arg(long, value_name = "MM,MM", value_delimiter = ',')]
     stroke_mm: Vec<f64>,
+}
+
+/// What counts as hunting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CriterionChoice {
+    /// A motion that stays on perfect track behind the irregular one.
+    LimitCycle,
+    /// Guiding forces on irregular track above EN 14363's limit.
+    En14363,
 }
 
 /// How critical speeds are found.
@@ -72,6 +84,10 @@ fn question(args: &CriticalSpeedArgs) -> anyhow::Result<Question> {
     Ok(Question {
         varied: args.study.varied()?,
         procedure: Procedure {
+            criterion: match args.criterion {
+                CriterionChoice::LimitCycle => Criterion::LimitCycle,
+                CriterionChoice::En14363 => Criterion::En14363,
+            },
             from_kmh,
             to_kmh,
             threshold_m: 1e-3 * threshold_mm,

@@ -6,7 +6,8 @@
 
 use super::bracket::{Critical, first};
 use super::hunting::{Hunting, after};
-use super::procedure::Procedure;
+use super::procedure::{Criterion, Procedure};
+use super::stability;
 use crate::trip::track::rough_start;
 use crate::trip::{Equipped, Trip};
 use firmware_core::track::Track;
@@ -38,9 +39,9 @@ impl Ascent {
     /// Asks on the tracks of all seeds.
     ///
     /// # Errors
-    /// The vehicle does not run steadily at some speed.
-    pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, NoEquilibrium> {
-        let seeds: Result<Vec<OnTrack>, NoEquilibrium> = procedure
+    /// In one line: the vehicle does not run steadily at some speed.
+    pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, String> {
+        let seeds: Result<Vec<OnTrack>, String> = procedure
             .seeds
             .par_iter()
             .map(|&seed| Ok(OnTrack { seed, critical: critical(equipped, procedure, seed)? }))
@@ -78,23 +79,28 @@ impl Ascent {
     }
 }
 
-fn critical(
-    equipped: &Equipped,
-    procedure: &Procedure,
-    seed: u64,
-) -> Result<Critical, NoEquilibrium> {
+fn critical(equipped: &Equipped, procedure: &Procedure, seed: u64) -> Result<Critical, String> {
     let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
-    let track = rough_start(&procedure.band(seed), procedure.rough_m);
+    let track = match procedure.criterion {
+        Criterion::LimitCycle => rough_start(&procedure.band(seed), procedure.rough_m),
+        Criterion::En14363 => stability::rough(procedure, seed),
+    };
     let track = track.view();
+    let unstable = |kmh: f64| -> Result<bool, String> {
+        Ok(match procedure.criterion {
+            Criterion::LimitCycle => settled(equipped, procedure, &track, kmh)
+                .map_err(|why| why.to_string())?
+                .is_beyond(procedure.threshold_m),
+            Criterion::En14363 => stability::greatest_over_limit(equipped, procedure, &track, kmh)?
+                .is_none_or(|over| over > 1.0),
+        })
+    };
     let mut failed = None;
     let found = first([from_kmh, to_kmh], step_kmh, resolution_kmh, |kmh| {
-        match settled(equipped, procedure, &track, kmh) {
-            Ok(motion) => motion.is_beyond(procedure.threshold_m),
-            Err(why) => {
-                failed = Some(why);
-                true
-            }
-        }
+        unstable(kmh).unwrap_or_else(|why| {
+            failed = Some(why);
+            true
+        })
     });
     failed.map_or(Ok(found), Err)
 }

@@ -3,9 +3,21 @@
 use scenario::irregularity::Band;
 use serde::Serialize;
 
+/// What counts as unstable over irregular track.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Criterion {
+    /// A motion that stays on perfect track behind the irregular one: the study's.
+    LimitCycle,
+    /// Guiding forces on irregular track above EN 14363's limit.
+    En14363,
+}
+
 /// A way to ask.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Procedure {
+    /// What counts as unstable.
+    pub criterion: Criterion,
     /// Lowest speed that is tried (km/h).
     pub from_kmh: f64,
     /// Highest speed that is tried (km/h).
@@ -43,6 +55,7 @@ impl Default for Procedure {
     /// reproduction by a reduced model.
     fn default() -> Self {
         Self {
+            criterion: Criterion::LimitCycle,
             from_kmh: 100.0,
             to_kmh: 400.0,
             step_kmh: 5.0,

@@ -1,6 +1,6 @@
 //! Critical speeds as a table in print, with the conditions for which they hold.
 
-use super::procedure::Procedure;
+use super::procedure::{Criterion, Procedure};
 use super::study::Point;
 use crate::study::{seeds_in_words, table};
 
@@ -69,7 +69,15 @@ pub fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String> {
             spread(|point| point.found.friction)
         ),
     ];
-    if points.iter().any(|point| point.found.ascent.is_some()) {
+    let over_track = points.iter().any(|point| point.found.ascent.is_some());
+    if over_track && procedure.criterion == Criterion::En14363 {
+        lines.push(format!(
+            "hunts from: the first speed at which the sum of guiding forces of a wheelset, within 2 Hz of its \
+             highest line, has an rms over 100 m above half of 10 kN + P0/3 (EN 14363), on class-6 track \
+             (wavelengths {} to {} m); mean over seeds {seeds}",
+            procedure.wavelengths_m[0], procedure.wavelengths_m[1],
+        ));
+    } else if over_track {
         lines.push(format!(
             "hunts from: the first speed at which a wheelset moves by more than {} mm in the last {} s, \
              after {} m of class-6 track (wavelengths {} to {} m) and {} s of perfect track; wheelset {} \

@@ -13,7 +13,6 @@ use crate::critical_speed::ascent::Ascent;
 use crate::critical_speed::fold::Fold;
 use rayon::prelude::*;
 use report::Plot;
-use scenario::equilibrium::NoEquilibrium;
 
 /// Stiffness at the small clearance (N/m).
 const STIFFNESS_N_PER_M: [f64; 6] = [3e6, 6e6, 9e6, 12e6, KE_N_PER_M, 15e6];
@@ -55,10 +54,10 @@ impl Found {
         locomotive: &Locomotive,
         procedure: &Procedure,
         (ke_n_per_m, clearance_2a_m): (f64, f64),
-    ) -> Result<Self, NoEquilibrium> {
+    ) -> Result<Self, String> {
         let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
         let ascent = Ascent::of(&equipped, procedure)?;
-        let fold = Fold::of(&equipped, procedure)?;
+        let fold = Fold::of(&equipped, procedure).map_err(|why| why.to_string())?;
         Ok(Self { ke_n_per_m, clearance_2a_m, ascent, fold })
     }
 
@@ -139,11 +138,7 @@ pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
 }
 
 fn all<const N: usize>(basis: &Basis<'_>, dampers: [(f64, f64); N]) -> Result<Vec<Found>, String> {
-    let found: Result<Vec<Found>, NoEquilibrium> = dampers
-        .par_iter()
-        .map(|damper| Found::of(basis.locomotive, basis.procedure, *damper))
-        .collect();
-    found.map_err(|why| why.to_string())
+    dampers.par_iter().map(|damper| Found::of(basis.locomotive, basis.procedure, *damper)).collect()
 }
 
 fn drawn(

@@ -13,11 +13,13 @@
 //! | [`oil`] | figure 6 and conclusion (4): oil temperature and air |
 //! | [`limit_cycle`] | figures 9 and 11: what a wheelset does behind the rough track |
 //! | [`critical_speeds`] | figures 10a and 10b: over stiffness and clearance |
+//! | [`curving`] | figures 18 and 19: the curve of 400 m |
 //! | [`spread`] | what the inputs that are neither known nor fitted do to critical speeds |
 
 pub mod calibration;
 pub mod comfort;
 pub mod critical_speeds;
+pub mod curving;
 pub mod limit_cycle;
 pub mod locomotive;
 pub mod null_models;
@@ -65,7 +67,7 @@ impl Recipe {
 }
 
 /// All figures, in the order of the study.
-pub const FIGURES: [Recipe; 12] = [
+pub const FIGURES: [Recipe; 14] = [
     Recipe { number: "4", title: "lateral accelerations", make: running::accelerations },
     Recipe { number: "5", title: "ride over speed", make: comfort::over_speed },
     Recipe { number: "6", title: "oil temperature and air", make: oil::temperature_and_air },
@@ -94,6 +96,8 @@ pub const FIGURES: [Recipe; 12] = [
     },
     Recipe { number: "12-14", title: "bogie, ride over stiffness", make: comfort::over_stiffness },
     Recipe { number: "15-17", title: "carbody over clearance", make: comfort::over_clearance },
+    Recipe { number: "18", title: "curve over stiffness", make: curving::over_stiffness },
+    Recipe { number: "19", title: "curve over clearance", make: curving::over_clearance },
 ];
 
 /// The figures that a number means: `10` is `10a` and `10b` too, `13` is in `12-14`.
