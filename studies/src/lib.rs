@@ -10,6 +10,7 @@
 //! [`trip`] runs a vehicle in virtual time; [`modes`] and [`describing_function`] are its small vibrations,
 //! [`critical_speed`] asks from which speed on it hunts. [`sweep`] varies what it is asked about; [`shards`] cuts
 //! long work into parts.
+//! [`validation`] sets all of it beside what is known.
 //! [`measurement`] is the way in for what a bench measured, [`laboratory`] what a laboratory prints of it.
 
 pub mod bench_visit;
@@ -30,3 +31,4 @@ pub mod spectrum;
 pub mod statistics;
 pub mod sweep;
 pub mod trip;
+pub mod validation;
