@@ -7,6 +7,7 @@ use crate::characterise::{self, CharacteriseArgs};
 use crate::critical_speed::{self, CriticalSpeedArgs};
 use crate::identify::{self, IdentifyArgs, SimulateArgs};
 use crate::realtime::RealtimeOptions;
+use crate::reproduce::{self, ReproduceArgs};
 use crate::run::{self, BusChoice, PaceChoice, RunOptions, SilentRigs};
 use crate::summary::Summary;
 use can_protocol::{Node, Profile};
@@ -57,6 +58,9 @@ enum Command {
         after_help = "Example: yawbench critical-speed scenarios/ss9-160kmh.toml --vary damper.ke_n_per_m=3e6:15e6:5"
     )]
     CriticalSpeed(CriticalSpeedArgs),
+    /// What is known, computed anew: benchmarks, published values, closed forms.
+    #[command(after_help = "Example: yawbench reproduce --validation --out validation")]
+    Reproduce(ReproduceArgs),
 }
 
 #[derive(Debug, Args)]
@@ -184,6 +188,7 @@ pub fn main() -> ExitCode {
         Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
         Command::Simulate(args) => identify::simulate_command(args).map(|()| ExitCode::SUCCESS),
         Command::CriticalSpeed(args) => critical_speed::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Reproduce(args) => reproduce::command(args),
     };
     match result {
         Ok(code) => code,

@@ -26,6 +26,7 @@ mod predictions;
 mod progress;
 pub mod realtime;
 pub mod record;
+pub mod reproduce;
 pub mod rig;
 pub mod run;
 pub mod summary;

@@ -31,7 +31,10 @@ const SECONDARY_N_PER_M: f64 = 0.430e6;
 pub fn reference() -> Result<Reference, Failure> {
     let coach = vehicles::manchester_coach()?;
     let table = coach.table()?;
-    let mut checks = standing(&coach.vehicle, table)?;
+    let degrees = coach.vehicle.degrees_of_freedom() as f64;
+    let mut checks =
+        vec![Check::near("degrees of freedom", "vehicle's file", [35.0, degrees], 0.0)];
+    checks.extend(standing(&coach.vehicle, table)?);
     checks.extend(held_wheelsets(&coach.vehicle, table));
     checks.extend(on_its_wheels(&coach.vehicle, table)?);
     Ok(Reference {
@@ -133,10 +136,7 @@ fn held_wheelsets(vehicle: &Vehicle, table: &ContactTable) -> Vec<Check> {
 }
 
 fn bounce_hz() -> [f64; 2] {
-    two_masses(
-        [4.0 * SECONDARY_N_PER_M, 8.0 * PRIMARY_N_PER_M],
-        [CAR_KG, 2.0 * BOGIE_KG],
-    )
+    two_masses([4.0 * SECONDARY_N_PER_M, 8.0 * PRIMARY_N_PER_M], [CAR_KG, 2.0 * BOGIE_KG])
 }
 
 /// Carbody pitch, the bogies up against each other, the bogies' pitch.

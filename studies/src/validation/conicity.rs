@@ -109,7 +109,8 @@ impl Benchmark {
     }
 
     fn plot(&self) -> Plot {
-        let column = |index: usize| -> Vec<f64> { self.rows.iter().map(|row| row[index]).collect() };
+        let column =
+            |index: usize| -> Vec<f64> { self.rows.iter().map(|row| row[index]).collect() };
         let ours: Vec<f64> =
             self.rows.iter().map(|row| self.ours(row[0]).unwrap_or(f64::NAN)).collect();
         Plot::new(&format!("Case {}", self.case))

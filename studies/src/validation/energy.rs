@@ -53,8 +53,13 @@ pub fn reference() -> Result<Reference, Failure> {
         Check::at_most("energy swings", undamped, most_j, swing_j).unit("J"),
         Check::near("energy drifts", undamped, [0.0, drift_j], 1e-3 * left_j).unit("J"),
         Check::at_least("the push moves the wheels", undamped, 1e3 * shift_m, 2.0).unit("mm"),
-        Check::within("energy that left, and work of the dampers", damped, [left_j, dampers_j], 5e-3)
-            .unit("J"),
+        Check::within(
+            "energy that left, and work of the dampers",
+            damped,
+            [left_j, dampers_j],
+            5e-3,
+        )
+        .unit("J"),
         Check::at_most("energy rises within 10 ms", damped, highest_j, swing_j).unit("J"),
         Check::at_least("share of the push that is gone", damped, left_j / push_j, 0.5),
         Check::at_least("yaw dampers' share", damped, last.yaw_work_j / push_j, 0.02),
@@ -89,9 +94,8 @@ const STEPS_PER_LOOK: u32 = 40;
 
 fn plot(kept: &[Look], taken: &[Look]) -> Plot {
     let time = |looks: &[Look]| -> Vec<f64> { (0..looks.len()).map(|n| n as f64 * 0.01).collect() };
-    let lost = |looks: &[Look], of: &dyn Fn(&Look) -> f64| -> Vec<f64> {
-        looks.iter().map(of).collect()
-    };
+    let lost =
+        |looks: &[Look], of: &dyn Fn(&Look) -> f64| -> Vec<f64> { looks.iter().map(of).collect() };
     let begin = taken[0].energy_j;
     let energy = lost(taken, &|look| begin - look.energy_j - look.yaw_stored_j);
     let work = lost(taken, &|look| look.yaw_work_j - look.yaw_stored_j + look.linear_j);
@@ -149,9 +153,8 @@ impl Pushed {
     /// Frequency of a rail on its stiffer spring (Hz).
     fn rail_hz(&self) -> f64 {
         let supports = self.vehicle.axles.iter().filter_map(|axle| axle.rail);
-        let squares = supports.flat_map(|rail| {
-            [0, 1].map(|way| rail.stiffness_n_per_m[way] / rail.mass_kg[way])
-        });
+        let squares = supports
+            .flat_map(|rail| [0, 1].map(|way| rail.stiffness_n_per_m[way] / rail.mass_kg[way]));
         squares.fold(0.0, f64::max).sqrt() / std::f64::consts::TAU
     }
 
@@ -235,7 +238,8 @@ impl DamperForces for Metered {
 impl Metered {
     /// Elastic energy in the series springs.
     fn stored_j(&self) -> f64 {
-        let stored = |(_, force_n): &(f64, f64)| 0.5 * force_n * force_n / self.dampers.stiffness_n_per_m();
+        let stored =
+            |(_, force_n): &(f64, f64)| 0.5 * force_n * force_n / self.dampers.stiffness_n_per_m();
         self.last.iter().map(stored).sum()
     }
 }
@@ -316,7 +320,10 @@ fn energy_j(vehicle: &Vehicle, table: &ContactTable, state: &VehicleState) -> f6
     for (index, body) in vehicle.bodies.iter().enumerate() {
         sum -= body.mass_kg * 9.81 * q[index][VERTICAL];
         for c in 0..COORDINATES {
-            let v = velocity(state.half_velocity[index][c].lane(0), state.acceleration[index][c].lane(0));
+            let v = velocity(
+                state.half_velocity[index][c].lane(0),
+                state.acceleration[index][c].lane(0),
+            );
             sum += 0.5 * body.inertia(c) * v * v;
         }
     }

@@ -30,8 +30,7 @@ const BANDS: usize = 12;
 const COSINES: f64 = 600.0;
 
 /// A channel: name, how to read it, its equation (m2/(rad/m)) and the generator's closed integral.
-type Channel =
-    (&'static str, fn(&IrregularitySample) -> f64, fn(f64) -> f64, fn(f64, f64) -> f64);
+type Channel = (&'static str, fn(&IrregularitySample) -> f64, fn(f64) -> f64, fn(f64, f64) -> f64);
 
 const CHANNELS: [Channel; 4] = [
     ("vertical", |s| s.vertical_m, equation_1, vertical_variance_m2),
@@ -127,9 +126,9 @@ fn bands(name: &str, spectrum: &Spectrum, equation: fn(f64) -> f64) -> Vec<Check
 /// Integral over spatial frequency (rad/m) in logarithmic steps.
 fn simpson(density: fn(f64) -> f64, from: f64, to: f64) -> f64 {
     const STEPS: u32 = 2000;
-    let width = f64::ln(to / from) / f64::from(STEPS);
+    let width = libm::log(to / from) / f64::from(STEPS);
     let value = |step: u32| {
-        let w = from * f64::exp(width * f64::from(step));
+        let w = from * libm::exp(width * f64::from(step));
         let weight = if step == 0 || step == STEPS { 1.0 } else { f64::from(2 + 2 * (step % 2)) };
         weight * w * density(w)
     };
@@ -141,7 +140,7 @@ fn plot(name: &str, spectrum: &Spectrum, equation: fn(f64) -> f64) -> Plot {
     let mut means: Vec<(f64, f64, f64)> = Vec::new();
     let mut last = i64::MIN;
     for (f, density) in spectrum.lines().filter(|(f, _)| *f > 0.008 && *f < 1.3) {
-        let bin = libm::floor(f64::log10(f) * 50.0) as i64;
+        let bin = libm::floor(libm::log10(f) * 50.0) as i64;
         if bin != last {
             means.push((0.0, 0.0, 0.0));
             last = bin;

@@ -34,12 +34,8 @@ pub struct Parameters {
 
 impl Parameters {
     /// As printed.
-    pub const PRINTED: Self = Self {
-        shear_force_n: 6.563e6,
-        psi: 0.602_52,
-        phi: 0.542_19,
-        yaw_damping_n_m_s: 500.0,
-    };
+    pub const PRINTED: Self =
+        Self { shear_force_n: 6.563e6, psi: 0.602_52, phi: 0.542_19, yaw_damping_n_m_s: 500.0 };
 
     /// Rates of all states at a speed (m/s).
     pub fn rates(&self, state: &State, speed_m_per_s: f64) -> State {
@@ -54,8 +50,8 @@ impl Parameters {
         let a4 = 2.0 * k2 * d1 * d1 * (q[3] - q[5]);
         let a5 = 2.0 * lateral_damping * (u[4] - h2 * u[6]) + 2.0 * k4 * (q[4] - h2 * q[6]);
         let a6 = k6 * q[5] + self.yaw_damping_n_m_s * u[5];
-        let a7 = 2.0 * roll_damping * d2 * d2 * u[6]
-            + (2.0 * k5 * d2 * d2 + 4.0 * k3 * d1 * d1) * q[6];
+        let a7 =
+            2.0 * roll_damping * d2 * d2 * u[6] + (2.0 * k5 * d2 * d2 + 4.0 * k3 * d1 * d1) * q[6];
         let (mut wheelsets, links) = ([[0.0; 2]; 2], [[a1, a2], [a3, a4]]);
         for (number, (wheelset, [lateral, yaw])) in wheelsets.iter_mut().zip(links).enumerate() {
             let (shift, turn) = (2 * number, 2 * number + 1);
@@ -63,10 +59,7 @@ impl Parameters {
             let across = u[shift] / speed_m_per_s - q[turn];
             let [fx, fy] = self.creep_n(along, across);
             let flange = 14.6e6 * (q[shift].abs() - 9.1e-3).max(0.0) * q[shift].signum();
-            *wheelset = [
-                (-lateral - 2.0 * fy - flange) / 1022.0,
-                (-yaw - 2.0 * a * fx) / 678.0,
-            ];
+            *wheelset = [(-lateral - 2.0 * fy - flange) / 1022.0, (-yaw - 2.0 * a * fx) / 678.0];
         }
         let [[y1, t1], [y2, t2]] = wheelsets;
         let frame = [
@@ -86,7 +79,7 @@ impl Parameters {
     fn creep_n(&self, along: f64, across: f64) -> [f64; 2] {
         const LIMIT_N: f64 = 1e4;
         let (x, y) = (along / self.psi, across / self.phi);
-        let resultant = f64::hypot(x, y);
+        let resultant = libm::hypot(x, y);
         if resultant == 0.0 {
             return [0.0; 2];
         }

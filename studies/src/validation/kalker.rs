@@ -12,8 +12,17 @@ use std::f64::consts::PI;
 
 const TABLE: &str = include_str!("tables/kalker-e3.csv");
 const HEADS: [&str; 11] = [
-    "longer_along", "ratio", "c11_0", "c11_25", "c11_50", "c22_0", "c22_25", "c22_50", "c23_0",
-    "c23_25", "c23_50",
+    "longer_along",
+    "ratio",
+    "c11_0",
+    "c11_25",
+    "c11_50",
+    "c22_0",
+    "c22_25",
+    "c22_50",
+    "c23_0",
+    "c23_25",
+    "c23_50",
 ];
 /// Poisson's ratios of the table.
 const POISSON: [f64; 3] = [0.0, 0.25, 0.5];
@@ -81,7 +90,7 @@ fn ours(longer_along: bool, ratio: f64, poisson: f64) -> [f64; 3] {
 
 fn ellipse(longer_along: bool, ratio: f64) -> String {
     let sides = if longer_along { "b/a" } else { "a/b" };
-    format!("{sides} = {ratio}")
+    format!("{sides} = {ratio:.2}")
 }
 
 const NAMES: [&str; 3] = ["C11", "C22", "C23"];
@@ -140,15 +149,15 @@ fn slender() -> Vec<Check> {
         let wide = [
             PI * PI / 4.0 * factor,
             PI * PI / 4.0,
-            PI * f64::sqrt(g) / 3.0 * factor * (1.0 + STEEL * (f64::ln(16.0 / g) - 5.0)),
+            PI * f64::sqrt(g) / 3.0 * factor * (1.0 + STEEL * (libm::log(16.0 / g) - 5.0)),
         ];
-        let log = f64::ln(16.0 / (g * g));
+        let log = libm::log(16.0 / (g * g));
         let (along, across) = (log - 2.0 * STEEL, (1.0 - STEEL) * log + 2.0 * STEEL);
-        let bend = 3.0 - f64::ln(4.0);
+        let bend = 3.0 - libm::log(4.0);
         let long = [
             2.0 * PI / g / along * (1.0 + bend / along),
             2.0 * PI / g / across * (1.0 + (1.0 - STEEL) * bend / across),
-            2.0 * PI / 3.0 / g.powf(1.5) / ((1.0 - STEEL) * log - 2.0 + 4.0 * STEEL),
+            2.0 * PI / 3.0 / (g * f64::sqrt(g)) / ((1.0 - STEEL) * log - 2.0 + 4.0 * STEEL),
         ];
         for (longer_along, expected) in [(false, wide), (true, long)] {
             let ours = ours(longer_along, g, STEEL);

@@ -39,9 +39,8 @@ pub fn reference() -> Result<Reference, Failure> {
     let expected = mirrored_state(&seen);
     let moved_mm = 1e3 * seen.position[0][LATERAL].lane(0).abs();
     let at = "after 6 s";
-    let same = |quantity: &str, off: bool| {
-        Check::at_most(quantity, at, f64::from(u8::from(off)), 0.0)
-    };
+    let same =
+        |quantity: &str, off: bool| Check::at_most(quantity, at, f64::from(u8::from(off)), 0.0);
     let checks = vec![
         Check::at_least("the carbody moves", at, moved_mm, 1.0).unit("mm"),
         same("positions differ", image.position != expected.position),

@@ -73,3 +73,15 @@ fn energy_stays_and_goes_where_dampers_take_it() {
 fn a_mirrored_run_is_the_mirror_image() {
     assert_met(symmetry::reference);
 }
+
+#[test]
+fn a_miss_is_named_in_table_and_page() {
+    let mut reference = symmetry::reference().unwrap();
+    reference.checks.push(Check::near("length", "in the middle", [2.0, 2.5], 0.1).unit("m"));
+    let references = [reference];
+    let told = text::text(&references);
+    let miss = "MISS mirror: length, in the middle: 2.50000 m, known 2.00000, allowed ±0.10";
+    assert!(told.contains(miss) && !told.contains("all "), "{told}");
+    let page = page::page(&references).to_html().unwrap();
+    assert!(page.contains("Misses: length, in the middle"));
+}

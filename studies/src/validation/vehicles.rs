@@ -24,12 +24,18 @@ impl Built {
 
 /// Cooperrider's bogie.
 pub(super) fn cooperrider() -> Result<Built, Failure> {
-    built("cooperrider-bogie.toml", include_str!("../../../scenarios/vehicles/cooperrider-bogie.toml"))
+    built(
+        "cooperrider-bogie.toml",
+        include_str!("../../../scenarios/vehicles/cooperrider-bogie.toml"),
+    )
 }
 
 /// The Manchester benchmark's coach.
 pub(super) fn manchester_coach() -> Result<Built, Failure> {
-    built("manchester-coach.toml", include_str!("../../../scenarios/vehicles/manchester-coach.toml"))
+    built(
+        "manchester-coach.toml",
+        include_str!("../../../scenarios/vehicles/manchester-coach.toml"),
+    )
 }
 
 /// The SS9.
