@@ -9,9 +9,7 @@ use crate::locomotive::{
 };
 use firmware_core::lanes::Lanes;
 use firmware_core::track::{Layout, Track};
-use firmware_core::vehicle::{
-    DamperForces, LATERAL, ROLL, Running, VERTICAL, Vehicle, VehicleState, YAW,
-};
+use firmware_core::vehicle::{DamperForces, LATERAL, ROLL, Running, VERTICAL, YAW};
 use firmware_core::wheel_rail::wheel::Wheel;
 use scenario::run::Run;
 
