@@ -5,9 +5,11 @@
 
 use crate::characterise::{self, CharacteriseArgs};
 use crate::critical_speed::{self, CriticalSpeedArgs};
+use crate::curve::{self, CurveArgs};
 use crate::identify::{self, IdentifyArgs, SimulateArgs};
 use crate::realtime::RealtimeOptions;
 use crate::reproduce::{self, ReproduceArgs};
+use crate::ride::{self, RideArgs};
 use crate::run::{self, BusChoice, PaceChoice, RunOptions, SilentRigs};
 use crate::summary::Summary;
 use can_protocol::{Node, Profile};
@@ -53,7 +55,8 @@ enum Command {
     /// The force of a model on a record, free-running from its displacement.
     #[command(after_help = "Example: yawbench simulate model.toml sine.csv --out predicted.csv")]
     Simulate(SimulateArgs),
-    /// From which speed on does the vehicle of a scenario hunt?
+    /// From which speed on does the vehicle of a scenario hunt? Its speed, track and duration do not
+    /// matter.
     #[command(
         after_help = "Example: yawbench critical-speed scenarios/ss9-160kmh.toml --vary damper.ke_n_per_m=3e6:15e6:5"
     )]
@@ -61,6 +64,18 @@ enum Command {
     /// What is known, computed anew: benchmarks, published values, closed forms.
     #[command(after_help = "Example: yawbench reproduce --validation --out validation")]
     Reproduce(ReproduceArgs),
+    /// How does the vehicle of a scenario ride on straight track? Sperling index, mean comfort,
+    /// accelerations, spectra; its layout and duration do not matter.
+    #[command(
+        after_help = "Example: yawbench ride scenarios/ss9-160kmh.toml --vary speed_kmh=80:180:11"
+    )]
+    Ride(RideArgs),
+    /// How does the vehicle of a scenario go through its curve? Guiding forces, derailment, wheel load,
+    /// wear, stability; its duration does not matter.
+    #[command(
+        after_help = "Example: yawbench curve scenarios/ss9-curve-400m.toml --vary damper.clearance_2a_m=0.5e-3,4e-3"
+    )]
+    Curve(CurveArgs),
 }
 
 #[derive(Debug, Args)]
@@ -189,6 +204,8 @@ pub fn main() -> ExitCode {
         Command::Simulate(args) => identify::simulate_command(args).map(|()| ExitCode::SUCCESS),
         Command::CriticalSpeed(args) => critical_speed::command(args).map(|()| ExitCode::SUCCESS),
         Command::Reproduce(args) => reproduce::command(args),
+        Command::Ride(args) => ride::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Curve(args) => curve::command(args).map(|()| ExitCode::SUCCESS),
     };
     match result {
         Ok(code) => code,

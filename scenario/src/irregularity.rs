@@ -73,30 +73,35 @@ impl IrregularityFile {
         from_m: f64,
         to_m: f64,
     ) -> Result<Samples, ScenarioError> {
-        match self {
-            Self::Aar6 { seed, shortest_m, longest_m, scale } => {
-                let shortest =
-                    shortest_m.within(source, "shortest_m", 0.5, 500.0, "0.5 to 500 m")?;
-                let longest = longest_m.within(
-                    source,
-                    "longest_m",
-                    1.001 * shortest,
-                    1000.0,
-                    "more than shortest_m and at most 1000 m",
-                )?;
-                let scale = match scale {
-                    Some(scale) => scale.not_negative(source, "scale")?,
-                    None => 1.0,
-                };
-                Ok(aar6(&Band { seed: *seed, shortest, longest, scale }, from_m, to_m))
-            }
-            Self::Csv { path } => {
-                let path = source.beside(path);
-                let samples = read_csv(&path)?;
-                covers(&path, &samples, from_m + PERFECT_M, to_m)?;
-                Ok(samples)
-            }
+        if let Some(band) = self.band(source)? {
+            return Ok(aar6(&band, from_m, to_m));
         }
+        let Self::Csv { path } = self else { return Ok(Samples::default()) };
+        let path = source.beside(path);
+        let samples = read_csv(&path)?;
+        covers(&path, &samples, from_m + PERFECT_M, to_m)?;
+        Ok(samples)
+    }
+
+    /// What random irregularity is made from; none for a measured one.
+    ///
+    /// # Errors
+    /// A band that is empty.
+    pub fn band(&self, source: &Source) -> Result<Option<Band>, ScenarioError> {
+        let Self::Aar6 { seed, shortest_m, longest_m, scale } = self else { return Ok(None) };
+        let shortest = shortest_m.within(source, "shortest_m", 0.5, 500.0, "0.5 to 500 m")?;
+        let longest = longest_m.within(
+            source,
+            "longest_m",
+            1.001 * shortest,
+            1000.0,
+            "more than shortest_m and at most 1000 m",
+        )?;
+        let scale = match scale {
+            Some(scale) => scale.not_negative(source, "scale")?,
+            None => 1.0,
+        };
+        Ok(Some(Band { seed: *seed, shortest, longest, scale }))
     }
 }
 

@@ -8,14 +8,16 @@
 //! that no effect of the catalogue describes; [`hydraulic`] is a damper from its chambers, valves, oil
 //! and rubber; [`bench_visit`] moves a damper as a bench does.
 //! [`trip`] runs a vehicle in virtual time; [`modes`] and [`describing_function`] are its small vibrations,
-//! [`critical_speed`] asks from which speed on it hunts. [`sweep`] varies what it is asked about; [`shards`] cuts
-//! long work into parts.
+//! [`critical_speed`] asks from which speed on it hunts, [`ride`] how it rides, [`curve`] how it goes
+//! through a curve. [`study`] is what these have in common: [`sweep`] varies what is asked about,
+//! [`shards`] cuts long work into parts. [`response`] filters by a frequency response.
 //! [`validation`] sets all of it beside what is known.
 //! [`measurement`] is the way in for what a bench measured, [`laboratory`] what a laboratory prints of it.
 
 pub mod bench_visit;
 pub mod campaign;
 pub mod critical_speed;
+pub mod curve;
 pub mod describing_function;
 pub mod error;
 pub mod fnv;
@@ -25,10 +27,14 @@ pub mod identify;
 pub mod laboratory;
 pub mod measurement;
 pub mod modes;
+pub mod over_keys;
+pub mod response;
+pub mod ride;
 pub mod series_model;
 pub mod shards;
 pub mod spectrum;
 pub mod statistics;
+pub mod study;
 pub mod sweep;
 pub mod trip;
 pub mod validation;

@@ -118,6 +118,37 @@ impl Spectrum {
         Some((line as f64 + shift) * self.resolution_hz)
     }
 
+    /// The mean of spectra with the same lines; none of none. Lines that some do not have are left out.
+    pub fn mean(spectra: &[Self]) -> Option<Self> {
+        let first = spectra.first()?;
+        let lines = spectra.iter().map(|spectrum| spectrum.density.len()).min()?;
+        let mean = |line: usize| {
+            let sum: f64 = spectra.iter().map(|spectrum| spectrum.density[line]).sum();
+            sum / spectra.len() as f64
+        };
+        Some(Self {
+            resolution_hz: first.resolution_hz,
+            density: (0..lines).map(mean).collect(),
+            segments: spectra.iter().map(|spectrum| spectrum.segments).sum(),
+        })
+    }
+
+    /// The highest lines that stand above both neighbours between two frequencies, the highest first:
+    /// frequency and density (Hz, unit^2/Hz).
+    pub fn peaks(&self, from_hz: f64, to_hz: f64, most: usize) -> Vec<(f64, f64)> {
+        let inside = |hz: f64| (from_hz..=to_hz).contains(&hz);
+        let lines: Vec<(f64, f64)> = self.lines().collect();
+        let mut peaks: Vec<(f64, f64)> = lines
+            .windows(3)
+            .filter(|three| three[1].1 > three[0].1 && three[1].1 >= three[2].1)
+            .map(|three| three[1])
+            .filter(|(hz, _)| inside(*hz))
+            .collect();
+        peaks.sort_by(|a, b| b.1.total_cmp(&a.1));
+        peaks.truncate(most);
+        peaks
+    }
+
     /// Power between two frequencies (unit^2): the sum of the lines with `from_hz <= f <= to_hz`.
     pub fn power(&self, from_hz: f64, to_hz: f64) -> f64 {
         let inside = |line: usize| (from_hz..=to_hz).contains(&(line as f64 * self.resolution_hz));
@@ -189,6 +220,22 @@ mod tests {
         let lifted: Vec<f64> = tone(7.0, 1e-3, 100.0, 2000).iter().map(|v| v + 50.0).collect();
         let peak = Spectrum::welch(&lifted, 100.0, 5.0).unwrap().peak_hz().unwrap();
         assert!((peak - 7.0).abs() < 0.01, "{peak}");
+    }
+
+    #[test]
+    fn two_tones_are_two_peaks_and_the_mean_of_equals_is_the_same() {
+        let both: Vec<f64> = tone(3.0, 1.0, 100.0, 6000)
+            .iter()
+            .zip(tone(7.5, 2.0, 100.0, 6000))
+            .map(|(a, b)| a + b)
+            .collect();
+        let spectrum = Spectrum::welch(&both, 100.0, 4.0).unwrap();
+        let peaks = spectrum.peaks(0.5, 20.0, 2);
+        assert_eq!(peaks.iter().map(|(hz, _)| *hz).collect::<Vec<_>>(), [7.5, 3.0]);
+        assert!(spectrum.peaks(10.0, 20.0, 5).iter().all(|(_, density)| *density < 1e-6));
+        let mean = Spectrum::mean(&[spectrum.clone(), spectrum.clone()]).unwrap();
+        assert_eq!(mean.density, spectrum.density);
+        assert_eq!(Spectrum::mean(&[]), None);
     }
 
     #[test]

@@ -89,6 +89,19 @@ pub struct WheelForce {
     pub flange_n: f64,
     /// Power lost in both patches (W).
     pub wear_w: f64,
+    /// Rolling of the tread; zero where it does not touch.
+    pub tread: Rolling,
+    /// Rolling of the flange; zero where it does not touch.
+    pub flange: Rolling,
+}
+
+/// What creeps in one patch and what holds against it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Rolling {
+    /// Velocity of the wheel against the rail over the running speed.
+    pub creepage: Creepage,
+    /// Tangential force on the wheel and moment about the normal.
+    pub force: CreepForce,
 }
 
 /// What does not change while running: the geometry of a wheel and its material.
@@ -115,8 +128,8 @@ impl Wheel {
         let mut force = WheelForce::default();
         match (self.surface, table) {
             (Surface::Profiles, Some(table)) => {
-                force.tread_n = self.zone(&table.tread, motion, &mut force);
-                force.flange_n = self.zone(&table.flange, motion, &mut force);
+                (force.tread_n, force.tread) = self.zone(&table.tread, motion, &mut force);
+                (force.flange_n, force.flange) = self.zone(&table.flange, motion, &mut force);
             }
             (Surface::Conical(cone), _) => self.cone(cone, motion, &mut force),
             (Surface::Profiles, None) => {}
@@ -124,12 +137,12 @@ impl Wheel {
         force
     }
 
-    /// Adds one zone and gives its normal force.
+    /// Adds one zone and gives its normal force and its rolling.
     #[inline(always)]
-    fn zone(&self, zone: &ZoneTable, motion: &WheelMotion, sum: &mut WheelForce) -> f64 {
-        let Some(touch) = self.touch(zone, motion) else { return 0.0 };
-        self.add_patch(&touch, motion, sum);
-        touch.patch.normal_n
+    fn zone(&self, zone: &ZoneTable, motion: &WheelMotion, sum: &mut WheelForce) -> (f64, Rolling) {
+        let Some(touch) = self.touch(zone, motion) else { return (0.0, Rolling::default()) };
+        let rolling = self.add_patch(&touch, motion, sum);
+        (touch.patch.normal_n, rolling)
     }
 
     /// Where and how hard a zone touches the rail; none where it is lifted off.
@@ -180,7 +193,7 @@ impl Wheel {
         };
         let radius_m = self.radius_m + cone.conicity * motion.shift_m;
         let touch = Touch { patch, sine: 0.0, cosine: 1.0, arm_m: self.tape_m, radius_m };
-        self.add_patch(&touch, motion, sum);
+        sum.tread = self.add_patch(&touch, motion, sum);
         sum.tread_n = cone.load_n;
         sum.flange_n = cone.flange_n_per_m * (motion.shift_m - cone.flange_gap_m).max(0.0);
         sum.lateral_n -= sum.flange_n;
@@ -188,7 +201,7 @@ impl Wheel {
 
     /// The tangential force of a patch, and all of it as force and moment.
     #[inline(always)]
-    fn add_patch(&self, touch: &Touch, motion: &WheelMotion, sum: &mut WheelForce) {
+    fn add_patch(&self, touch: &Touch, motion: &WheelMotion, sum: &mut WheelForce) -> Rolling {
         let Touch { patch, sine, cosine, arm_m, radius_m } = *touch;
         let tangent = sine / cosine;
         let creepage = touch.creepage(motion);
@@ -208,6 +221,7 @@ impl Wheel {
             * (creep.longitudinal_n * creepage.longitudinal
                 + creep.lateral_n * creepage.lateral
                 + creep.spin_moment_n_m * creepage.spin_per_m);
+        Rolling { creepage, force: creep }
     }
 }
 

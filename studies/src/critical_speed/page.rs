@@ -6,22 +6,19 @@ use super::fold::Fold;
 use super::procedure::Procedure;
 use super::study::Point;
 use super::text::conditions;
+use crate::over_keys;
 use report::{Cell, Plot, Report, Section, Table};
 
 /// Bifurcation diagrams that are drawn, at most.
 const DRAWN: usize = 6;
 
-/// The report.
-pub fn page(points: &[Point], procedure: &Procedure, title: &str, about: &[String]) -> Report {
-    let mut report = Report::new(title).subtitle("Critical speed");
-    for line in about {
-        report = report.fact("vehicle", line);
-    }
+/// The report, behind its title and facts.
+pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
     let mut found = Section::new("Critical speeds").table(table(points));
     for line in conditions(points, procedure) {
         found = found.text(&line);
     }
-    report = report.section(found);
+    let report = report.subtitle("Critical speed").section(found);
     [over_keys(points), bifurcation(points, procedure)]
         .into_iter()
         .flatten()
@@ -35,20 +32,20 @@ fn table(points: &[Point]) -> Table {
         table = table.number(&set.key, "");
     }
     table = table.text("hunts from").text("range over seeds").text("no cycle below");
-    for linear in first.map(|point| point.linear.as_slice()).unwrap_or_default() {
+    for linear in first.map(|point| point.found.linear.as_slice()).unwrap_or_default() {
         let stroke_mm = 1e3 * linear.stroke_m;
         table = table.text(&format!("by eigenvalues at {stroke_mm} mm"));
     }
-    let strokes = first.map_or(0, |point| point.linear.len());
+    let strokes = first.map_or(0, |point| point.found.linear.len());
     table.rows(points.iter().map(|point| {
         let mut row: Vec<Cell> = point.at.iter().map(|set| set.value.into()).collect();
-        row.push(match (&point.failure, &point.ascent) {
+        row.push(match (&point.failure, &point.found.ascent) {
             (Some(why), _) => why.clone().into(),
             (None, ascent) => ascent.as_ref().map(Ascent::mean).into(),
         });
-        row.push(point.ascent.as_ref().map(Ascent::range).into());
-        row.push(point.fold.as_ref().map(|fold| fold.dies.to_string()).into());
-        let linear = (0..strokes).map(|index| point.linear.get(index));
+        row.push(point.found.ascent.as_ref().map(Ascent::range).into());
+        row.push(point.found.fold.as_ref().map(|fold| fold.dies.to_string()).into());
+        let linear = (0..strokes).map(|index| point.found.linear.get(index));
         row.extend(linear.map(|linear| linear.map(|linear| linear.critical.to_string()).into()));
         row
     }))
@@ -57,33 +54,16 @@ fn table(points: &[Point]) -> Table {
 /// Critical speed over what was varied: a line for one key, a map for two.
 fn over_keys(points: &[Point]) -> Option<Section> {
     let keys: Vec<&str> = points.first()?.at.iter().map(|set| set.key.as_str()).collect();
-    let values = |axis: usize| -> Vec<f64> {
-        let mut values: Vec<f64> =
-            points.iter().filter_map(|point| Some(point.at.get(axis)?.value)).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        values.dedup();
-        values
-    };
     let section = Section::new("Over what was varied");
     match keys[..] {
-        [key] if points.len() > 1 => Some(section.plot(over_one(points, key, &values(0)))),
+        [key] if points.len() > 1 => {
+            Some(section.plot(over_one(points, key, &over_keys::values(points, 0))))
+        }
         [slow, quick] => {
-            let (y, x) = (values(0), values(1));
-            let (name, speeds) = plain_speeds(points);
-            // Rows of the map are the slow key's values.
-            let at = |slow: f64, quick: f64| {
-                points
-                    .iter()
-                    .zip(&speeds)
-                    .find(|(point, _)| point.at[0].value == slow && point.at[1].value == quick)
-                    .map_or(f64::NAN, |(_, speed)| *speed)
-            };
-            let z: Vec<f64> = y.iter().flat_map(|y| x.iter().map(|x| at(*y, *x))).collect();
-            let plot = Plot::new(&format!("Critical speed, {name}"))
-                .x(quick, "")
-                .y(slow, "")
-                .map(name, "km/h", &x, &y, &z);
-            Some(section.plot(plot))
+            let (name, speed) = plain_speed(points);
+            let title = format!("Critical speed, {name}");
+            let z = |point: &Point| speed(point).unwrap_or(f64::NAN);
+            Some(section.plot(over_keys::map(&title, [name, "km/h"], [slow, quick], points, z)))
         }
         _ => None,
     }
@@ -95,42 +75,38 @@ fn over_one(points: &[Point], key: &str, x: &[f64]) -> Plot {
         x.iter().map(|value| at(*value).and_then(of).unwrap_or(f64::NAN)).collect()
     };
     let mut plot = Plot::new("Critical speed").x(key, "").y("critical speed", "km/h");
-    if points.iter().any(|point| point.ascent.is_some()) {
-        let range =
-            |end: usize| line(&|point| point.ascent.as_ref()?.range_kmh.map(|range| range[end]));
+    if points.iter().any(|point| point.found.ascent.is_some()) {
+        let range = |end: usize| {
+            line(&|point| point.found.ascent.as_ref()?.range_kmh.map(|range| range[end]))
+        };
         plot = plot.band("range over seeds", x, &range(0), &range(1)).points(
             "hunts from, mean",
             x,
-            &line(&|point| point.ascent.as_ref()?.mean_kmh),
+            &line(&|point| point.found.ascent.as_ref()?.mean_kmh),
         );
     }
-    if points.iter().any(|point| point.fold.is_some()) {
-        let dies = line(&|point| point.fold.as_ref()?.dies.kmh());
+    if points.iter().any(|point| point.found.fold.is_some()) {
+        let dies = line(&|point| point.found.fold.as_ref()?.dies.kmh());
         plot = plot.points("no cycle below", x, &dies);
     }
-    for index in 0..points.first().map_or(0, |point| point.linear.len()) {
-        let stroke_mm = points.first().map_or(0.0, |point| 1e3 * point.linear[index].stroke_m);
-        let speeds = line(&|point| point.linear.get(index)?.critical.kmh());
+    for index in 0..points.first().map_or(0, |point| point.found.linear.len()) {
+        let stroke_mm =
+            points.first().map_or(0.0, |point| 1e3 * point.found.linear[index].stroke_m);
+        let speeds = line(&|point| point.found.linear.get(index)?.critical.kmh());
         plot = plot.dashed(&format!("eigenvalues, {stroke_mm} mm"), x, &speeds);
     }
     plot
 }
 
-/// One speed for every point, and which it is.
-fn plain_speeds(points: &[Point]) -> (&'static str, Vec<f64>) {
-    let ascent = |point: &Point| point.ascent.as_ref().and_then(|ascent| ascent.mean_kmh);
-    let fold = |point: &Point| point.fold.as_ref().and_then(|fold| fold.dies.kmh());
-    let linear = |point: &Point| point.linear.first().and_then(|linear| linear.critical.kmh());
-    let all = |of: &dyn Fn(&Point) -> Option<f64>| -> Vec<f64> {
-        points.iter().map(|point| of(point).unwrap_or(f64::NAN)).collect()
-    };
-    let has = |of: &dyn Fn(&Point) -> bool| points.iter().any(of);
-    if has(&|point| point.ascent.is_some()) {
-        ("hunts from", all(&ascent))
-    } else if has(&|point| point.fold.is_some()) {
-        ("no cycle below", all(&fold))
+/// One speed of a point, and which it is.
+fn plain_speed(points: &[Point]) -> (&'static str, fn(&Point) -> Option<f64>) {
+    let has = |of: fn(&Point) -> bool| points.iter().any(of);
+    if has(|point| point.found.ascent.is_some()) {
+        ("hunts from", |point| point.found.ascent.as_ref()?.mean_kmh)
+    } else if has(|point| point.found.fold.is_some()) {
+        ("no cycle below", |point| point.found.fold.as_ref()?.dies.kmh())
     } else {
-        ("by eigenvalues", all(&linear))
+        ("by eigenvalues", |point| point.found.linear.first()?.critical.kmh())
     }
 }
 
@@ -138,7 +114,7 @@ fn plain_speeds(points: &[Point]) -> (&'static str, Vec<f64>) {
 fn bifurcation(points: &[Point], procedure: &Procedure) -> Option<Section> {
     let followed: Vec<(&Point, &Fold)> = points
         .iter()
-        .filter_map(|point| Some((point, point.fold.as_ref()?)))
+        .filter_map(|point| Some((point, point.found.fold.as_ref()?)))
         .filter(|(_, fold)| !fold.cycle.is_empty())
         .collect();
     if followed.is_empty() {
@@ -153,13 +129,7 @@ fn bifurcation(points: &[Point], procedure: &Procedure) -> Option<Section> {
              from which the vehicle hunts on irregular track it runs quietly or hunts, as it comes.",
         );
     for (point, fold) in followed.iter().take(DRAWN) {
-        let name = match point.at.as_slice() {
-            [] => "limit cycle".to_owned(),
-            at => {
-                let words = at.iter().map(|set| format!("{} {:e}", set.key, set.value));
-                words.collect::<Vec<_>>().join(", ")
-            }
-        };
+        let name = point.in_words("limit cycle");
         let speeds: Vec<f64> = fold.cycle.iter().map(|point| point.kmh).collect();
         let amplitude_mm: Vec<f64> = fold
             .cycle

@@ -2,8 +2,14 @@
 //!
 //! Studies run the very line that drives a rig ([`firmware_core::line`]), in virtual time. A damper that
 //! the scenario puts on a rig is modelled in its place, with the wear that was to be injected in
-//! software: `2a` adds up, compliances add up.
+//! software: `2a` adds up, compliances add up. With a clearance of a metre (`damper.clearance_2a_m = 1.0`)
+//! a damper never touches: that is a trip with dampers taken off.
+//!
+//! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on.
 
+pub mod signals;
+#[cfg(test)]
+mod tests;
 pub mod track;
 
 use firmware_core::damper::{Damper, DamperError, Nominal};
@@ -156,8 +162,18 @@ impl<'a> Trip<'a> {
     }
 
     /// The vehicle.
-    pub fn vehicle(&self) -> &Vehicle {
+    pub fn vehicle(&self) -> &'a Vehicle {
         self.line.vehicle
+    }
+
+    /// The track.
+    pub fn track(&self) -> &'a Track<'a> {
+        self.line.track
+    }
+
+    /// The running speed (m/s).
+    pub fn speed_m_per_s(&self) -> f64 {
+        self.line.speed_m_per_s
     }
 }
 

@@ -10,6 +10,7 @@
 //! | [`conicity`], [`kalker`], [`fastsim`], [`manchester_contact`] | benchmarks and tables of the field |
 //! | [`cooperrider`] | a published stability limit, and equations written out apart from the vehicle code |
 //! | [`irregularity`] | the spectra of the SS9 study |
+//! | [`ride`] | the formula of the index, published weighting factors |
 //! | [`coach`] | springs and masses by hand |
 //! | [`energy`], [`symmetry`] | what no model may break |
 
@@ -25,6 +26,7 @@ pub mod kalker;
 mod locomotive;
 pub mod manchester_contact;
 pub mod page;
+pub mod ride;
 pub mod symmetry;
 pub mod text;
 mod vehicles;
@@ -41,13 +43,14 @@ pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 pub type Compute = fn() -> Result<Reference, Failure>;
 
 /// Every reference, in the order of the page.
-pub const REFERENCES: [Compute; 9] = [
+pub const REFERENCES: [Compute; 10] = [
     conicity::reference,
     kalker::reference,
     fastsim::reference,
     manchester_contact::reference,
     cooperrider::reference,
     irregularity::reference,
+    ride::reference,
     coach::reference,
     energy::reference,
     symmetry::reference,

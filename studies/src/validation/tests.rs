@@ -85,3 +85,8 @@ fn a_miss_is_named_in_table_and_page() {
     let page = page::page(&references).to_html().unwrap();
     assert!(page.contains("Misses: length, in the middle"));
 }
+
+#[test]
+fn sperlings_index_and_the_weightings_are_the_published_ones() {
+    assert_met(ride::reference);
+}

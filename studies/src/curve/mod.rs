@@ -1,0 +1,28 @@
+//! How a vehicle goes through a curve: guiding forces, derailment, wheel load, wear, stability.
+//!
+//! | module | what it says |
+//! | --- | --- |
+//! | [`sections`] | where the full curve is, and where its transitions |
+//! | [`forces`] | what one track does to one wheelset in one section, by EN 14363 and GB/T 5599-2019 |
+//! | [`limits`] | Prud'homme's limit and the others |
+//! | [`assessment`] | [`Curve::of`]: all of it for one vehicle over the tracks of several seeds |
+//!
+//! The layout is that of the scenario, which needs a `[track.curve]`; so is the irregularity, with the
+//! study's seeds where it is random. The straight lead-in is the run-in. A wheelset is judged by where
+//! it stands itself, not the vehicle.
+
+pub mod assessment;
+pub mod forces;
+pub mod limits;
+pub mod page;
+pub mod procedure;
+pub mod sections;
+pub mod study;
+#[cfg(test)]
+mod tests;
+pub mod text;
+pub mod wheelset;
+
+pub use assessment::Curve;
+pub use procedure::Procedure;
+pub use study::{Found, Point, Question};

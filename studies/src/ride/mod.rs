@@ -1,0 +1,26 @@
+//! How a vehicle rides on straight track: Sperling index, mean comfort, accelerations, spectra.
+//!
+//! | module | what it says |
+//! | --- | --- |
+//! | [`sperling`] | the index of GB 5599-85 (20 s windows) and of GB/T 5599-2019 (5 s windows) |
+//! | [`weighting`] | Wb and Wd, the weightings behind EN 12299's mean comfort |
+//! | [`grade`] | what is excellent, good, qualified; the words of EN 12299 |
+//! | [`assessment`] | [`Ride::of`]: all of it for one vehicle over the tracks of several seeds |
+//!
+//! The track is straight, with the irregularity of the scenario: random by its wavelengths with the
+//! study's seeds, or measured; a scenario without any gets class 6 with wavelengths of 1 to 100 m. The
+//! vehicle has no longitudinal motion, so mean comfort is that of two directions.
+
+pub mod assessment;
+pub mod grade;
+pub mod page;
+pub mod procedure;
+mod shake;
+pub mod sperling;
+pub mod study;
+pub mod text;
+pub mod weighting;
+
+pub use assessment::Ride;
+pub use procedure::Procedure;
+pub use study::{Found, Point, Question};

@@ -1,0 +1,283 @@
+//! A question about a vehicle, asked at every point of a grid of its numbers.
+//!
+//! A study reads its scenario at every point before it begins, so that what cannot run is known before
+//! anything is written. Its name is a hash of all that its answers depend on, so that points of another
+//! study are never taken for its own. Points are independent: any cores and any shards give the same.
+
+use crate::fnv;
+use crate::shards::Item;
+use crate::statistics;
+use crate::sweep::Grid;
+use report::Report;
+use scenario::run::{Overrides, Run};
+use scenario::setting::Setting;
+use scenario::source::ScenarioError;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use std::fmt::Debug;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// A scenario and the grid over which its keys are varied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Varied {
+    /// The scenario.
+    pub scenario: PathBuf,
+    /// Its points.
+    pub grid: Grid,
+}
+
+impl Varied {
+    /// The scenario at a point, with a second of its random track: studies lay their own. A measured
+    /// track has to reach as far as the study goes (s).
+    ///
+    /// # Errors
+    /// A point that cannot be.
+    pub fn run(
+        &self,
+        index: usize,
+        duration_s: impl Fn(&Run) -> f64,
+    ) -> Result<Run, ScenarioError> {
+        let settings = self.grid.point(index);
+        let load = |duration_s: f64| {
+            let overrides = Overrides { duration_s: Some(duration_s), speed_kmh: None };
+            Run::load_as_fine_as_needed(&self.scenario, overrides, &settings)
+        };
+        let short = load(1.0)?;
+        let measured = short.band.is_none() && !short.track.samples.samples.is_empty();
+        if measured { load(duration_s(&short)) } else { Ok(short) }
+    }
+
+    /// Name of the scenario's file.
+    pub fn file_name(&self) -> String {
+        self.scenario.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+}
+
+/// A question, and how its answers are told.
+pub trait Study: Debug + Sync {
+    /// What it is called: its command, its folder, its file.
+    const CALLED: &'static str;
+    /// What many answers are called.
+    const ANSWERS: &'static str;
+    /// What is found at a point; its default is nothing.
+    type Found: Serialize + DeserializeOwned + Default + Clone + PartialEq + Send + Sync;
+    /// Every number that the answers depend on beside the scenario.
+    type Procedure: Serialize;
+
+    /// The scenario and its points.
+    fn varied(&self) -> &Varied;
+
+    /// How it is asked.
+    fn procedure(&self) -> &Self::Procedure;
+
+    /// How long the vehicle runs on each track (s); only a measured track asks.
+    fn duration_s(&self, _run: &Run) -> f64 {
+        1.0
+    }
+
+    /// Refuses a scenario that the question does not fit.
+    ///
+    /// # Errors
+    /// In one line what is missing.
+    fn fits(&self, _run: &Run) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Finds the answer for the scenario of a point.
+    ///
+    /// # Errors
+    /// In one line why there is none; what was found before it stays.
+    fn answer(&self, run: &Run, found: &mut Self::Found, busy: &Busy) -> Result<(), String>;
+
+    /// The answers as a table for a terminal, and under which conditions they hold.
+    fn text(&self, points: &[Point<Self::Found>]) -> String;
+
+    /// The report of the answers, behind its title and facts.
+    fn page(&self, points: &[Point<Self::Found>], report: Report) -> Report;
+
+    /// Reads the scenario at every point; gives the name of the study.
+    ///
+    /// # Errors
+    /// The first point that cannot be.
+    fn check(&self) -> Result<String, ScenarioError> {
+        let mut hash = fnv::START;
+        let mut add = |text: &str| hash = text.bytes().fold(hash, |h, b| fnv::add(h, b.into()));
+        let varied = self.varied();
+        for index in 0..varied.grid.len() {
+            let run = varied.run(index, |run| self.duration_s(run))?;
+            self.fits(&run).map_err(|message| ScenarioError {
+                file: varied.scenario.clone(),
+                line: None,
+                message,
+            })?;
+            add(&run.effective.scenario);
+            add(&run.effective.vehicle);
+        }
+        add(&format!("{self:?}"));
+        Ok(format!(
+            "{} {} of {}, study {hash:016x}",
+            varied.grid.len(),
+            Self::ANSWERS,
+            varied.file_name()
+        ))
+    }
+
+    /// Finds the answer at a point.
+    fn point(&self, study: &str, index: usize) -> Point<Self::Found> {
+        let varied = self.varied();
+        let mut found = Self::Found::default();
+        let busy = Busy::default();
+        let answer = varied
+            .run(index, |run| self.duration_s(run))
+            .map_err(|why| why.to_string())
+            .and_then(|run| self.answer(&run, &mut found, &busy));
+        Point {
+            index,
+            study: study.to_owned(),
+            at: varied.grid.point(index),
+            found,
+            failure: answer.err(),
+            busy_s: busy.seconds(),
+        }
+    }
+}
+
+/// What was found at a point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Point<F> {
+    /// Its number.
+    pub index: usize,
+    /// The study that it belongs to.
+    pub study: String,
+    /// Keys that were varied and their values here.
+    pub at: Vec<Setting>,
+    /// What was found.
+    #[serde(flatten)]
+    pub found: F,
+    /// Why there is no answer.
+    pub failure: Option<String>,
+    /// Time of cores that went into trips (s); in the file of a shard only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub busy_s: Option<f64>,
+}
+
+impl<F> Point<F> {
+    /// Its keys and values in words, or a name for the only point.
+    pub fn in_words(&self, only: &str) -> String {
+        if self.at.is_empty() {
+            return only.to_owned();
+        }
+        let words = self.at.iter().map(|set| format!("{} {:e}", set.key, set.value));
+        words.collect::<Vec<_>>().join(", ")
+    }
+}
+
+impl<F> Item for Point<F>
+where
+    F: Serialize + DeserializeOwned + Clone + PartialEq + Send + Sync,
+{
+    const CALLED: &'static str = "point";
+    const MANY: &'static str = "points";
+
+    fn index(&self) -> usize {
+        self.index
+    }
+
+    fn work(&self) -> String {
+        self.study.clone()
+    }
+
+    fn lasting(&self) -> Self {
+        Self { busy_s: None, ..self.clone() }
+    }
+}
+
+/// Time of cores that goes into trips, summed over them.
+#[derive(Debug, Default)]
+pub struct Busy(AtomicU64);
+
+impl Busy {
+    /// Does a trip and counts its time.
+    pub fn time<T>(&self, trip: impl FnOnce() -> T) -> T {
+        let began = Instant::now();
+        let done = trip();
+        self.0.fetch_add(began.elapsed().as_micros() as u64, Ordering::Relaxed);
+        done
+    }
+
+    /// The time so far (s); none before the first trip.
+    pub fn seconds(&self) -> Option<f64> {
+        let micros = self.0.load(Ordering::Relaxed);
+        (micros > 0).then_some(micros as f64 * 1e-6)
+    }
+}
+
+/// How fast trips were, in words; none where no time was kept.
+pub fn pace<F>(points: &[Point<F>], simulated_s: impl Fn(&F) -> f64) -> Option<String> {
+    let timed = || points.iter().filter_map(|point| Some((&point.found, point.busy_s?)));
+    let busy_s: f64 = timed().map(|(_, busy_s)| busy_s).sum();
+    let simulated_s: f64 = timed().map(|(found, _)| simulated_s(found)).sum();
+    (busy_s > 0.0 && simulated_s > 0.0).then(|| {
+        let pace = simulated_s / busy_s;
+        format!("{simulated_s:.0} s simulated, {pace:.0} s per second of one core")
+    })
+}
+
+/// A quantity over the tracks of several seeds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OverSeeds {
+    /// Mean.
+    pub mean: f64,
+    /// Lowest.
+    pub lowest: f64,
+    /// Highest.
+    pub highest: f64,
+}
+
+impl OverSeeds {
+    /// Of one value a seed; none without any.
+    ///
+    /// ```
+    /// let over = studies::study::OverSeeds::of([1.0, 4.0, 1.0]).unwrap();
+    /// assert_eq!((over.mean, over.lowest, over.highest), (2.0, 1.0, 4.0));
+    /// ```
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let values: Vec<f64> = values.into_iter().collect();
+        let (lowest, highest) = statistics::min_max(&values)?;
+        Some(Self { mean: statistics::mean(&values), lowest, highest })
+    }
+}
+
+/// Seeds in words.
+///
+/// ```
+/// assert_eq!(studies::study::seeds_in_words(&[1, 2, 3]), "1 to 3");
+/// assert_eq!(studies::study::seeds_in_words(&[7]), "7");
+/// ```
+pub fn seeds_in_words(seeds: &[u64]) -> String {
+    match (seeds.first(), seeds.last()) {
+        (Some(first), Some(last)) if first != last => format!("{first} to {last}"),
+        (Some(first), _) => first.to_string(),
+        _ => "none".to_owned(),
+    }
+}
+
+/// Rows as lines with aligned columns, the first row as heads; failures of points below them.
+pub fn table<F>(rows: &[Vec<String>], points: &[Point<F>]) -> Vec<String> {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| {
+        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max()
+    };
+    let widths: Vec<usize> = (0..columns).filter_map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}"));
+        cells.collect::<Vec<_>>().join("   ")
+    };
+    let mut lines: Vec<String> = rows.iter().map(line).collect();
+    let failures =
+        points.iter().filter_map(|point| Some((point.index + 1, point.failure.as_ref()?)));
+    lines.extend(failures.map(|(number, why)| format!("point {number}: {why}")));
+    lines
+}
