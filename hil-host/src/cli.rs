@@ -62,7 +62,8 @@ enum Command {
     )]
     CriticalSpeed(CriticalSpeedArgs),
     /// The study of the SS9's yaw dampers, figure by figure: its numbers beside ours.
-    #[command(after_help = "Example: yawbench reproduce --figure 10a --out reproduced")]
+    #[command(after_help = "Examples: yawbench reproduce --figure 10a --out reproduced
+          yawbench reproduce --validation")]
     Reproduce(ReproduceArgs),
     /// How does the vehicle of a scenario ride on straight track? Sperling index, mean comfort,
     /// accelerations, spectra; its layout and duration do not matter.
@@ -203,7 +204,7 @@ pub fn main() -> ExitCode {
         Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
         Command::Simulate(args) => identify::simulate_command(args).map(|()| ExitCode::SUCCESS),
         Command::CriticalSpeed(args) => critical_speed::command(args).map(|()| ExitCode::SUCCESS),
-        Command::Reproduce(args) => reproduce::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Reproduce(args) => reproduce::command(args),
         Command::Ride(args) => ride::command(args).map(|()| ExitCode::SUCCESS),
         Command::Curve(args) => curve::command(args).map(|()| ExitCode::SUCCESS),
     };

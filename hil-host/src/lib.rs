@@ -33,3 +33,4 @@ pub mod rig;
 pub mod run;
 pub mod study;
 pub mod summary;
+mod validation;

@@ -2,10 +2,12 @@
 
 use crate::progress;
 use crate::record::RunFolder;
+use crate::validation;
 use anyhow::bail;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use studies::critical_speed::Procedure;
 use studies::reproduce::calibration::{Calibrated, UNKNOWNS, calibrate};
 use studies::reproduce::locomotive::Locomotive;
@@ -21,13 +23,17 @@ pub struct ReproduceArgs {
     /// Find the three numbers that are public nowhere on the three critical speeds that fix them.
     #[arg(long)]
     calibrate: bool,
+    /// Nothing of the study: benchmarks, published values, closed forms and second solutions; exit code 1
+    /// if one is missed.
+    #[arg(long, conflicts_with_all = ["figure", "calibrate"])]
+    validation: bool,
     /// The locomotive with its dampers in good condition.
     #[arg(long, value_name = "FILE", default_value = "scenarios/ss9-160kmh.toml")]
     scenario: PathBuf,
     /// Tracks: seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
-    /// Folder for the files [default: runs/reproduce].
+    /// Folder for the files [default: runs/reproduce or runs/validation].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print reproduce.json instead of tables.
@@ -47,7 +53,10 @@ struct CalibrationFile<'a> {
 ///
 /// # Errors
 /// Bad input, before anything is written; a vehicle that does not run; a disk that fails.
-pub fn command(args: &ReproduceArgs) -> anyhow::Result<()> {
+pub fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
+    if args.validation {
+        return validation::command(args.out.as_deref(), args.json);
+    }
     if !(1..=1000).contains(&args.seeds) {
         bail!("--seeds {}: expected 1 to 1000", args.seeds);
     }
@@ -65,7 +74,8 @@ pub fn command(args: &ReproduceArgs) -> anyhow::Result<()> {
     let folder = RunFolder::at(args.out.clone().unwrap_or_else(|| "runs/reproduce".into()));
     folder.create()?;
     if args.calibrate {
-        return calibration(args, &procedure, &folder);
+        calibration(args, &procedure, &folder)?;
+        return Ok(ExitCode::SUCCESS);
     }
     let scenario = args.scenario.as_path();
     let basis = Basis { scenario, locomotive: &locomotive, procedure: &procedure };
@@ -80,7 +90,7 @@ pub fn command(args: &ReproduceArgs) -> anyhow::Result<()> {
         println!("{}", page::text(&figures));
         println!("\nfiles in {}: report.html, reproduce.json", folder.path().display());
     }
-    Ok(())
+    Ok(ExitCode::SUCCESS)
 }
 
 fn make(recipes: &[Recipe], basis: &Basis<'_>) -> anyhow::Result<Vec<Figure>> {

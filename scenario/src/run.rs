@@ -182,6 +182,15 @@ pub struct Effective {
     pub vehicle: String,
 }
 
+/// What happens at a speed that the substeps are too coarse for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Slow {
+    /// It is refused.
+    Refused,
+    /// Substeps are halved until they do.
+    Finer,
+}
+
 /// What the command line changes in a scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Overrides {
@@ -211,7 +220,20 @@ impl Run {
         settings: &[Setting],
     ) -> Result<Self, ScenarioError> {
         let source = Source::read(path)?.with_settings(settings)?;
-        Self::build(&source, overrides, settings)
+        Self::build(&source, overrides, settings, Slow::Refused)
+    }
+
+    /// The same for a study that varies its speed: where one needs finer substeps it gets them.
+    ///
+    /// # Errors
+    /// As for [`Run::load_with`].
+    pub fn load_as_fine_as_needed(
+        path: &Path,
+        overrides: Overrides,
+        settings: &[Setting],
+    ) -> Result<Self, ScenarioError> {
+        let source = Source::read(path)?.with_settings(settings)?;
+        Self::build(&source, overrides, settings, Slow::Finer)
     }
 
     /// Builds a scenario from its text.
@@ -219,13 +241,14 @@ impl Run {
     /// # Errors
     /// One line with file, line and key for the first thing that does not fit.
     pub fn from_source(source: &Source, overrides: Overrides) -> Result<Self, ScenarioError> {
-        Self::build(source, overrides, &[])
+        Self::build(source, overrides, &[], Slow::Refused)
     }
 
     fn build(
         source: &Source,
         overrides: Overrides,
         settings: &[Setting],
+        slow: Slow,
     ) -> Result<Self, ScenarioError> {
         let mut file: RunFile = source.parse()?;
         file.damper = file.damper.resolved(source)?;
@@ -251,7 +274,7 @@ impl Run {
         };
         // A short run keeps half of itself for its statistics.
         let run_in_s = run_in_s.min(0.5 * duration_s);
-        let substeps = file.substeps.unwrap_or(SUBSTEPS);
+        let mut substeps = file.substeps.unwrap_or(SUBSTEPS);
         if !(2..=64).contains(&substeps) {
             return Err(source.whole_error(format!("substeps = {substeps}, expected 2 to 64")));
         }
@@ -280,7 +303,12 @@ impl Run {
             SPEED_MAX_KMH,
             "more than 0 and at most 600 km/h",
         )? / 3.6;
-        let least = minimum_speed_m_per_s(&vehicle, table, CYCLE_S / f64::from(substeps));
+        let slowest =
+            |substeps: u32| minimum_speed_m_per_s(&vehicle, table, CYCLE_S / f64::from(substeps));
+        while slow == Slow::Finer && substeps <= 32 && speed_m_per_s < slowest(substeps) {
+            substeps *= 2;
+        }
+        let least = slowest(substeps);
         if speed_m_per_s < least {
             return Err(file.speed_kmh.error(
                 source,

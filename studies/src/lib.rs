@@ -11,6 +11,7 @@
 //! [`critical_speed`] asks from which speed on it hunts, [`ride`] how it rides, [`curve`] how it goes
 //! through a curve. [`study`] is what these have in common: [`sweep`] varies what is asked about,
 //! [`shards`] cuts long work into parts. [`response`] filters by a frequency response.
+//! [`validation`] sets all of it beside what is known.
 //! [`measurement`] is the way in for what a bench measured, [`laboratory`] what a laboratory prints of it.
 
 pub mod bench_visit;
@@ -37,3 +38,4 @@ pub mod statistics;
 pub mod study;
 pub mod sweep;
 pub mod trip;
+pub mod validation;

@@ -42,7 +42,7 @@ impl Varied {
         let settings = self.grid.point(index);
         let load = |duration_s: f64| {
             let overrides = Overrides { duration_s: Some(duration_s), speed_kmh: None };
-            Run::load_with(&self.scenario, overrides, &settings)
+            Run::load_as_fine_as_needed(&self.scenario, overrides, &settings)
         };
         let short = load(1.0)?;
         let measured = short.band.is_none() && !short.track.samples.samples.is_empty();

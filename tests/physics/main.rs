@@ -5,8 +5,6 @@
 
 mod contact_sweep;
 mod convergence;
-mod energy;
-
 mod equilibrium;
 mod lanes;
 mod locomotive;

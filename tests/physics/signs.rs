@@ -1,19 +1,16 @@
 //! Directions: what is left, what is right, and what pushes where.
 //!
 //! x forward, y right, z down. Signs are easy to get wrong in pairs, so each is tested by what it
-//! must do to a vehicle.
+//! must do to a vehicle. Left against right as a whole: `studies/src/validation/symmetry.rs`.
 
 use crate::contact_sweep::under_load;
 use crate::locomotive::{
     Modelled, axle_force_n, carried_n, dampers, scenario, scenario_from, table,
 };
 use firmware_core::lanes::Lanes;
-use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
-use firmware_core::vehicle::{
-    DamperForces, LATERAL, ROLL, Running, VERTICAL, Vehicle, VehicleState, YAW,
-};
+use firmware_core::track::{Layout, Track};
+use firmware_core::vehicle::{DamperForces, LATERAL, ROLL, Running, VERTICAL, YAW};
 use firmware_core::wheel_rail::wheel::Wheel;
-use nalgebra::Vector3;
 use scenario::run::Run;
 
 const SUBSTEP_S: f64 = 0.25e-3;
@@ -35,100 +32,6 @@ fn curve(radius_m: f64, cant_rad: f64, transition_m: f64) -> Layout {
     layout.hold(40.0).unwrap();
     layout.ramp(transition_m, 1.0 / radius_m, cant_rad, 6.0).unwrap();
     layout
-}
-
-/// The vehicle seen in a mirror: every point on the other side.
-fn mirrored_vehicle(vehicle: &Vehicle) -> Vehicle {
-    let mut mirrored = vehicle.clone();
-    let flip = |point: &mut Vector3<f64>| point.y = -point.y;
-    for element in &mut mirrored.suspensions {
-        flip(&mut element.first.point_m);
-        flip(&mut element.second.point_m);
-    }
-    for mount in &mut mirrored.dampers {
-        flip(&mut mount.first.point_m);
-        flip(&mut mount.second.point_m);
-        flip(&mut mount.direction);
-    }
-    mirrored
-}
-
-fn mirrored_state(state: &VehicleState) -> VehicleState {
-    let mut mirrored = state.clone();
-    for pose in mirrored
-        .position
-        .iter_mut()
-        .chain(&mut mirrored.half_velocity)
-        .chain(&mut mirrored.acceleration)
-    {
-        for coordinate in [LATERAL, ROLL, YAW] {
-            pose[coordinate] = -pose[coordinate];
-        }
-    }
-    for sides in mirrored
-        .rail_position
-        .iter_mut()
-        .chain(&mut mirrored.rail_half_velocity)
-        .chain(&mut mirrored.rail_acceleration)
-    {
-        sides.swap(0, 1);
-        for rail in sides {
-            rail[0] = -rail[0];
-        }
-    }
-    for sides in &mut mirrored.wheels {
-        sides.swap(0, 1);
-    }
-    for sides in &mut mirrored.shifts_m {
-        sides.swap(0, 1);
-    }
-    mirrored
-}
-
-/// Runs 6 s through a curve over irregular track, from a start pushed aside.
-fn bumpy_run(
-    run: &Run,
-    vehicle: &Vehicle,
-    sign: f64,
-    samples: &[IrregularitySample],
-) -> VehicleState {
-    let irregularity = Irregularity { samples, ..run.track.view().irregularity };
-    let track = Track { layout: curve(sign * 400.0, sign * 0.08, 60.0), irregularity };
-    let running = running(run, &track, 90.0 / 3.6);
-    let mut modelled = Modelled::new(dampers(run).into_iter().map(|damper| [damper]).collect());
-    let mut state = run.start.state.clone();
-    state.position[0][LATERAL] = Lanes([5e-3]);
-    state.position[WHEELSET_3][YAW] = Lanes([1e-3]);
-    state.half_velocity[BOGIE_FRONT][ROLL] = Lanes([0.02]);
-    if sign < 0.0 {
-        state = mirrored_state(&state);
-    }
-    vehicle.start(&mut state, &running);
-    vehicle.step(&mut state, &running, &mut modelled, 24_000);
-    state
-}
-
-#[test]
-fn a_mirrored_run_is_the_mirror_image_to_the_last_bit() {
-    let run = scenario("ss9-160kmh.toml");
-    let samples = run.track.samples.samples.clone();
-    let mirrored_samples: Vec<_> = samples
-        .iter()
-        .map(|s| IrregularitySample {
-            alignment_m: -s.alignment_m,
-            cross_level_m: -s.cross_level_m,
-            ..*s
-        })
-        .collect();
-    let seen = bumpy_run(&run, &run.vehicle, 1.0, &samples);
-    let image = bumpy_run(&run, &mirrored_vehicle(&run.vehicle), -1.0, &mirrored_samples);
-    assert!(seen.position[0][LATERAL].0[0].abs() > 1e-3, "it moved");
-    let expected = mirrored_state(&seen);
-    assert_eq!(image.position, expected.position);
-    assert_eq!(image.half_velocity, expected.half_velocity);
-    assert_eq!(image.rail_position, expected.rail_position);
-    assert_eq!(image.wheels, expected.wheels);
-    assert_eq!(image.damper_n, expected.damper_n);
 }
 
 #[test]

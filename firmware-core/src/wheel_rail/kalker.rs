@@ -121,36 +121,3 @@ static LONG: [Row; 10] = [
     row([3.51, 4.22, 5.30], [3.51, 3.81, 4.16], [1.44, 1.59, 1.77]),
     row([3.40, 4.12, 5.20], [3.40, 3.67, 3.98], [1.33, 1.47, 1.63]),
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_tabulated_ellipse_gives_the_published_numbers() {
-        let c = coefficients(0.3, 1.0, 0.5);
-        assert!((c.c11 - 4.80).abs() < 1e-12, "{c:?}");
-        assert!((c.c22 - 2.81).abs() < 1e-12);
-        assert!((c.c23 - 0.889).abs() < 1e-12);
-        let c = coefficients(1.0, 0.3, 0.0);
-        assert!((c.c11 - 5.57).abs() < 1e-12 && (c.c23 - 3.79).abs() < 1e-12, "{c:?}");
-    }
-
-    #[test]
-    fn the_slender_ellipse_follows_the_asymptotes() {
-        let c = coefficients(0.05, 1.0, 0.28);
-        assert!((c.c11 - PI * PI / 4.0 / 0.72).abs() < 1e-12);
-        assert!((c.c22 - PI * PI / 4.0).abs() < 1e-12);
-        // The step from table to asymptote is below 4 %.
-        let (table, slender) = (coefficients(0.1011, 1.0, 0.25), coefficients(0.1009, 1.0, 0.25));
-        assert!((table.c22 / slender.c22 - 1.0).abs() < 0.04, "{table:?} {slender:?}");
-    }
-
-    #[test]
-    fn the_flexibility_of_the_traction_curve_matches_contact() {
-        // CONTACT, Eurosprinter case: a = 6.304, b = 12.61 mm, G = 82 GPa: L1 = 5.491e-5 mm3/N.
-        let c = coefficients(6.304, 12.61, 0.28);
-        let l1 = 8.0 * 6.304 / (3.0 * 82_000.0 * c.c11);
-        assert!((l1 - 5.491e-5).abs() < 5e-9, "{l1}");
-    }
-}

@@ -140,11 +140,19 @@ impl Wheel {
     /// Adds one zone and gives its normal force and its rolling.
     #[inline(always)]
     fn zone(&self, zone: &ZoneTable, motion: &WheelMotion, sum: &mut WheelForce) -> (f64, Rolling) {
+        let Some(touch) = self.touch(zone, motion) else { return (0.0, Rolling::default()) };
+        let rolling = self.add_patch(&touch, motion, sum);
+        (touch.patch.normal_n, rolling)
+    }
+
+    /// Where and how hard a zone touches the rail; none where it is lifted off.
+    #[inline(always)]
+    pub fn touch(&self, zone: &ZoneTable, motion: &WheelMotion) -> Option<Touch> {
         // Where the rolled wheel meets the rail.
         let shift = motion.shift_m - motion.roll_rad * zone.rail_radius_m(motion.shift_m);
         // Cheap refusal: a millimetre covers what roll can add.
         if motion.drop_m + 1e-3 < zone.touch_m(shift) {
-            return (0.0, Rolling::default());
+            return None;
         }
         let shape = zone.at(shift);
         let touch_m = shape.touch_m - motion.roll_rad * shape.rail_centre_m;
@@ -153,7 +161,7 @@ impl Wheel {
         let sine = slope * cosine;
         let approach_m = (motion.drop_m - touch_m) * cosine;
         if approach_m <= 0.0 {
-            return (0.0, Rolling::default());
+            return None;
         }
         let root = libm::sqrt(approach_m);
         let patch = Patch {
@@ -168,8 +176,7 @@ impl Wheel {
         };
         let arm_m = self.tape_m + shape.lateral_m;
         let radius_m = self.radius_m + shape.radius_deviation_m;
-        let rolling = self.add_patch(&patch, [sine, cosine], arm_m, radius_m, motion, sum);
-        (patch.normal_n, rolling)
+        Some(Touch { patch, sine, cosine, arm_m, radius_m })
     }
 
     #[inline(always)]
@@ -185,36 +192,20 @@ impl Wheel {
             friction: self.friction,
         };
         let radius_m = self.radius_m + cone.conicity * motion.shift_m;
-        sum.tread = self.add_patch(&patch, [0.0, 1.0], self.tape_m, radius_m, motion, sum);
+        let touch = Touch { patch, sine: 0.0, cosine: 1.0, arm_m: self.tape_m, radius_m };
+        sum.tread = self.add_patch(&touch, motion, sum);
         sum.tread_n = cone.load_n;
         sum.flange_n = cone.flange_n_per_m * (motion.shift_m - cone.flange_gap_m).max(0.0);
         sum.lateral_n -= sum.flange_n;
     }
 
-    /// Creepages of a patch, its tangential force, and all of it as force and moment.
+    /// The tangential force of a patch, and all of it as force and moment.
     #[inline(always)]
-    fn add_patch(
-        &self,
-        patch: &Patch,
-        [sine, cosine]: [f64; 2],
-        arm_m: f64,
-        radius_m: f64,
-        motion: &WheelMotion,
-        sum: &mut WheelForce,
-    ) -> Rolling {
-        let spin = motion.spin_rad_per_s;
-        let per_speed = 1.0 / motion.speed_m_per_s;
+    fn add_patch(&self, touch: &Touch, motion: &WheelMotion, sum: &mut WheelForce) -> Rolling {
+        let Touch { patch, sine, cosine, arm_m, radius_m } = *touch;
         let tangent = sine / cosine;
-        let creepage = Creepage {
-            longitudinal: (motion.speed_m_per_s + spin * radius_m - motion.yaw_rad_per_s * arm_m)
-                * per_speed,
-            lateral: ((motion.lateral_m_per_s - motion.roll_rad_per_s * radius_m) * cosine
-                - (motion.vertical_m_per_s + motion.roll_rad_per_s * arm_m) * sine
-                + spin * motion.yaw_rad * radius_m / cosine)
-                * per_speed,
-            spin_per_m: (spin * sine + motion.yaw_rad_per_s * cosine) * per_speed,
-        };
-        let creep: CreepForce = self.creep.force(patch, creepage);
+        let creepage = touch.creepage(motion);
+        let creep: CreepForce = self.creep.force(&patch, creepage);
         let outward = creep.lateral_n * cosine - patch.normal_n * sine;
         let down = -creep.lateral_n * sine - patch.normal_n * cosine;
         // The contact leads or trails the axle in a yawed wheelset.
@@ -231,5 +222,39 @@ impl Wheel {
                 + creep.lateral_n * creepage.lateral
                 + creep.spin_moment_n_m * creepage.spin_per_m);
         Rolling { creepage, force: creep }
+    }
+}
+
+/// One zone on its rail: the patch, and where on the wheelset it lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// The patch with its normal force.
+    pub patch: Patch,
+    /// Sine of the contact angle against the track; positive pushes the wheel inward.
+    pub sine: f64,
+    /// Its cosine.
+    pub cosine: f64,
+    /// Outward distance from the middle of the wheelset (m).
+    pub arm_m: f64,
+    /// Rolling radius (m).
+    pub radius_m: f64,
+}
+
+impl Touch {
+    /// Creepages of the patch.
+    #[inline(always)]
+    pub fn creepage(&self, motion: &WheelMotion) -> Creepage {
+        let Self { sine, cosine, arm_m, radius_m, .. } = *self;
+        let spin = motion.spin_rad_per_s;
+        let per_speed = 1.0 / motion.speed_m_per_s;
+        Creepage {
+            longitudinal: (motion.speed_m_per_s + spin * radius_m - motion.yaw_rad_per_s * arm_m)
+                * per_speed,
+            lateral: ((motion.lateral_m_per_s - motion.roll_rad_per_s * radius_m) * cosine
+                - (motion.vertical_m_per_s + motion.roll_rad_per_s * arm_m) * sine
+                + spin * motion.yaw_rad * radius_m / cosine)
+                * per_speed,
+            spin_per_m: (spin * sine + motion.yaw_rad_per_s * cosine) * per_speed,
+        }
     }
 }

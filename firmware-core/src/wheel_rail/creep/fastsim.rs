@@ -4,6 +4,7 @@
 //! `L3 = pi a sqrt(a/b) / (4 G C23)`. Each strip is followed from its leading edge; the traction
 //! grows by slip over flexibility and is cut at `mu p` with the parabolic pressure
 //! `p = 2N/(pi a b) (1 - x^2/a^2 - y^2/b^2)`. Cost grows with the number of cells and nothing else.
+//! Closed form and CONTACT stand beside it in `studies/src/validation/fastsim.rs`.
 
 use super::{CreepForce, Creepage, Patch};
 
@@ -113,57 +114,5 @@ impl core::ops::Add for CreepForce {
             lateral_n: self.lateral_n + other.lateral_n,
             spin_moment_n_m: self.spin_moment_n_m + other.spin_moment_n_m,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::tests::eurosprinter;
-    use super::*;
-    use crate::wheel_rail::kalker::coefficients;
-
-    #[test]
-    fn the_traction_curve_follows_contacts_own_fastsim() {
-        // CONTACT, Eurosprinter traction curve, its FASTSIM column. It was made on a grid of 48 x 44
-        // cells whose first cell counts whole, which alone is worth 3 % in adhesion; this grid is
-        // converged (1/u = 1 - 0.347 u + 0.043 u^2 in the stick region, closed form).
-        let law = Fastsim::new(220, 220).unwrap();
-        let patch = eurosprinter();
-        for (xi, expected) in [
-            (-1e-5, 0.007_126),
-            (-4e-4, 0.2577),
-            (-8e-4, 0.4653),
-            (-1.2e-3, 0.6281),
-            (-2e-3, 0.8433),
-            (-2.8e-3, 0.9505),
-            (-4e-3, 0.9978),
-        ] {
-            let force = law.force(&patch, Creepage { longitudinal: xi, ..Creepage::default() });
-            let ratio = force.longitudinal_n / (patch.friction * patch.normal_n);
-            assert!((ratio / expected - 1.0).abs() < 0.035, "{xi}: {ratio} {expected}");
-        }
-    }
-
-    #[test]
-    fn the_spin_case_follows_contacts_own_fastsim() {
-        // CONTACT, fastsim example, parabolic bound: Fy/(mu N) = -0.6118 on 44 x 44,
-        // -0.6359 on 220 x 220 with a blended flexibility; full theory -0.6074.
-        let (a, b) = (8e-3, 4e-3);
-        let c = coefficients(a, b, 0.28);
-        let patch = Patch {
-            normal_n: 82e3,
-            along_m: a,
-            across_m: b,
-            c11: c.c11,
-            c22: c.c22,
-            c23: c.c23,
-            shear_modulus_pa: 82e9,
-            friction: 0.3,
-        };
-        let creepage = Creepage { longitudinal: 0.0, lateral: -6.25e-4, spin_per_m: 0.625 };
-        let ratio = |cells| {
-            Fastsim::new(cells, cells).unwrap().force(&patch, creepage).lateral_n / (0.3 * 82e3)
-        };
-        assert!((ratio(220) + 0.6359).abs() < 0.02, "{} {}", ratio(44), ratio(220));
     }
 }

@@ -1,0 +1,94 @@
+//! Ours against what is known: published numbers, closed forms, and numbers that were computed twice.
+//!
+//! One file per reference. Each computes its numbers when it is asked, sets them beside the known ones as
+//! [`Check`]s with tolerances that its [`Reference`] derives, and says what is left out. Nothing here is
+//! tuned to pass; the same functions are the tests (`tests/validation.rs`) and the page of
+//! `yawbench reproduce --validation` ([`page`]).
+//!
+//! | file | known from |
+//! | --- | --- |
+//! | [`conicity`], [`kalker`], [`fastsim`], [`manchester_contact`] | benchmarks and tables of the field |
+//! | [`cooperrider`] | a published stability limit, and equations written out apart from the vehicle code |
+//! | [`irregularity`] | the spectra of the SS9 study |
+//! | [`ride`] | the formula of the index, published weighting factors |
+//! | [`coach`] | springs and masses by hand |
+//! | [`energy`], [`symmetry`] | what no model may break |
+
+mod check;
+pub mod coach;
+pub mod conicity;
+pub mod cooperrider;
+pub mod energy;
+pub mod fastsim;
+pub mod irregularity;
+pub mod kaas_petersen;
+pub mod kalker;
+mod locomotive;
+pub mod manchester_contact;
+pub mod page;
+pub mod ride;
+pub mod symmetry;
+pub mod text;
+mod vehicles;
+
+pub use check::{Check, Reference};
+
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Why a reference could not be computed at all.
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+/// Computes one reference.
+pub type Compute = fn() -> Result<Reference, Failure>;
+
+/// Every reference, in the order of the page.
+pub const REFERENCES: [Compute; 10] = [
+    conicity::reference,
+    kalker::reference,
+    fastsim::reference,
+    manchester_contact::reference,
+    cooperrider::reference,
+    irregularity::reference,
+    ride::reference,
+    coach::reference,
+    energy::reference,
+    symmetry::reference,
+];
+
+/// Computes all of them, side by side; `progress` is told the title of each that is done, how many are, and
+/// of how many.
+///
+/// # Errors
+/// A reference that could not be computed at all.
+pub fn all(progress: &(dyn Fn(&str, usize, usize) + Sync)) -> Result<Vec<Reference>, Failure> {
+    let done = AtomicUsize::new(0);
+    let one = |compute: &Compute| {
+        let reference = compute()?;
+        progress(reference.title, done.fetch_add(1, Ordering::Relaxed) + 1, REFERENCES.len());
+        Ok(reference)
+    };
+    REFERENCES.par_iter().map(one).collect()
+}
+
+/// The columns of a table in CSV, by the words of its head.
+fn columns<const N: usize>(text: &str, heads: [&str; N]) -> Result<[Vec<f64>; N], Failure> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let found = reader.headers()?.clone();
+    let mut places = [0; N];
+    for (place, head) in places.iter_mut().zip(heads) {
+        let at = found.iter().position(|name| name == head);
+        *place = at.ok_or_else(|| format!("no column {head}"))?;
+    }
+    let mut columns = [const { Vec::new() }; N];
+    for record in reader.records() {
+        let record = record?;
+        for (column, place) in columns.iter_mut().zip(places) {
+            column.push(record.get(place).unwrap_or_default().parse::<f64>()?);
+        }
+    }
+    Ok(columns)
+}
+
+#[cfg(test)]
+mod tests;

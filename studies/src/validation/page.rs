@@ -1,0 +1,145 @@
+//! The page: for every reference what it is, what the tolerance means, a table, and plots.
+
+use super::{Check, Reference, text};
+use report::{Cell, Plot, Report, Section, Table, Tile, significant};
+
+/// Quantities that are compared at more places show the tightest one.
+const SHOWN: usize = 8;
+
+/// The report.
+pub fn page(references: &[Reference]) -> Report {
+    let checks: usize = references.iter().map(|reference| reference.checks.len()).sum();
+    let misses: Vec<String> = text::misses(references).collect();
+    let missed = Tile::count("comparisons that miss", misses.len() as u64);
+    let mut overview = Section::new("Overview")
+        .text(
+            "Numbers of this program beside numbers that are known: benchmarks of the field, published values, \
+             closed forms, solutions computed twice, and what no model may break. All of ours were \
+             computed for this page. Tolerances are derived: each section says from what. \"Used\" is the \
+             share of the tolerance that the difference takes up, 100 % at its end.",
+        )
+        .tiles([
+            Tile::count("references", references.len() as u64),
+            Tile::count("comparisons", checks as u64),
+            if misses.is_empty() { missed.good() } else { missed.bad() },
+        ])
+        .table(overview_table(references));
+    for miss in &misses {
+        overview = overview.warning(miss);
+    }
+    let report = Report::new("Validation").subtitle("Ours against what is known").section(overview);
+    references.iter().map(section).fold(report, Report::section)
+}
+
+fn overview_table(references: &[Reference]) -> Table {
+    let table = Table::new("References")
+        .text("reference")
+        .text("verdict")
+        .number("comparisons", "")
+        .number_with_digits("most of a tolerance used", "%", 3);
+    table.rows(references.iter().map(|reference| {
+        let used = reference.checks.iter().filter(|check| two_sided(check)).map(Check::used);
+        let row: [Cell; 4] = [
+            reference.title.into(),
+            verdict(reference).into(),
+            (reference.checks.len() as u64).into(),
+            (100.0 * used.fold(0.0, f64::max)).into(),
+        ];
+        row
+    }))
+}
+
+/// Whether being far from the known value is worse on both sides, or on the only one that has a bound.
+fn two_sided(check: &Check) -> bool {
+    check.highest.is_some()
+}
+
+fn section(reference: &Reference) -> Section {
+    let mut section = Section::new(reference.title)
+        .text(&reference.what)
+        .text(&format!("Source: {}", reference.source))
+        .text(&format!("Tolerance: {}", reference.tolerance));
+    for limit in &reference.limits {
+        section = section.note(limit);
+    }
+    section = section.table(table(reference));
+    for miss in reference.misses() {
+        section = section.warning(&format!("Misses: {}, {}", miss.quantity, miss.at));
+    }
+    if reference.checks.len() > shown(reference).len() {
+        section = section.text(
+            "Where a quantity is compared at many places, the one that uses most of its tolerance is shown; \
+             all are in validation.json.",
+        );
+    }
+    match reference.plots.as_slice() {
+        [] => section,
+        [plot] => section.plot(plot.clone()),
+        plots => plots.chunks(2).fold(section, |section, two: &[Plot]| section.plots(two.to_vec())),
+    }
+}
+
+/// Every check of a quantity that has few, the tightest of one that has many.
+fn shown(reference: &Reference) -> Vec<(&Check, usize)> {
+    let mut rows = Vec::new();
+    for (tightest, count) in reference.tightest() {
+        if count > SHOWN {
+            rows.push((tightest, count));
+        } else {
+            let own = reference.checks.iter().filter(|check| check.quantity == tightest.quantity);
+            rows.extend(own.map(|check| (check, 1)));
+        }
+    }
+    rows
+}
+
+fn table(reference: &Reference) -> Table {
+    let table = Table::new(reference.title)
+        .text("quantity")
+        .text("at")
+        .number("comparisons", "")
+        .number_with_digits("known", "", 7)
+        .number_with_digits("ours", "", 7)
+        .text("allowed")
+        .text("unit")
+        .number_with_digits("used", "%", 2)
+        .text("verdict");
+    table.rows(shown(reference).into_iter().map(|(check, count)| {
+        let used = two_sided(check).then(|| 100.0 * check.used());
+        let row: [Cell; 9] = [
+            check.quantity.as_str().into(),
+            check.at.as_str().into(),
+            (count as u64).into(),
+            check.expected.into(),
+            check.ours.into(),
+            allowed(check).into(),
+            check.unit.into(),
+            used.into(),
+            if check.passes { "passes" } else { "MISSES" }.into(),
+        ];
+        row
+    }))
+}
+
+/// What may lie between, in words.
+pub(super) fn allowed(check: &Check) -> String {
+    let number = |value: f64| significant(value, 5);
+    match (check.lowest, check.highest) {
+        (Some(low), Some(high)) => {
+            let (below, above) = (check.expected - low, high - check.expected);
+            if (below - above).abs() <= 1e-6 * (below + above) {
+                format!("±{}", significant(above, 2))
+            } else {
+                format!("{} to {}", number(low), number(high))
+            }
+        }
+        (Some(low), None) => format!("at least {}", number(low)),
+        (None, Some(high)) => format!("at most {}", number(high)),
+        (None, None) => String::new(),
+    }
+}
+
+/// A word for a whole reference.
+pub(super) fn verdict(reference: &Reference) -> &'static str {
+    if reference.passes() { "passes" } else { "MISSES" }
+}
