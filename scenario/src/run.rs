@@ -16,6 +16,7 @@ use crate::watch::{WatchFile, WatchSetup};
 use crate::wheel_rail::{Contact, SurfaceFile};
 use firmware_core::damper::Damper;
 use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle};
+use firmware_core::wheel_rail::table::ContactTable;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -274,7 +275,7 @@ impl Run {
         };
         // A short run keeps half of itself for its statistics.
         let run_in_s = run_in_s.min(0.5 * duration_s);
-        let mut substeps = file.substeps.unwrap_or(SUBSTEPS);
+        let substeps = file.substeps.unwrap_or(SUBSTEPS);
         if !(2..=64).contains(&substeps) {
             return Err(source.whole_error(format!("substeps = {substeps}, expected 2 to 64")));
         }
@@ -296,29 +297,8 @@ impl Run {
         }
         let table = contact.as_ref().map(|contact| &*contact.table);
 
-        let speed_m_per_s = file.speed_kmh.within(
-            source,
-            "speed_kmh",
-            f64::MIN_POSITIVE,
-            SPEED_MAX_KMH,
-            "more than 0 and at most 600 km/h",
-        )? / 3.6;
-        let slowest =
-            |substeps: u32| minimum_speed_m_per_s(&vehicle, table, CYCLE_S / f64::from(substeps));
-        while slow == Slow::Finer && substeps <= 32 && speed_m_per_s < slowest(substeps) {
-            substeps *= 2;
-        }
-        let least = slowest(substeps);
-        if speed_m_per_s < least {
-            return Err(file.speed_kmh.error(
-                source,
-                format!(
-                    "speed_kmh = {}, expected at least {:.0} at {substeps} substeps: creep grows stiff as 1/V",
-                    file.speed_kmh.value,
-                    libm::ceil(least * 3.6)
-                ),
-            ));
-        }
+        let wheels = (&vehicle, table);
+        let (speed_m_per_s, substeps) = file.speed_and_substeps(source, wheels, substeps, slow)?;
         let start = Self::steady(&vehicle, contact.as_ref(), speed_m_per_s)
             .map_err(|error| vehicle_source.whole_error(error.to_string()))?;
         let end_m = START_M + speed_m_per_s * duration_s + 20.0;
@@ -373,6 +353,42 @@ impl Run {
     /// Number of control cycles.
     pub fn cycles(&self) -> u64 {
         libm::round(self.duration_s / CYCLE_S) as u64
+    }
+}
+
+impl RunFile {
+    /// The speed (m/s), and substeps that are fine enough for it.
+    fn speed_and_substeps(
+        &self,
+        source: &Source,
+        (vehicle, table): (&Vehicle, Option<&ContactTable>),
+        mut substeps: u32,
+        slow: Slow,
+    ) -> Result<(f64, u32), ScenarioError> {
+        let speed_m_per_s = self.speed_kmh.within(
+            source,
+            "speed_kmh",
+            f64::MIN_POSITIVE,
+            SPEED_MAX_KMH,
+            "more than 0 and at most 600 km/h",
+        )? / 3.6;
+        let slowest =
+            |substeps: u32| minimum_speed_m_per_s(vehicle, table, CYCLE_S / f64::from(substeps));
+        while slow == Slow::Finer && substeps <= 32 && speed_m_per_s < slowest(substeps) {
+            substeps *= 2;
+        }
+        let least = slowest(substeps);
+        if speed_m_per_s < least {
+            return Err(self.speed_kmh.error(
+                source,
+                format!(
+                    "speed_kmh = {}, expected at least {:.0} at {substeps} substeps: creep grows stiff as 1/V",
+                    self.speed_kmh.value,
+                    libm::ceil(least * 3.6)
+                ),
+            ));
+        }
+        Ok((speed_m_per_s, substeps))
     }
 }
 

@@ -169,8 +169,19 @@ impl<F> Point<F> {
         if self.at.is_empty() {
             return only.to_owned();
         }
-        let words = self.at.iter().map(|set| format!("{} {:e}", set.key, set.value));
+        let keys = self.at.iter().map(|set| set.key.as_str());
+        let words = keys.zip(self.values_in_words()).map(|(key, value)| format!("{key} {value}"));
         words.collect::<Vec<_>>().join(", ")
+    }
+
+    /// The values of its keys to six digits, as one would write them.
+    pub fn values_in_words(&self) -> Vec<String> {
+        let word = |value: f64| {
+            let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+            let plain = rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs());
+            if plain { rounded.to_string() } else { format!("{rounded:e}") }
+        };
+        self.at.iter().map(|set| word(set.value)).collect()
     }
 }
 
@@ -280,4 +291,24 @@ pub fn table<F>(rows: &[Vec<String>], points: &[Point<F>]) -> Vec<String> {
         points.iter().filter_map(|point| Some((point.index + 1, point.failure.as_ref()?)));
     lines.extend(failures.map(|(number, why)| format!("point {number}: {why}")));
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_written_as_a_person_would() {
+        let set = |value: f64| Setting { key: "k".to_owned(), value };
+        let point = Point {
+            index: 0,
+            study: String::new(),
+            at: [0.2e-3, 80.0 + 100.0 / 3.0, 12.5e6, 0.0, -3e-5].map(set).to_vec(),
+            found: (),
+            failure: None,
+            busy_s: None,
+        };
+        assert_eq!(point.values_in_words(), ["0.0002", "113.333", "1.25e7", "0", "-3e-5"]);
+        assert!(point.in_words("only").starts_with("k 0.0002, k 113.333"));
+    }
 }

@@ -30,7 +30,7 @@ fn heads(points: &[Point]) -> Vec<String> {
 }
 
 fn cells(point: &Point) -> Vec<String> {
-    let mut cells: Vec<String> = point.at.iter().map(|set| format!("{:e}", set.value)).collect();
+    let mut cells: Vec<String> = point.values_in_words();
     if let Some(ascent) = &point.found.ascent {
         cells.extend([ascent.mean(), ascent.range()]);
     }

@@ -49,7 +49,7 @@ fn heads(points: &[Point]) -> Vec<String> {
 
 /// A row for each section of a point: the worst wheelset or wheel.
 fn cells(point: &Point) -> Vec<Vec<String>> {
-    let keys: Vec<String> = point.at.iter().map(|set| format!("{:e}", set.value)).collect();
+    let keys: Vec<String> = point.values_in_words();
     let Some(curve) = &point.found.curve else { return vec![keys] };
     let row = |section: &SectionCurve| {
         let sum_n = section.worst(|wheelset| Some(wheelset.sum_n));

@@ -43,7 +43,7 @@ fn heads(points: &[Point]) -> Vec<String> {
 }
 
 fn cells(point: &Point, procedure: &Procedure) -> Vec<String> {
-    let mut cells: Vec<String> = point.at.iter().map(|set| format!("{:e}", set.value)).collect();
+    let mut cells: Vec<String> = point.values_in_words();
     let Some(ride) = &point.found.ride else { return cells };
     for direction in [Direction::Lateral, Direction::Vertical] {
         let index = worst_sperling(ride, direction);
