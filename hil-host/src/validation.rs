@@ -24,7 +24,7 @@ struct ValidationFile<'a> {
 ///
 /// # Errors
 /// A folder or disk that fails.
-pub fn command(out: Option<&Path>, json: bool) -> anyhow::Result<ExitCode> {
+pub(crate) fn command(out: Option<&Path>, json: bool) -> anyhow::Result<ExitCode> {
     let folder = RunFolder::at(out.unwrap_or(Path::new("runs/validation")).to_owned());
     // A folder that cannot be made is told before the work and not after it.
     folder.create()?;

@@ -71,7 +71,7 @@ impl Study for Question {
         found.equivalent_conicity_at_3_mm = conicity(&equipped);
         found.friction = equipped.vehicle.axles.first().map(|axle| axle.wheel.friction);
         if self.ascent {
-            let ascent = Ascent::of(&equipped, &self.procedure).map_err(|why| why.to_string())?;
+            let ascent = Ascent::of(&equipped, &self.procedure)?;
             found.ascent = Some(ascent);
         }
         if self.fold {

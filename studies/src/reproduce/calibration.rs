@@ -112,7 +112,7 @@ fn one(
         changes.push(Setting { key: unknown.key.to_owned(), value });
         let locomotive = Locomotive::load(scenario, &changes).map_err(|why| why.to_string())?;
         let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
-        let ascent = Ascent::of(&equipped, &near).map_err(|why| why.to_string())?;
+        let ascent = Ascent::of(&equipped, &near)?;
         see(unknown.key, value, ascent.mean_kmh);
         let clipped = ascent.seeds.iter().map(|on| match on.critical {
             Critical::At(kmh) | Critical::Below(kmh) | Critical::Above(kmh) => kmh,

@@ -71,8 +71,8 @@ impl Found {
                 ours.map_or("beyond the range".to_owned(), |ours| format!("{:+.1}", ours - kmh))
             };
             let (constant, line) = (constant_kmh(), line_kmh(self.ke_n_per_m, self.clearance_2a_m));
-            note += &format!(
-                "; {} km/h, band {band_kmh:.0}; a constant {}, a line {}",
+            note = format!(
+                "{note}; {} km/h, band {band_kmh:.0}; a constant {}, a line {}",
                 away(self.ascent.mean_kmh),
                 away(Some(constant)),
                 away(Some(line))

@@ -102,7 +102,7 @@ fn estimated(basis: &Basis<'_>, degc: f64, air_share: f64) -> Result<Estimated, 
     let fitted = fit.model.damper(&fit.values).ok_or("no damper has the fitted values")?;
     let nominal = *fitted.nominal();
     let equipped = basis.locomotive.with_dampers(nominal);
-    let ascent = Ascent::of(&equipped, basis.procedure).map_err(|why| why.to_string())?;
+    let ascent = Ascent::of(&equipped, basis.procedure)?;
     Ok(Estimated {
         degc,
         air_share,

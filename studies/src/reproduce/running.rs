@@ -50,6 +50,9 @@ pub fn run_with(
     Run::load_with(basis.scenario, overrides, &settings).map_err(|why| why.to_string())
 }
 
+/// Finds an acceleration among signals.
+type Pick = fn(&Signals) -> Option<&Acceleration>;
+
 /// A change of the irregularity, sample by sample.
 pub type Channel = fn(&mut IrregularitySample);
 
@@ -87,7 +90,7 @@ pub fn accelerations(basis: &Basis<'_>) -> Result<Figure, String> {
     let nominal = basis.locomotive.nominal();
     let run = run_with(basis, (nominal.ke_n_per_m, nominal.clearance_2a_m), SPEED_KMH, &[])?;
     let tracks = signals(&run, &basis.procedure.seeds, None)?;
-    let of: [(&'static str, fn(&Signals) -> Option<&Acceleration>); 3] = [
+    let of: [(&'static str, Pick); 3] = [
         ("wheelset_1_lateral_rms", |signals| signals.wheelset_accelerations.first()),
         ("bogie_lateral_rms", |signals| signals.bogies.first()),
         ("carbody_lateral_rms", |signals| signals.floor.first()),

@@ -130,8 +130,7 @@ fn speeds_kmh(locomotive: &Locomotive, basis: &Basis<'_>) -> Result<Vec<Option<f
         .par_iter()
         .map(|(ke_n_per_m, clearance_2a_m, ..)| {
             let equipped = locomotive.with(*ke_n_per_m, *clearance_2a_m);
-            let ascent = Ascent::of(&equipped, basis.procedure).map_err(|why| why.to_string())?;
-            Ok(ascent.mean_kmh)
+            Ok(Ascent::of(&equipped, basis.procedure)?.mean_kmh)
         })
         .collect()
 }
