@@ -1,5 +1,5 @@
-//! `yawbench reproduce --validation`: every reference is met, in the table, the file and the page; and what
-//! is not there yet is refused.
+//! `yawbench reproduce`: a figure of the study in table, file and page; `--validation`: every reference is
+//! met in all three; what cannot be is refused.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
@@ -36,11 +36,40 @@ fn every_reference_is_met_and_written_down() {
 }
 
 #[test]
-fn what_is_not_there_is_refused_in_one_line_and_nothing_is_written() {
+fn a_figure_is_set_beside_the_study() {
+    let place = folder("reproduce-figure");
+    let scenario = repository().join("scenarios/ss9-160kmh.toml");
+    let arguments = ["reproduce", "--figure=4", "--seeds=1", "--out=out", "--scenario"];
+    let result = output(yawbench().args(arguments).arg(&scenario).current_dir(&place));
+    let told = String::from_utf8_lossy(&result.stdout);
+    assert_eq!(result.status.code(), Some(0), "{told}");
+    let found: Value = serde_json::from_str(&read(&place.join("out/reproduce.json"))).unwrap();
+    let schema = read(&repository().join("docs/schema/reproduce.schema.json"));
+    let schema: Value = serde_json::from_str(&schema).unwrap();
+    assert_eq!(schema::misfits(&schema, &found), Vec::<String>::new());
+    let rows = found.as_array().unwrap();
+    assert!(rows.iter().all(|row| row["figure"] == "4" && row["at"].is_object()));
+    let rms: Vec<f64> = rows.iter().take(3).map(|row| row["ours"].as_f64().unwrap()).collect();
+    assert!(rms[0] > rms[1] && rms[1] > rms[2] && rms[2] > 0.0, "{rms:?}");
+    assert!(read(&place.join("out/report.html")).contains("Figure 4"));
+    assert!(told.contains("wheelset above bogie above carbody"), "{told}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_in_one_line_and_nothing_is_written() {
     let place = folder("reproduce-refused");
-    let result = output(yawbench().args(["reproduce", "--out=out"]).current_dir(&place));
-    let errors = String::from_utf8_lossy(&result.stderr);
-    assert_eq!(result.status.code(), Some(2), "{errors}");
-    assert_eq!(errors.lines().count(), 1, "{errors}");
-    assert!(errors.contains("to come") && !place.join("out").exists(), "{errors}");
+    let scenario = repository().join("scenarios/ss9-160kmh.toml");
+    let scenario = scenario.to_str().unwrap();
+    for (arguments, expected) in [
+        (vec!["--figure=7", "--scenario", scenario], "expected one of 4, 5, 6"),
+        (vec!["--seeds=0", "--scenario", scenario], "expected 1 to 1000"),
+        (vec!["--scenario=none.toml"], "none.toml"),
+    ] {
+        let result =
+            output(yawbench().args(["reproduce", "--out=out"]).args(arguments).current_dir(&place));
+        let errors = String::from_utf8_lossy(&result.stderr);
+        assert_eq!(result.status.code(), Some(2), "{errors}");
+        assert_eq!(errors.lines().count(), 1, "{errors}");
+        assert!(errors.contains(expected) && !place.join("out").exists(), "{errors}");
+    }
 }

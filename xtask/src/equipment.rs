@@ -1,4 +1,4 @@
-//! What single tests need from outside: Python's cantools and a browser.
+//! What single tests need from outside: Python's cantools and hyperqueue, and a browser.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -40,6 +40,25 @@ fn virtual_environment(folder: &Path) -> Result<PathBuf, String> {
     let version = "import cantools; print('cantools', cantools.__version__)";
     println!("{}", quiet(Command::new(&python).args(["-c", version]))?.trim());
     Ok(python)
+}
+
+/// HyperQueue for that Python, for the test that spreads a sweep over a scheduler's workers.
+pub(crate) fn hyperqueue(run: &mut Run) -> Outcome {
+    let python = run.target.join("cantools/bin/python3");
+    let there = || quiet(Command::new(&python).args(["-c", "import hyperqueue"]));
+    let installed = there().or_else(|_| {
+        let mut pip = Command::new(&python);
+        pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+        quiet(pip.arg("hyperqueue>=0.20,<1"))?;
+        there()
+    });
+    match installed {
+        Ok(_) => {
+            run.equipment.push(("REQUIRE_HYPERQUEUE".into(), "1".into()));
+            Outcome::Passed
+        }
+        Err(reason) => Outcome::skipped_unless_required("REQUIRE_HYPERQUEUE", reason),
+    }
 }
 
 const BROWSERS: [&str; 4] =

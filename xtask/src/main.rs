@@ -92,6 +92,7 @@ fn test(run: &mut Run) {
     });
     run.step("firmware", |run| thumb::build(run, thumb::Compiler::Any));
     run.step("cantools", equipment::cantools);
+    run.step("hyperqueue", equipment::hyperqueue);
     run.step("browser", equipment::browser);
     run.step("tests", |run| {
         let mut cargo = run.cargo();
