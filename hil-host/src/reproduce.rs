@@ -14,6 +14,9 @@ use studies::reproduce::locomotive::Locomotive;
 use studies::reproduce::row::{Figure, Row};
 use studies::reproduce::{Basis, FIGURES, Recipe, named, page};
 
+/// Speeds among which critical ones are looked for (km/h): the study's lie between 170 and 260.
+const SPEEDS_KMH: [f64; 2] = [140.0, 340.0];
+
 /// What `reproduce` is told.
 #[derive(Debug, Args)]
 pub struct ReproduceArgs {
@@ -70,7 +73,9 @@ pub fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
         bail!("--figure {given}: expected one of {}", known.join(", "));
     }
     let locomotive = Locomotive::load(&args.scenario, &[])?;
-    let procedure = Procedure { seeds: (1..=args.seeds).collect(), ..Procedure::default() };
+    let [from_kmh, to_kmh] = SPEEDS_KMH;
+    let seeds = (1..=args.seeds).collect();
+    let procedure = Procedure { from_kmh, to_kmh, seeds, ..Procedure::default() };
     let folder = RunFolder::at(args.out.clone().unwrap_or_else(|| "runs/reproduce".into()));
     folder.create()?;
     if args.calibrate {

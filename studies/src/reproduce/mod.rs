@@ -73,7 +73,7 @@ pub const FIGURES: [Recipe; 14] = [
     Recipe { number: "6", title: "oil temperature and air", make: oil::temperature_and_air },
     Recipe { number: "8", title: "damper forces", make: running::damper_forces },
     Recipe {
-        number: "8-13",
+        number: "8 and 13",
         title: "what was tried on the working point",
         make: working_point::tried,
     },
@@ -107,23 +107,21 @@ pub const FIGURES: [Recipe; 14] = [
 /// let numbers = |number| named(number).iter().map(|r| r.number).collect::<Vec<_>>();
 /// assert_eq!(numbers("10a"), ["10a"]);
 /// assert_eq!(numbers("10"), ["10a", "10b", "10"]);
-/// assert_eq!(numbers("16"), ["15-17"]);
+/// assert_eq!(numbers("11"), ["11"]);
+/// assert_eq!(numbers("13"), ["8 and 13", "12-14"]);
 /// assert!(named("7").is_empty());
 /// ```
 pub fn named(number: &str) -> Vec<Recipe> {
     let asked = number.parse::<u32>().ok();
-    let means = |recipe: &Recipe| {
-        let ends: Vec<Option<u32>> = recipe
-            .number
-            .split('-')
-            .map(|end| end.trim_end_matches(|c: char| c.is_ascii_alphabetic()).parse().ok())
-            .collect();
-        let within = match (asked, ends.as_slice()) {
-            (Some(asked), [Some(from), Some(to)]) => (*from..=*to).contains(&asked),
-            (Some(asked), [Some(only)]) => asked == *only,
-            _ => false,
-        };
-        recipe.number == number || within
+    let plain =
+        |text: &str| text.trim_end_matches(|c: char| c.is_ascii_alphabetic()).parse::<u32>().ok();
+    let within = |part: &str| match (asked, part.split_once('-')) {
+        (Some(asked), Some((from, to))) => {
+            plain(from).zip(plain(to)).is_some_and(|(from, to)| (from..=to).contains(&asked))
+        }
+        (Some(asked), None) => plain(part) == Some(asked),
+        (None, _) => false,
     };
+    let means = |r: &Recipe| r.number == number || r.number.split(" and ").any(within);
     FIGURES.into_iter().filter(means).collect()
 }

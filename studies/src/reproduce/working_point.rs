@@ -121,7 +121,7 @@ pub fn tried(basis: &Basis<'_>) -> Result<Figure, String> {
     let rows: Result<Vec<Vec<Row>>, String> =
         CHANGES.par_iter().map(|change| rows_of(basis, change)).collect();
     Ok(Figure {
-        number: "8-13",
+        number: "8 and 13",
         title: "The damper's working point and the bogie's peaks: what was tried",
         said: "the damper works at 3.5 Hz and +-3.46 mm; the bogie's lateral spectrum has peaks at 3.2 and 3.8 Hz",
         rows: rows?.concat(),

@@ -7,6 +7,9 @@
 //! A spring with damping that begins at a distance from mid-stroke on either side. It pushes back
 //! and never pulls: leaving faster than the spring expands, the damper's eye parts from the stop.
 //!
+//! A stop lies beyond half of what a record reaches: nobody presses one in by more than the way up to it, and
+//! what a fit finds nearer the middle is another thing.
+//!
 //! Source: general knowledge; the one-sided spring and damper of contact models. Limits: a straight
 //! spring, and the damping acts with its full force from first contact.
 
@@ -17,9 +20,9 @@ use crate::damper::Done;
 effect_parameters! {
     /// One-sided springs with damping at both ends of the stroke.
     BumpStop {
-        extension_stop_m: MetreOfExtension in 0.0 to 10.0, typical 0.9,
+        extension_stop_m: MetreOfExtension in 0.5 to 10.0, typical 0.9,
             "Distance from mid-stroke at which the stop in extension begins, m.";
-        compression_stop_m: MetreOfCompression in 0.0 to 10.0, typical 0.9,
+        compression_stop_m: MetreOfCompression in 0.5 to 10.0, typical 0.9,
             "Distance from mid-stroke at which the stop in compression begins, m.";
         stiffness_n_per_m: NewtonPerMetre in 0.0 to 10000.0, typical 5.0,
             "Stiffness of a stop, N/m.";
