@@ -42,7 +42,7 @@ fn virtual_environment(folder: &Path) -> Result<PathBuf, String> {
     Ok(python)
 }
 
-/// HyperQueue for that Python, for the test that spreads a sweep over a scheduler's workers.
+/// `HyperQueue` for that Python, for the test that spreads a sweep over a scheduler's workers.
 pub(crate) fn hyperqueue(run: &mut Run) -> Outcome {
     let python = run.target.join("cantools/bin/python3");
     let there = || quiet(Command::new(&python).args(["-c", "import hyperqueue"]));

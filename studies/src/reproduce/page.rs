@@ -35,7 +35,7 @@ fn overview(figures: &[Figure]) -> Section {
 
 fn section(figure: &Figure) -> Section {
     let rows: Vec<&Row> = figure.rows.iter().collect();
-    let mut section = Section::new(&format!("Figure {}: {}", figure.number, figure.title))
+    let mut section = Section::new(&format!("Figure {} of the study: {}", figure.number, figure.title))
         .text(&format!("The study: {}.", figure.said))
         .plots(figure.plots.clone())
         .table(table("Numbers", &rows));
