@@ -35,10 +35,11 @@ fn overview(figures: &[Figure]) -> Section {
 
 fn section(figure: &Figure) -> Section {
     let rows: Vec<&Row> = figure.rows.iter().collect();
-    let mut section = Section::new(&format!("Figure {} of the study: {}", figure.number, figure.title))
-        .text(&format!("The study: {}.", figure.said))
-        .plots(figure.plots.clone())
-        .table(table("Numbers", &rows));
+    let mut section =
+        Section::new(&format!("Figure {} of the study: {}", figure.number, figure.title))
+            .text(&format!("The study: {}.", figure.said))
+            .plots(figure.plots.clone())
+            .table(table("Numbers", &rows));
     for remark in &figure.remarks {
         section = section.note(remark);
     }
