@@ -56,6 +56,25 @@ fn a_figure_is_set_beside_the_study() {
 }
 
 #[test]
+fn figure_5_runs_slower_than_the_substeps_of_its_scenario_allow() {
+    // 80 km/h need finer substeps than the scenario of 160 has; the whole reproduction was refused for it.
+    let place = folder("reproduce-slow");
+    let scenario = repository().join("scenarios/ss9-160kmh.toml");
+    let arguments = ["reproduce", "--figure=5", "--seeds=1", "--out=out", "--json", "--scenario"];
+    let result = output(yawbench().args(arguments).arg(&scenario).current_dir(&place));
+    assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
+    let rows: Value = serde_json::from_slice(&result.stdout).unwrap();
+    let index = |kmh: f64| {
+        let mut rows = rows.as_array().unwrap().iter();
+        let found = rows.find(|row| {
+            row["quantity"] == "lateral_ride_index" && row["at"]["speed_kmh"].as_f64() == Some(kmh)
+        });
+        found.unwrap()["ours"].as_f64().unwrap()
+    };
+    assert!(index(80.0) < index(120.0) && index(120.0) < index(160.0));
+}
+
+#[test]
 fn what_cannot_be_is_refused_in_one_line_and_nothing_is_written() {
     let place = folder("reproduce-refused");
     let scenario = repository().join("scenarios/ss9-160kmh.toml");

@@ -47,7 +47,7 @@ pub fn run_with(
         vec![set("damper.ke_n_per_m", ke_n_per_m), set("damper.clearance_2a_m", clearance_2a_m)];
     settings.extend(further.iter().cloned());
     let overrides = Overrides { duration_s: Some(1.0), speed_kmh: Some(speed_kmh) };
-    Run::load_with(basis.scenario, overrides, &settings).map_err(|why| why.to_string())
+    Run::load_as_fine_as_needed(basis.scenario, overrides, &settings).map_err(|why| why.to_string())
 }
 
 /// Finds an acceleration among signals.
