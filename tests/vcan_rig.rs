@@ -36,7 +36,9 @@ struct Rig(Option<Child>);
 impl Rig {
     fn start(interface: &Interface, args: &[&str]) -> Self {
         let mut command = yawbench();
-        command.args(["rig", "--json", "--bus"]).arg(format!("socketcan:{interface}")).args(args);
+        // The rig with the damper of the scenarios, as the README starts it.
+        command.arg("rig").arg(scenario("rigs/laboratory-rig.toml"));
+        command.args(["--json", "--bus"]).arg(format!("socketcan:{interface}")).args(args);
         let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the rig");
         Self(Some(child))
     }
