@@ -10,7 +10,9 @@ use super::procedure::{Criterion, Procedure};
 use super::stability;
 use crate::trip::track::rough_start;
 use crate::trip::{Equipped, Trip};
+use firmware_core::line::LineState;
 use firmware_core::track::Track;
+use firmware_core::vehicle::BodyId;
 use rayon::prelude::*;
 use scenario::equilibrium::NoEquilibrium;
 use serde::{Deserialize, Serialize};
@@ -112,11 +114,30 @@ fn settled(
     track: &Track<'_>,
     kmh: f64,
 ) -> Result<Hunting, NoEquilibrium> {
+    let (trip, mut state, duration_s) = set_off(equipped, procedure, track, kmh)?;
+    Ok(after(&trip, &mut state, [duration_s, procedure.watched_s]))
+}
+
+/// The wheelset that starts beside the middle of the track, the last of a vehicle with fewer.
+pub fn offset_wheelset(equipped: &Equipped, procedure: &Procedure) -> Option<BodyId> {
+    let number = procedure.offset_wheelset.min(equipped.vehicle.axles.len());
+    number.checked_sub(1).and_then(|number| equipped.wheelset(number))
+}
+
+/// A trip at one speed (km/h) with that wheelset beside the middle, its state, and how long it takes over
+/// the rough beginning and the perfect track behind it (s).
+///
+/// # Errors
+/// The vehicle does not run steadily.
+pub fn set_off<'a>(
+    equipped: &'a Equipped,
+    procedure: &Procedure,
+    track: &'a Track<'a>,
+    kmh: f64,
+) -> Result<(Trip<'a>, LineState, f64), NoEquilibrium> {
     let speed_m_per_s = kmh / 3.6;
     let trip = Trip::new(equipped, track, speed_m_per_s, procedure.substeps);
-    let number = procedure.offset_wheelset.min(equipped.vehicle.axles.len());
-    let moved = number.checked_sub(1).and_then(|number| equipped.wheelset(number));
-    let mut state = trip.begin(&moved.map_or(vec![], |body| vec![(body, procedure.offset_m)]))?;
-    let duration_s = procedure.rough_m / speed_m_per_s + procedure.smooth_s;
-    Ok(after(&trip, &mut state, [duration_s, procedure.watched_s]))
+    let moved = offset_wheelset(equipped, procedure).map(|body| (body, procedure.offset_m));
+    let state = trip.begin(moved.as_slice())?;
+    Ok((trip, state, procedure.rough_m / speed_m_per_s + procedure.smooth_s))
 }

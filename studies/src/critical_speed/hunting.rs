@@ -23,6 +23,15 @@ impl Hunting {
     /// Off the track.
     pub const DERAILED: Self = Self { amplitude_m: None, frequency_hz: None };
 
+    /// The motion of a wheelset that stayed on the track, from its lateral position at every control
+    /// cycle (m).
+    pub fn of(lateral_m: &[f64]) -> Self {
+        let amplitude_m = greatest(lateral_m);
+        let dead_band_m = DEAD_BAND * amplitude_m;
+        let frequency_hz = statistics::zero_crossing_hz(lateral_m, 1.0 / CYCLE_S, dead_band_m);
+        Self { amplitude_m: Some(amplitude_m), frequency_hz }
+    }
+
     /// True when it moves by more than a threshold (m), or has left the track.
     pub fn is_beyond(&self, threshold_m: f64) -> bool {
         self.amplitude_m.is_none_or(|amplitude_m| amplitude_m > threshold_m)
@@ -42,12 +51,12 @@ pub fn after(trip: &Trip<'_>, state: &mut LineState, [duration_s, watched_s]: [f
     if !on_track {
         return Hunting::DERAILED;
     }
-    let greatest = |values: &Vec<f64>| values.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
     let most = seen.iter().max_by(|a, b| greatest(a).total_cmp(&greatest(b)));
     most.map_or(Hunting { amplitude_m: Some(0.0), frequency_hz: None }, |values| {
-        let amplitude_m = greatest(values);
-        let dead_band_m = DEAD_BAND * amplitude_m;
-        let frequency_hz = statistics::zero_crossing_hz(values, 1.0 / CYCLE_S, dead_band_m);
-        Hunting { amplitude_m: Some(amplitude_m), frequency_hz }
+        Hunting::of(values)
     })
+}
+
+fn greatest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, y| most.max(y.abs()))
 }

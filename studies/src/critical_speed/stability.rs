@@ -9,10 +9,10 @@
 //! Limits: straight track, and 400 m of it behind a run-in.
 
 use super::procedure::Procedure;
-use crate::curve::forces::Passage;
 use crate::curve::limits::AxleLimits;
+use crate::curve::passed::Passed;
 use crate::curve::sections::{Part, Section};
-use crate::trip::signals::{Place, Places, Signals, Wheels};
+use crate::study::Busy;
 use crate::trip::{Equipped, START_M, Trip};
 use firmware_core::track::{Layout, Track};
 use scenario::irregularity::aar6;
@@ -41,41 +41,17 @@ pub fn greatest_over_limit(
 ) -> Result<Option<f64>, String> {
     let speed_m_per_s = kmh / 3.6;
     let trip = Trip::new(equipped, track, speed_m_per_s, procedure.substeps);
-    let mut state = trip.begin(&[]).map_err(|why| why.to_string())?;
-    let axles = state.vehicle.wheels.iter().take(equipped.vehicle.axles.len());
-    let loads_n: Vec<[f64; 2]> =
-        axles.map(|[[left], [right]]| [-left.vertical_n, -right.vertical_n]).collect();
-    let wheelset = |axle: &firmware_core::vehicle::Axle| Place {
-        name: String::new(),
-        body: axle.body,
-        forward_m: 0.0,
-        down_m: 0.0,
-    };
-    let places = Places {
-        floor: Vec::new(),
-        bogies: Vec::new(),
-        wheelsets: equipped.vehicle.axles.iter().map(wheelset).collect(),
-    };
     let duration_s = (JUDGED_M[1] + BEHIND_M - START_M) / speed_m_per_s;
-    let signals = Signals::of(&trip, &mut state, duration_s, &places, Wheels::Recorded);
-    if signals.derailed {
+    let passed = Passed::over(&trip, speed_m_per_s, duration_s, &Busy::default())?;
+    if passed.signals.derailed {
         return Ok(None);
     }
-    let first_m = signals.distance_m.first().copied().unwrap_or(START_M);
     // A section of a curve to the eyes of the filter; the track is straight.
     let section = Section { part: Part::Curve, from_m: JUDGED_M[0], to_m: JUDGED_M[1] };
-    let mut greatest: f64 = 0.0;
-    for (wheelset, static_n) in signals.wheelsets.iter().zip(&loads_n) {
-        let passage = Passage {
-            wheelset,
-            first_m: first_m + wheelset.station_m,
-            speed_m_per_s,
-            static_n: *static_n,
-            right_hand: false,
-        };
-        let forces = passage.forces(&section).map_err(|why| why.to_string())?;
-        let limit_n = AxleLimits::of(static_n[0] + static_n[1], 1.0).stability_rms_n;
-        greatest = greatest.max(forces.stability_rms_n.unwrap_or(0.0) / limit_n);
-    }
-    Ok(Some(greatest))
+    let forces = passed.forces(&section, false)?;
+    let over_limit = forces.iter().zip(&passed.loads).map(|(axle, [left_n, right_n])| {
+        let limit_n = AxleLimits::of(left_n + right_n, 1.0).stability_rms_n;
+        axle.stability_rms_n.unwrap_or(0.0) / limit_n
+    });
+    Ok(Some(over_limit.fold(0.0, f64::max)))
 }

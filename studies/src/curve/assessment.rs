@@ -4,14 +4,14 @@
 //! a_q = v^2/R - g h/1.5 m            unbalanced, outward; cant deficiency = 1.5 m a_q/g
 //! ```
 
-use super::forces::{AxleForces, Passage};
+use super::forces::AxleForces;
 use super::limits::AxleLimits;
+use super::passed::Passed;
 use super::procedure::Procedure;
 use super::sections::{Part, Section, sections};
 use super::wheelset::WheelsetCurve;
 use crate::spectrum::Spectrum;
 use crate::study::{Busy, OverSeeds};
-use crate::trip::signals::{Places, Signals, Wheels};
 use crate::trip::track::Roughness;
 use crate::trip::{Equipped, START_M, Trip};
 use firmware_core::vehicle::GRAVITY_M_PER_S2;
@@ -95,7 +95,7 @@ impl Curve {
         let through = |(number, track): (usize, &OwnedTrack)| {
             passed(run, &equipped, track, duration_s, busy)
                 .map_err(|why| format!("track {}: {why}", number + 1))
-                .and_then(|passed| passed.forces(&sections, sign > 0.0))
+                .and_then(|passed| on_track(passed, &sections, sign > 0.0))
         };
         let found: Result<Vec<OnTrack>, String> =
             tracks.par_iter().enumerate().map(through).collect();
@@ -156,21 +156,12 @@ pub fn duration_s(run: &Run) -> f64 {
     (run.track.layout.end_m() + BEHIND_M - rear_m - START_M) / run.speed_m_per_s
 }
 
-/// Static loads of the wheels of every wheelset, left and right (N).
-type Loads = Vec<[f64; 2]>;
-
 /// What one track did.
 struct OnTrack {
-    loads: Loads,
+    /// Static loads of the wheels of every wheelset, left and right (N).
+    loads: Vec<[f64; 2]>,
     /// Forces by section and wheelset.
     sections: Vec<Vec<AxleForces>>,
-}
-
-/// One trip through the curve.
-struct Passed {
-    signals: Signals,
-    loads: Loads,
-    speed_m_per_s: f64,
 }
 
 fn passed(
@@ -182,39 +173,18 @@ fn passed(
 ) -> Result<Passed, String> {
     let track = track.view();
     let trip = Trip::new(equipped, &track, run.speed_m_per_s, run.substeps);
-    let mut state = trip.begin(&[]).map_err(|why| why.to_string())?;
-    let axles = state.vehicle.wheels.iter().take(run.vehicle.axles.len());
-    let loads = axles.map(|[[left], [right]]| [-left.vertical_n, -right.vertical_n]).collect();
-    let places = Places { floor: Vec::new(), bogies: Vec::new(), ..Places::of(run, 0.0) };
-    let signals =
-        busy.time(|| Signals::of(&trip, &mut state, duration_s, &places, Wheels::Recorded));
-    if signals.derailed {
-        let at_m = signals.distance_m.last().copied().unwrap_or_default();
+    let passed = Passed::over(&trip, run.speed_m_per_s, duration_s, busy)?;
+    if passed.signals.derailed {
+        let at_m = passed.signals.distance_m.last().copied().unwrap_or_default();
         return Err(format!("off the track at {at_m:.0} m"));
     }
-    Ok(Passed { signals, loads, speed_m_per_s: run.speed_m_per_s })
+    Ok(passed)
 }
 
-impl Passed {
-    fn forces(self, sections: &[Section], right_hand: bool) -> Result<OnTrack, String> {
-        let first_m = self.signals.distance_m.first().copied().unwrap_or(START_M);
-        let of = |section: &Section| -> Result<Vec<AxleForces>, String> {
-            let axles = self.signals.wheelsets.iter().zip(&self.loads);
-            let forces = axles.map(|(wheelset, static_n)| {
-                let passage = Passage {
-                    wheelset,
-                    first_m: first_m + wheelset.station_m,
-                    speed_m_per_s: self.speed_m_per_s,
-                    static_n: *static_n,
-                    right_hand,
-                };
-                passage.forces(section).map_err(|why| why.to_string())
-            });
-            forces.collect()
-        };
-        let sections: Result<Vec<_>, String> = sections.iter().map(of).collect();
-        Ok(OnTrack { sections: sections?, loads: self.loads })
-    }
+fn on_track(passed: Passed, sections: &[Section], right_hand: bool) -> Result<OnTrack, String> {
+    let of = |section: &Section| passed.forces(section, right_hand);
+    let found: Result<Vec<_>, String> = sections.iter().map(of).collect();
+    Ok(OnTrack { sections: found?, loads: passed.loads })
 }
 
 impl SectionCurve {

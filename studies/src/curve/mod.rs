@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`sections`] | where the full curve is, and where its transitions |
 //! | [`forces`] | what one track does to one wheelset in one section, by EN 14363 and GB/T 5599-2019 |
+//! | [`passed`] | one trip, and those forces for all wheelsets |
 //! | [`limits`] | Prud'homme's limit and the others |
 //! | [`assessment`] | [`Curve::of`]: all of it for one vehicle over the tracks of several seeds |
 //!
@@ -15,6 +16,7 @@ pub mod assessment;
 pub mod forces;
 pub mod limits;
 pub mod page;
+pub mod passed;
 pub mod procedure;
 pub mod sections;
 pub mod study;

@@ -7,13 +7,17 @@ use super::Basis;
 use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M};
 use super::row::{Figure, Role, Row};
 use crate::critical_speed::Procedure;
+use crate::critical_speed::ascent::{offset_wheelset, set_off};
+use crate::critical_speed::hunting::Hunting;
 use crate::statistics;
 use crate::trip::track::rough_start;
-use crate::trip::{Equipped, Trip, lateral_m};
+use crate::trip::{Equipped, lateral_m};
+use firmware_core::track::Track;
 use rayon::prelude::*;
 use report::Plot;
 use scenario::equilibrium::NoEquilibrium;
 use scenario::run::CYCLE_S;
+use scenario::track::OwnedTrack;
 
 /// Speeds of figure 9 (km/h).
 const SPEEDS_KMH: [f64; 13] =
@@ -35,41 +39,33 @@ pub struct Excursion {
     pub kmh: f64,
     /// Lateral position, every control cycle (m).
     pub lateral_m: Vec<f64>,
-    /// Greatest lateral position over the time that is watched (m); none off the track.
-    pub amplitude_m: Option<f64>,
-    /// Frequency by zero crossings over that time (Hz).
-    pub frequency_hz: Option<f64>,
+    /// The motion over the time that is watched; without amplitude off the track.
+    pub motion: Hunting,
 }
 
 impl Excursion {
-    /// Runs over the track of a seed at a speed (km/h).
+    /// Runs over a track with a rough beginning at a speed (km/h).
     ///
     /// # Errors
     /// The vehicle does not run steadily.
     pub fn of(
         equipped: &Equipped,
         procedure: &Procedure,
-        seed: u64,
+        track: &Track<'_>,
         kmh: f64,
     ) -> Result<Self, NoEquilibrium> {
-        let track = rough_start(&procedure.band(seed), procedure.rough_m);
-        let view = track.view();
-        let trip = Trip::new(equipped, &view, kmh / 3.6, procedure.substeps);
-        let number = procedure.offset_wheelset.saturating_sub(1);
-        let Some(wheelset) = equipped.wheelset(number) else {
-            return Ok(Self { kmh, lateral_m: Vec::new(), amplitude_m: None, frequency_hz: None });
+        let Some(wheelset) = offset_wheelset(equipped, procedure) else {
+            return Ok(Self { kmh, lateral_m: Vec::new(), motion: Hunting::DERAILED });
         };
-        let mut state = trip.begin(&[(wheelset, procedure.offset_m)])?;
-        let duration_s = procedure.rough_m / (kmh / 3.6) + procedure.smooth_s;
+        let (trip, mut state, duration_s) = set_off(equipped, procedure, track, kmh)?;
         let mut lateral = Vec::new();
         let on_track =
             trip.go(&mut state, duration_s, |state| lateral.push(lateral_m(state, wheelset)));
         let watched = (procedure.watched_s / CYCLE_S) as usize;
         let end = lateral.get(lateral.len().saturating_sub(watched)..).unwrap_or_default();
-        let greatest = end.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
-        let frequency_hz = statistics::zero_crossing_hz(end, 1.0 / CYCLE_S, 0.2 * greatest);
-        let amplitude_m = on_track.then_some(greatest);
-        Ok(Self { kmh, lateral_m: lateral, amplitude_m, frequency_hz })
+        let motion = Hunting::of(end);
+        let amplitude_m = motion.amplitude_m.filter(|_| on_track);
+        Ok(Self { kmh, lateral_m: lateral, motion: Hunting { amplitude_m, ..motion } })
     }
 }
 
@@ -95,7 +91,7 @@ pub fn with_speed(basis: &Basis<'_>) -> Result<Figure, String> {
         let of_seed: Vec<f64> = found
             .iter()
             .map(|runs| {
-                runs.get(index).and_then(|run| run.amplitude_m).map_or(f64::NAN, |m| 1e3 * m)
+                runs.get(index).and_then(|run| run.motion.amplitude_m).map_or(f64::NAN, |m| 1e3 * m)
             })
             .collect();
         amplitude = amplitude.points(&format!("track {seed}"), &kmh, &of_seed);
@@ -140,12 +136,16 @@ fn excursions(
     procedure: &Procedure,
     speeds_kmh: &[f64],
 ) -> Result<Vec<Vec<Excursion>>, String> {
+    let tracks: Vec<OwnedTrack> = procedure
+        .seeds
+        .iter()
+        .map(|seed| rough_start(&procedure.band(*seed), procedure.rough_m))
+        .collect();
+    let over =
+        |track: &OwnedTrack, kmh: f64| Excursion::of(equipped, procedure, &track.view(), kmh);
     let found: Result<Vec<Vec<Excursion>>, NoEquilibrium> = speeds_kmh
         .par_iter()
-        .map(|kmh| {
-            let seeds = procedure.seeds.iter();
-            seeds.map(|seed| Excursion::of(equipped, procedure, *seed, *kmh)).collect()
-        })
+        .map(|kmh| tracks.iter().map(|track| over(track, *kmh)).collect())
         .collect();
     found.map_err(|why| why.to_string())
 }
@@ -160,8 +160,8 @@ fn rows_of(
     let at =
         || [("ke_n_per_m", ke_n_per_m), ("clearance_2a_m", clearance_2a_m), ("speed_kmh", kmh)];
     let amplitudes_mm: Vec<f64> =
-        runs.iter().filter_map(|run| run.amplitude_m).map(|m| 1e3 * m).collect();
-    let beyond = |run: &&Excursion| run.amplitude_m.is_none_or(|m| m > procedure.threshold_m);
+        runs.iter().filter_map(|run| run.motion.amplitude_m).map(|m| 1e3 * m).collect();
+    let beyond = |run: &&Excursion| run.motion.is_beyond(procedure.threshold_m);
     let hunting = runs.iter().filter(beyond).count();
     let share = hunting as f64 / runs.len().max(1) as f64;
     let mut hunts =
@@ -184,7 +184,7 @@ fn rows_of(
             .note("greatest position in the last 2 s, mean over tracks"),
     ];
     let swinging: Vec<f64> =
-        runs.iter().filter(beyond).filter_map(|run| run.frequency_hz).collect();
+        runs.iter().filter(beyond).filter_map(|run| run.motion.frequency_hz).collect();
     if !swinging.is_empty() {
         let frequency_hz = statistics::mean(&swinging);
         rows.push(Row::new(figure, "limit_cycle_frequency", at(), "Hz", Some(frequency_hz)));

@@ -19,7 +19,7 @@
 
 use super::Trip;
 use firmware_core::line::LineState;
-use firmware_core::vehicle::{BodyId, LATERAL, PITCH, ROLL, VERTICAL, YAW};
+use firmware_core::vehicle::{BodyId, LATERAL, PITCH, ROLL, VERTICAL, Vehicle, YAW};
 use firmware_core::wheel_rail::wheel::WheelForce;
 use scenario::run::{CYCLE_S, Run};
 
@@ -39,6 +39,13 @@ pub struct Place {
     pub down_m: f64,
 }
 
+impl Place {
+    /// The centre of a body.
+    fn centre(name: &str, body: BodyId) -> Self {
+        Self { name: name.to_owned(), body, forward_m: 0.0, down_m: 0.0 }
+    }
+}
+
 /// Where a vehicle is watched.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Places {
@@ -54,12 +61,6 @@ pub struct Places {
 impl Places {
     /// The usual places of a vehicle with its floor at a height above the rails (m).
     pub fn of(run: &Run, floor_height_m: f64) -> Self {
-        let centre = |name: &str, body: BodyId| Place {
-            name: name.to_owned(),
-            body,
-            forward_m: 0.0,
-            down_m: 0.0,
-        };
         let station_m =
             |body: BodyId| run.vehicle.bodies.get(body.index()).map_or(0.0, |b| b.station_m);
         let wheelset = |body: BodyId| run.vehicle.axles.iter().any(|axle| axle.body == body);
@@ -70,7 +71,7 @@ impl Places {
         let mut bogies: Vec<Place> = named
             .clone()
             .filter(|(name, _)| name.starts_with("bogie"))
-            .map(|(name, body)| centre(name, body))
+            .map(|(name, body)| Place::centre(name, body))
             .collect();
         bogies.sort_by(|a, b| station_m(b.body).total_cmp(&station_m(a.body)));
         let carbody = named.clone().find(|(name, _)| *name == "carbody").map(|(_, body)| body);
@@ -88,10 +89,15 @@ impl Places {
             floor.push(above("the middle", station_m(carbody)));
             floor
         });
-        let axles = run.vehicle.axles.iter().enumerate();
-        let wheelsets =
-            axles.map(|(number, axle)| centre(&format!("wheelset {}", number + 1), axle.body));
-        Self { floor, bogies, wheelsets: wheelsets.collect() }
+        Self { floor, bogies, ..Self::wheelsets_of(&run.vehicle) }
+    }
+
+    /// The wheelsets of a vehicle alone.
+    pub fn wheelsets_of(vehicle: &Vehicle) -> Self {
+        let axles = vehicle.axles.iter().enumerate();
+        let wheelsets = axles
+            .map(|(number, axle)| Place::centre(&format!("wheelset {}", number + 1), axle.body));
+        Self { floor: Vec::new(), bogies: Vec::new(), wheelsets: wheelsets.collect() }
     }
 }
 

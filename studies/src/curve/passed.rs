@@ -1,0 +1,58 @@
+//! One trip from steady running, with what every wheel did on it.
+
+use super::forces::{AxleForces, Passage};
+use super::sections::Section;
+use crate::study::Busy;
+use crate::trip::signals::{Places, Signals, Wheels};
+use crate::trip::{START_M, Trip};
+
+/// A trip that was run, to its end or off the track.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Passed {
+    /// Its signals, wheels among them.
+    pub signals: Signals,
+    /// Static loads of the wheels of every wheelset, left and right (N).
+    pub loads: Vec<[f64; 2]>,
+    speed_m_per_s: f64,
+}
+
+impl Passed {
+    /// Runs for a time at the trip's speed.
+    ///
+    /// # Errors
+    /// In one line: the vehicle does not run steadily.
+    pub fn over(
+        trip: &Trip<'_>,
+        speed_m_per_s: f64,
+        duration_s: f64,
+        busy: &Busy,
+    ) -> Result<Self, String> {
+        let mut state = trip.begin(&[]).map_err(|why| why.to_string())?;
+        let axles = state.vehicle.wheels.iter().take(trip.vehicle().axles.len());
+        let loads = axles.map(|[[left], [right]]| [-left.vertical_n, -right.vertical_n]).collect();
+        let places = Places::wheelsets_of(trip.vehicle());
+        let signals =
+            busy.time(|| Signals::of(trip, &mut state, duration_s, &places, Wheels::Recorded));
+        Ok(Self { signals, loads, speed_m_per_s })
+    }
+
+    /// The forces of every wheelset in a section.
+    ///
+    /// # Errors
+    /// In one line: a section that was not passed, or a signal that is not finite.
+    pub fn forces(&self, section: &Section, right_hand: bool) -> Result<Vec<AxleForces>, String> {
+        let first_m = self.signals.distance_m.first().copied().unwrap_or(START_M);
+        let axles = self.signals.wheelsets.iter().zip(&self.loads);
+        let forces = axles.map(|(wheelset, static_n)| {
+            let passage = Passage {
+                wheelset,
+                first_m: first_m + wheelset.station_m,
+                speed_m_per_s: self.speed_m_per_s,
+                static_n: *static_n,
+                right_hand,
+            };
+            passage.forces(section).map_err(|why| why.to_string())
+        });
+        forces.collect()
+    }
+}
