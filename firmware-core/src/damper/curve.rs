@@ -40,6 +40,13 @@ impl Curve {
         Self { knots: Vec::new(), slope_before, slope_after }
     }
 
+    /// The same ends without a knot, to be filled. Slopes that are constants would have the compiler clear the
+    /// room for all knots.
+    #[inline]
+    pub(super) fn without_knots(&self) -> Self {
+        Self::straight(self.slope_before, self.slope_after)
+    }
+
     /// A curve through rising knots with a slope beyond each end. Knots beyond the capacity are
     /// dropped: the damper is then refused, before a step is made with it.
     pub fn through(knots: &[Knot], slope_before: f64, slope_after: f64) -> Self {
@@ -87,10 +94,15 @@ impl Curve {
     /// The sum of two curves.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
-        let mut sum = Self::straight(
-            self.slope_before + other.slope_before,
-            self.slope_after + other.slope_after,
-        );
+        let mut sum = self.without_knots();
+        self.plus_into(other, &mut sum);
+        sum
+    }
+
+    /// Writes the sum of two curves into a third. No curve is copied: in a step that would cost more than
+    /// the sum.
+    pub(super) fn plus_into(&self, other: &Self, sum: &mut Self) {
+        sum.clear(self.slope_before + other.slope_before, self.slope_after + other.slope_after);
         merge(self, other, |x, a, b| {
             let (before, after) = (a.0 + b.0, a.1 + b.1);
             sum.push(Knot { x, y: before });
@@ -98,7 +110,6 @@ impl Curve {
                 sum.push(Knot { x, y: after });
             }
         });
-        sum
     }
 
     /// Adds a straight line through the origin.
@@ -198,7 +209,14 @@ impl Curve {
             && pairs.clone().all(|(a, b)| b.x >= a.x && b.y - a.y >= slope * (b.x - a.x))
     }
 
-    fn push(&mut self, knot: Knot) {
+    /// Without a knot, with these slopes.
+    pub(super) fn clear(&mut self, slope_before: f64, slope_after: f64) {
+        self.knots.clear();
+        (self.slope_before, self.slope_after) = (slope_before, slope_after);
+    }
+
+    /// Adds a knot behind the others.
+    pub(super) fn push(&mut self, knot: Knot) {
         // A full curve is refused when the damper is built, so nothing is lost in a step.
         let _ = self.knots.push(knot);
     }

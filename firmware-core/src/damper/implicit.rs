@@ -136,7 +136,7 @@ struct Guess {
 mod tests {
     use super::*;
     use crate::damper::curve::Curve;
-    use crate::damper::law::{Factors, Parts};
+    use crate::damper::law::{Body, Factors, Parts};
     use crate::damper::nominal::Nominal;
 
     /// The damper of the published step-size table.
@@ -153,7 +153,8 @@ mod tests {
     fn law_of(nominal: &Nominal) -> Law {
         let (hydraulic, attachment) = (nominal.hydraulic(), nominal.attachment());
         let mut law = Law::empty();
-        law.join(&Parts { hydraulic, dry: Curve::ZERO, attachment }, &Factors::NONE);
+        let parts = Parts { hydraulic, dry: Curve::ZERO, attachment };
+        law.join(&parts, &Body::nominal(&parts), &Factors::NONE);
         law
     }
 

@@ -48,8 +48,9 @@ impl Parts {
     /// Scales the elastic deflection of the attachment; its clearance stays.
     pub(super) fn scale_compliance(&mut self, gain: f64) {
         let scaled = Factors { compliance_gain: gain, ..Factors::NONE };
-        if let Some(curve) = attachment_under(&self.attachment, &scaled) {
-            self.attachment = curve;
+        if scaled.change_attachment() {
+            let nominal = self.attachment.clone();
+            attachment_under(&nominal, &scaled, &mut self.attachment);
         }
     }
 }
@@ -81,6 +82,59 @@ impl Factors {
         added_half_clearance_m: 0.0,
         slack: None,
     };
+
+    /// True where the attachment is not the nominal one.
+    pub(super) fn change_attachment(&self) -> bool {
+        self.compliance_gain != 1.0 || self.added_half_clearance_m != 0.0
+    }
+
+    /// True where the body is not the nominal one.
+    fn change_body(&self) -> bool {
+        self.force_gain != 1.0
+            || self.velocity_gain != 1.0
+            || self.preload_n != 0.0
+            || self.slack.is_some()
+    }
+}
+
+/// Hydraulic and dry force of a piston as one law that never falls.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Velocity of the piston over force.
+    velocity: Curve,
+    /// Forces between which a resting piston stays.
+    breakaway_n: [f64; 2],
+    /// Forces between which a sliding piston comes to rest.
+    rest_n: [f64; 2],
+}
+
+impl Body {
+    /// The body of nominal parts.
+    pub(super) fn nominal(parts: &Parts) -> Self {
+        let velocity = parts.hydraulic.without_knots();
+        let mut body = Self { velocity, breakaway_n: [0.0; 2], rest_n: [0.0; 2] };
+        body.join(parts, &Factors::NONE);
+        body
+    }
+
+    /// Joins hydraulic and dry force under the given factors, in place.
+    fn join(&mut self, parts: &Parts, factors: &Factors) {
+        let Factors { velocity_gain, force_gain, preload_n, slack, .. } = *factors;
+        let mut hydraulic = parts.hydraulic.without_knots();
+        hydraulic.copy_scaled(&parts.hydraulic, velocity_gain, force_gain, preload_n);
+        if let Some(side) = slack {
+            hydraulic.slacken(side);
+        }
+        let velocity = &mut self.velocity;
+        hydraulic.plus_into(&parts.dry, velocity);
+        let (breakaway_from, breakaway_to) = velocity.cut_to_rising();
+        let at_rest = |knot: &&Knot| knot.x == 0.0;
+        let rest_from = velocity.knots().iter().find(at_rest).map_or(0.0, |knot| knot.y);
+        let rest_to = velocity.knots().iter().rfind(at_rest).map_or(0.0, |knot| knot.y);
+        velocity.invert();
+        self.breakaway_n = [breakaway_from, breakaway_to];
+        self.rest_n = [rest_from, rest_to];
+    }
 }
 
 /// A stretch of the law between two deflections.
@@ -158,25 +212,29 @@ impl Law {
         }
     }
 
-    /// Joins the parts under the given factors, in place. Bounded by the number of knots.
-    pub fn join(&mut self, parts: &Parts, factors: &Factors) {
-        let mut body = Curve::straight(0.0, 0.0);
-        let x_gain = factors.velocity_gain;
-        body.copy_scaled(&parts.hydraulic, x_gain, factors.force_gain, factors.preload_n);
-        if let Some(side) = factors.slack {
-            body.slacken(side);
-        }
-        let mut body = body.plus(&parts.dry);
-        let (breakaway_from, breakaway_to) = body.cut_to_rising();
-        let at_rest = |knot: &&Knot| knot.x == 0.0;
-        let rest_from = body.knots().iter().find(at_rest).map_or(0.0, |knot| knot.y);
-        let rest_to = body.knots().iter().rfind(at_rest).map_or(0.0, |knot| knot.y);
-        body.invert();
-
-        let attachment = attachment_under(&parts.attachment, factors);
-        let attachment = attachment.as_ref().unwrap_or(&parts.attachment);
+    /// Joins the parts under the given factors, in place; `nominal` is their body without any. Bounded by
+    /// the number of knots.
+    pub fn join(&mut self, parts: &Parts, nominal: &Body, factors: &Factors) {
+        let (mut changed_body, mut changed_attachment);
+        let body = if factors.change_body() {
+            let velocity = parts.hydraulic.without_knots();
+            changed_body = Body { velocity, ..*nominal };
+            changed_body.join(parts, factors);
+            &changed_body
+        } else {
+            nominal
+        };
+        let attachment = if factors.change_attachment() {
+            changed_attachment = parts.attachment.without_knots();
+            attachment_under(&parts.attachment, factors, &mut changed_attachment);
+            &changed_attachment
+        } else {
+            &parts.attachment
+        };
+        let ([breakaway_from, breakaway_to], [rest_from, rest_to]) =
+            (body.breakaway_n, body.rest_n);
         self.step_s = 0.0;
-        join_into(&mut self.sliding, &body, attachment);
+        join_into(&mut self.sliding, &body.velocity, attachment);
         self.resting.clear();
         if breakaway_from < rest_from || breakaway_to > rest_to {
             let ends = [Knot { x: breakaway_from, y: 0.0 }, Knot { x: breakaway_to, y: 0.0 }];
@@ -227,17 +285,14 @@ impl Law {
 
 /// Force of the attachment at a deflection under the given factors.
 pub fn attachment_force_n(parts: &Parts, factors: &Factors, deflection_m: f64) -> f64 {
-    let scaled = attachment_under(&parts.attachment, factors);
-    let mut curve = scaled.unwrap_or_else(|| parts.attachment.clone());
+    let mut curve = parts.attachment.without_knots();
+    attachment_under(&parts.attachment, factors, &mut curve);
     curve.invert();
     curve.at(deflection_m)
 }
 
-/// The attachment with its compliance scaled and its clearance widened, if either is changed.
-fn attachment_under(nominal: &Curve, factors: &Factors) -> Option<Curve> {
-    if factors.compliance_gain == 1.0 && factors.added_half_clearance_m == 0.0 {
-        return None;
-    }
+/// Writes the attachment with its compliance scaled and its clearance widened.
+fn attachment_under(nominal: &Curve, factors: &Factors, changed: &mut Curve) {
     let outer_end = |side: f64| {
         let knots = nominal.knots().iter().filter(|knot| knot.x == 0.0);
         knots.map(|knot| side * knot.y).fold(0.0, f64::max)
@@ -247,19 +302,18 @@ fn attachment_under(nominal: &Curve, factors: &Factors) -> Option<Curve> {
     let gain = factors.compliance_gain;
     let positive = |y: f64| above + added + gain * (y - above);
     let negative = |y: f64| -(below + added + gain * (-y - below));
-    let mut knots: Vec<Knot, { ATTACHMENT_KNOTS + 1 }> = Vec::new();
+    let split = nominal.knots().iter().filter(|knot| knot.x == 0.0).count() == 1;
+    changed.clear(gain * nominal.slope_before(), gain * nominal.slope_after());
     for knot in nominal.knots() {
-        let split = nominal.knots().iter().filter(|other| other.x == 0.0).count() == 1;
         if knot.x == 0.0 && split && added > 0.0 {
-            let _ = knots.push(Knot { x: 0.0, y: negative(knot.y) });
-            let _ = knots.push(Knot { x: 0.0, y: positive(knot.y) });
+            changed.push(Knot { x: 0.0, y: negative(knot.y) });
+            changed.push(Knot { x: 0.0, y: positive(knot.y) });
             continue;
         }
         let below_zero = knot.x < 0.0 || (knot.x == 0.0 && knot.y < 0.0);
         let y = if below_zero { negative(knot.y) } else { positive(knot.y) };
-        let _ = knots.push(Knot { x: knot.x, y });
+        changed.push(Knot { x: knot.x, y });
     }
-    Some(Curve::through(&knots, gain * nominal.slope_before(), gain * nominal.slope_after()))
 }
 
 /// Deflection at a force, on the far side of a step.
@@ -368,7 +422,8 @@ mod tests {
     fn joined(nominal: &Nominal, dry: Curve, factors: &Factors) -> Law {
         let (hydraulic, attachment) = (nominal.hydraulic(), nominal.attachment());
         let mut law = Law::empty();
-        law.join(&Parts { hydraulic, dry, attachment }, factors);
+        let parts = Parts { hydraulic, dry, attachment };
+        law.join(&parts, &Body::nominal(&parts), factors);
         law
     }
 

@@ -61,7 +61,7 @@ use curve::Curve;
 use delay::DelayLine;
 use effects::Memory;
 use empirical::Turned;
-use law::{Factors, Law, Parts};
+use law::{Body, Factors, Law, Parts};
 use series::{Arrival, Drive, Stand};
 use step::Sample;
 
@@ -241,6 +241,7 @@ pub struct Damper {
     nominal: Nominal,
     effects: Vec<Effect, MAX_EFFECTS>,
     parts: Parts,
+    body: Body,
     law: Law,
     per_step: f64,
     slow: bool,
@@ -276,7 +277,8 @@ impl Damper {
         }
         Law::check(&parts)?;
         let mut law = Law::empty();
-        law.join(&parts, &Factors::NONE);
+        let body = Body::nominal(&parts);
+        law.join(&parts, &body, &Factors::NONE);
         let slow = ordered.iter().any(Effect::is_slow);
         let creeps = ordered.iter().any(Effect::creeps);
         let switches = ordered.iter().any(Effect::switches);
@@ -285,6 +287,7 @@ impl Damper {
             nominal,
             effects: ordered,
             parts,
+            body,
             law,
             per_step: 0.0,
             slow,

@@ -347,13 +347,14 @@ fn crossing_time(
 mod tests {
     use super::*;
     use crate::damper::curve::Curve;
-    use crate::damper::law::{Factors, Parts};
+    use crate::damper::law::{Body, Factors, Parts};
     use crate::damper::nominal::Nominal;
 
     fn law_of(nominal: &Nominal) -> Law {
         let (hydraulic, attachment) = (nominal.hydraulic(), nominal.attachment());
         let mut law = Law::empty();
-        law.join(&Parts { hydraulic, dry: Curve::ZERO, attachment }, &Factors::NONE);
+        let parts = Parts { hydraulic, dry: Curve::ZERO, attachment };
+        law.join(&parts, &Body::nominal(&parts), &Factors::NONE);
         law
     }
 

@@ -159,7 +159,7 @@ impl Damper {
                 self.solve(&self.law, stand, drive, step_s, creep, start_force_n)
             } else {
                 let mut law = Law::empty();
-                law.join(&self.parts, &factors);
+                law.join(&self.parts, &self.body, &factors);
                 self.solve(&law, stand, drive, step_s, creep, start_force_n)
             }
         } else {
@@ -272,7 +272,7 @@ impl Damper {
     /// stiffness that changes would leave the force half a step behind.
     fn read_attachment(&self, state: &DamperState, arrival: &mut Arrival, at: &Instant) {
         let factors = self.factors(state, at);
-        if factors.compliance_gain != 1.0 || factors.added_half_clearance_m != 0.0 {
+        if factors.change_attachment() {
             let deflection_m = arrival.stand.deflection_m;
             arrival.force_n = law::attachment_force_n(&self.parts, &factors, deflection_m);
         }
