@@ -77,7 +77,7 @@ pub fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
     let seeds = (1..=args.seeds).collect();
     let procedure = Procedure { from_kmh, to_kmh, seeds, ..Procedure::default() };
     let folder = RunFolder::at(args.out.clone().unwrap_or_else(|| "runs/reproduce".into()));
-    folder.create()?;
+    folder.try_create()?;
     if args.calibrate {
         calibration(args, &procedure, &folder)?;
         return Ok(ExitCode::SUCCESS);
@@ -87,6 +87,7 @@ pub fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
     let figures = make(&recipes, &basis)?;
     let rows: Vec<&Row> = figures.iter().flat_map(|figure| &figure.rows).collect();
     let json = format!("{}\n", serde_json::to_string_pretty(&rows)?);
+    folder.create()?;
     folder.write("reproduce.json", &json)?;
     folder.write("report.html", &page::page(&figures, &locomotive).to_html()?)?;
     if args.json {
@@ -128,6 +129,7 @@ fn calibration(
     bar.finish_and_clear();
     let file = CalibrationFile { format: 1, procedure, calibrated: &calibrated };
     let json = format!("{}\n", serde_json::to_string_pretty(&file)?);
+    folder.create()?;
     folder.write("calibration.json", &json)?;
     if args.json {
         print!("{json}");

@@ -1,4 +1,4 @@
-//! A number put in the place of one in a scenario, or in its vehicle, by its key.
+//! A number put in the place of one in a scenario, or in its vehicle, by its key; or that number times a factor.
 //!
 //! ```text
 //! damper.ke_n_per_m                            a key of the scenario, there or not
@@ -18,13 +18,51 @@ const VEHICLE: &str = "vehicle.";
 /// Keys by which a table of a list is known.
 const NAMES: [&str; 2] = ["name", "place"];
 
-/// A key and the number that is put there.
+/// What becomes of the number at a key.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Change {
+    /// This number stands there, whatever did.
+    Value(f64),
+    /// The number that stands there is multiplied.
+    Factor(f64),
+}
+
+/// A key and what becomes of the number there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Setting {
     /// The key.
     pub key: String,
-    /// The number.
-    pub value: f64,
+    /// What becomes of it.
+    #[serde(flatten)]
+    pub change: Change,
+}
+
+impl Setting {
+    /// This number at the key.
+    pub fn to(key: impl Into<String>, value: f64) -> Self {
+        Self { key: key.into(), change: Change::Value(value) }
+    }
+
+    /// The number at the key, so many times.
+    pub fn times(key: impl Into<String>, factor: f64) -> Self {
+        Self { key: key.into(), change: Change::Factor(factor) }
+    }
+
+    /// The number, or the factor.
+    pub const fn number(&self) -> f64 {
+        match self.change {
+            Change::Value(number) | Change::Factor(number) => number,
+        }
+    }
+
+    /// The key in words, as the head of a column of numbers.
+    pub fn called(&self) -> String {
+        match self.change {
+            Change::Value(_) => self.key.clone(),
+            Change::Factor(_) => format!("{} times", self.key),
+        }
+    }
 }
 
 impl Source {
@@ -58,7 +96,7 @@ impl Source {
             };
             let key = setting.key.get(prefix.len()..).unwrap_or_default();
             let path: Vec<&str> = key.split('.').collect();
-            put(table, &path, setting.value)
+            put(table, &path, setting.change)
                 .map_err(|why| self.whole_error(format!("cannot set `{}`: {why}", setting.key)))?;
         }
         let Some(table) = table else { return Ok(self.clone()) };
@@ -67,27 +105,43 @@ impl Source {
     }
 }
 
-/// Puts a number into a table; tables on the way are made where they are missing.
-fn put(table: &mut Table, path: &[&str], value: f64) -> Result<(), String> {
+/// Changes a number in a table; tables on the way are made where they are missing.
+fn put(table: &mut Table, path: &[&str], change: Change) -> Result<(), String> {
     match path {
         [] | [""] => Err("a key is expected".to_owned()),
         [last] => {
+            let value = match change {
+                Change::Value(value) => value,
+                Change::Factor(factor) => factor * standing(table.get(*last))?,
+            };
             table.insert((*last).to_owned(), Value::Float(value));
             Ok(())
         }
         [first, rest @ ..] => {
             let next = table.entry(*first).or_insert_with(|| Value::Table(Table::new()));
             match next {
-                Value::Table(next) => put(next, rest, value),
-                Value::Array(list) => put_into_list(list, first, rest, value),
+                Value::Table(next) => put(next, rest, change),
+                Value::Array(list) => put_into_list(list, first, rest, change),
                 other => Err(format!("{first} is a {}, expected a table", other.type_str())),
             }
         }
     }
 }
 
-/// Puts a number into the tables of a list that the first part of the path means.
-fn put_into_list(list: &mut [Value], of: &str, path: &[&str], value: f64) -> Result<(), String> {
+/// The number that stands at a place, with provenance or without.
+fn standing(at: Option<&Value>) -> Result<f64, String> {
+    let number = |at: &Value| at.as_float().or_else(|| at.as_integer().map(|whole| whole as f64));
+    let found = at.and_then(|at| number(at.get("value").unwrap_or(at)));
+    found.ok_or_else(|| "no number stands there, expected one to multiply".to_owned())
+}
+
+/// Changes a number in the tables of a list that the first part of the path means.
+fn put_into_list(
+    list: &mut [Value],
+    of: &str,
+    path: &[&str],
+    change: Change,
+) -> Result<(), String> {
     let [which, rest @ ..] = path else {
         return Err(format!("{of} is a list, expected a name or a number behind it"));
     };
@@ -99,7 +153,7 @@ fn put_into_list(list: &mut [Value], of: &str, path: &[&str], value: f64) -> Res
     for (index, entry) in list.iter_mut().enumerate() {
         let Value::Table(table) = entry else { continue };
         if *which == "*" || which.parse() == Ok(index) || named(table) {
-            put(table, rest, value)?;
+            put(table, rest, change)?;
             found = true;
         }
         let name = NAMES.iter().find_map(|key| table.get(*key).and_then(Value::as_str));
@@ -122,9 +176,12 @@ mod tests {
         [[body]]\nname = \"bogie\"\nmass_kg = 1.0\n[[body]]\nname = \"wheel\"\nmass_kg = 2.0\n";
 
     fn set(key: &str) -> Result<Table, String> {
+        with(Setting::to(key, 7.0))
+    }
+
+    fn with(setting: Setting) -> Result<Table, String> {
         let source = Source::from_text(Path::new("a.toml"), TEXT);
-        let setting = Setting { key: key.to_owned(), value: 7.0 };
-        let changed = match key.strip_prefix(VEHICLE) {
+        let changed = match setting.key.strip_prefix(VEHICLE) {
             Some(_) => source.with_vehicle_settings(&[setting]),
             None => source.with_settings(&[setting]),
         };
@@ -145,6 +202,19 @@ mod tests {
         assert_eq!(masses("vehicle.body.wheel.mass_kg"), [Some(1.0), Some(7.0)]);
         assert_eq!(masses("vehicle.body.0.mass_kg"), [Some(7.0), Some(2.0)]);
         assert_eq!(masses("vehicle.body.*.mass_kg"), [Some(7.0), Some(7.0)]);
+    }
+
+    #[test]
+    fn numbers_are_multiplied_where_they_stand() {
+        let times = |key: &str| with(Setting::times(key, 0.5));
+        assert_eq!(times("speed_kmh").unwrap().get("speed_kmh"), Some(&Value::Float(80.0)));
+        let table = times("vehicle.body.*.mass_kg").unwrap();
+        let bodies = table["body"].as_array().unwrap().iter();
+        let masses: Vec<_> = bodies.map(|body| body["mass_kg"].as_float()).collect();
+        assert_eq!(masses, [Some(0.5), Some(1.0)]);
+        let expected = "a.toml: cannot set `damper.ke_n_per_m`: no number stands there, expected one \
+                        to multiply";
+        assert_eq!(times("damper.ke_n_per_m").unwrap_err(), expected);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use crate::study::Point;
 use report::Plot;
+use scenario::setting::Setting;
 
 /// Lowest and highest of a quantity of what was found.
 pub type Range<'a, F> = &'a dyn Fn(&F) -> Option<[f64; 2]>;
@@ -19,7 +20,7 @@ pub struct Line<'a, F> {
 /// Values of a key in rising order, each once.
 pub fn values<F>(points: &[Point<F>], axis: usize) -> Vec<f64> {
     let mut values: Vec<f64> =
-        points.iter().filter_map(|point| Some(point.at.get(axis)?.value)).collect();
+        points.iter().filter_map(|point| Some(point.at.get(axis)?.number())).collect();
     values.sort_unstable_by(f64::total_cmp);
     values.dedup();
     values
@@ -34,11 +35,11 @@ pub fn plot<F>(
     lines: &[Line<'_, F>],
     limits: &[(&str, f64)],
 ) -> Option<Plot> {
-    let keys: Vec<&str> = points.first()?.at.iter().map(|set| set.key.as_str()).collect();
-    match keys[..] {
+    let keys: Vec<String> = points.first()?.at.iter().map(Setting::called).collect();
+    match &keys[..] {
         [key] if points.len() > 1 => {
             let x = values(points, 0);
-            let at = |value: f64| points.iter().find(|point| point.at[0].value == value);
+            let at = |value: f64| points.iter().find(|point| point.at[0].number() == value);
             let along = |of: &dyn Fn(&F) -> Option<f64>| -> Vec<f64> {
                 x.iter()
                     .map(|value| at(*value).and_then(|point| of(&point.found)).unwrap_or(f64::NAN))
@@ -73,7 +74,8 @@ pub fn map<F>(
 ) -> Plot {
     let (y, x) = (values(points, 0), values(points, 1));
     let at = |slow: f64, quick: f64| {
-        let here = |point: &&Point<F>| point.at[0].value == slow && point.at[1].value == quick;
+        let here =
+            |point: &&Point<F>| point.at[0].number() == slow && point.at[1].number() == quick;
         points.iter().find(here).map_or(f64::NAN, &z)
     };
     // Rows of the map are the slow key's values.

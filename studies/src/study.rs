@@ -8,6 +8,8 @@ use crate::fnv;
 use crate::shards::Item;
 use crate::statistics;
 use crate::sweep::Grid;
+use crate::trip::Equipped;
+use crate::trip::pace::Pace;
 use report::Report;
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
@@ -16,8 +18,6 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
 /// A scenario and the grid over which its keys are varied.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,8 @@ pub trait Study: Debug + Sync {
     ///
     /// # Errors
     /// In one line why there is none; what was found before it stays.
-    fn answer(&self, run: &Run, found: &mut Self::Found, busy: &Busy) -> Result<(), String>;
+    fn answer(&self, run: &Run, equipped: &Equipped, found: &mut Self::Found)
+    -> Result<(), String>;
 
     /// The answers as a table for a terminal, and under which conditions they hold.
     fn text(&self, points: &[Point<Self::Found>]) -> String;
@@ -128,19 +129,17 @@ pub trait Study: Debug + Sync {
     fn point(&self, study: &str, index: usize) -> Point<Self::Found> {
         let varied = self.varied();
         let mut found = Self::Found::default();
-        let busy = Busy::default();
-        let answer = varied
-            .run(index, |run| self.duration_s(run))
-            .map_err(|why| why.to_string())
-            .and_then(|run| self.answer(&run, &mut found, &busy));
-        Point {
-            index,
-            study: study.to_owned(),
-            at: varied.grid.point(index),
-            found,
-            failure: answer.err(),
-            busy_s: busy.seconds(),
-        }
+        let mut pace = None;
+        let mut answer = || -> Result<(), String> {
+            let run = varied.run(index, |run| self.duration_s(run));
+            let run = run.map_err(|why| why.to_string())?;
+            let equipped = Equipped::of(&run).map_err(|why| why.to_string())?;
+            let answer = self.answer(&run, &equipped, &mut found);
+            pace = equipped.pace();
+            answer
+        };
+        let failure = answer().err();
+        Point { index, study: study.to_owned(), at: varied.grid.point(index), found, failure, pace }
     }
 }
 
@@ -158,9 +157,9 @@ pub struct Point<F> {
     pub found: F,
     /// Why there is no answer.
     pub failure: Option<String>,
-    /// Time of cores that went into trips (s); in the file of a shard only.
+    /// How fast its trips were; in the file of a shard only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub busy_s: Option<f64>,
+    pub pace: Option<Pace>,
 }
 
 impl<F> Point<F> {
@@ -169,7 +168,7 @@ impl<F> Point<F> {
         if self.at.is_empty() {
             return only.to_owned();
         }
-        let keys = self.at.iter().map(|set| set.key.as_str());
+        let keys = self.at.iter().map(Setting::called);
         let words = keys.zip(self.values_in_words()).map(|(key, value)| format!("{key} {value}"));
         words.collect::<Vec<_>>().join(", ")
     }
@@ -181,7 +180,7 @@ impl<F> Point<F> {
             let plain = rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs());
             if plain { rounded.to_string() } else { format!("{rounded:e}") }
         };
-        self.at.iter().map(|set| word(set.value)).collect()
+        self.at.iter().map(|set| word(set.number())).collect()
     }
 }
 
@@ -201,39 +200,13 @@ where
     }
 
     fn lasting(&self) -> Self {
-        Self { busy_s: None, ..self.clone() }
+        Self { pace: None, ..self.clone() }
     }
 }
 
-/// Time of cores that goes into trips, summed over them.
-#[derive(Debug, Default)]
-pub struct Busy(AtomicU64);
-
-impl Busy {
-    /// Does a trip and counts its time.
-    pub fn time<T>(&self, trip: impl FnOnce() -> T) -> T {
-        let began = Instant::now();
-        let done = trip();
-        self.0.fetch_add(began.elapsed().as_micros() as u64, Ordering::Relaxed);
-        done
-    }
-
-    /// The time so far (s); none before the first trip.
-    pub fn seconds(&self) -> Option<f64> {
-        let micros = self.0.load(Ordering::Relaxed);
-        (micros > 0).then_some(micros as f64 * 1e-6)
-    }
-}
-
-/// How fast trips were, in words; none where no time was kept.
-pub fn pace<F>(points: &[Point<F>], simulated_s: impl Fn(&F) -> f64) -> Option<String> {
-    let timed = || points.iter().filter_map(|point| Some((&point.found, point.busy_s?)));
-    let busy_s: f64 = timed().map(|(_, busy_s)| busy_s).sum();
-    let simulated_s: f64 = timed().map(|(found, _)| simulated_s(found)).sum();
-    (busy_s > 0.0 && simulated_s > 0.0).then(|| {
-        let pace = simulated_s / busy_s;
-        format!("{simulated_s:.0} s simulated, {pace:.0} s per second of one core")
-    })
+/// How fast the trips of all points were, in words; none where no time was kept.
+pub fn pace<F>(points: &[Point<F>]) -> Option<String> {
+    Pace::over(points.iter().filter_map(|point| point.pace)).map(|pace| pace.in_words())
 }
 
 /// A quantity over the tracks of several seeds.
@@ -299,14 +272,14 @@ mod tests {
 
     #[test]
     fn values_are_written_as_a_person_would() {
-        let set = |value: f64| Setting { key: "k".to_owned(), value };
+        let set = |value: f64| Setting::to("k", value);
         let point = Point {
             index: 0,
             study: String::new(),
             at: [0.2e-3, 80.0 + 100.0 / 3.0, 12.5e6, 0.0, -3e-5].map(set).to_vec(),
             found: (),
             failure: None,
-            busy_s: None,
+            pace: None,
         };
         assert_eq!(point.values_in_words(), ["0.0002", "113.333", "1.25e7", "0", "-3e-5"]);
         assert!(point.in_words("only").starts_with("k 0.0002, k 113.333"));

@@ -3,10 +3,11 @@
 //! ```text
 //! damper.ke_n_per_m=3e6:15e6:13       13 values from 3 to 15 MN/m, ends included
 //! damper.clearance_2a_m=0.2e-3,1e-3   these two
+//! vehicle.body.*.mass_kg*=0.9:1.1:3   0.9, 1.0 and 1.1 times what stands there
 //! ```
 //! The first axis changes slowest.
 
-use scenario::setting::Setting;
+use scenario::setting::{Change, Setting};
 use std::str::FromStr;
 
 /// Most points of a study.
@@ -17,8 +18,8 @@ const POINTS_MAX: usize = 1_000_000;
 pub struct Axis {
     /// The key, as [`Setting`] understands it.
     pub key: String,
-    /// The values, in order.
-    pub values: Vec<f64>,
+    /// The values or factors, in order.
+    pub changes: Vec<Change>,
 }
 
 impl FromStr for Axis {
@@ -26,14 +27,19 @@ impl FromStr for Axis {
 
     /// ```
     /// let axis: studies::sweep::Axis = "damper.ke_n_per_m=3e6:15e6:5".parse().unwrap();
-    /// assert_eq!(axis.values, [3e6, 6e6, 9e6, 12e6, 15e6]);
+    /// assert_eq!(axis.changes, [3e6, 6e6, 9e6, 12e6, 15e6].map(scenario::setting::Change::Value));
     /// assert!("ke=3:4".parse::<studies::sweep::Axis>().is_err());
     /// ```
     fn from_str(text: &str) -> Result<Self, String> {
-        let expected = || format!("found \"{text}\", expected KEY=from:to:n or KEY=value,value");
+        let expected =
+            || format!("found \"{text}\", expected KEY=from:to:n, KEY=value,value or KEY*=factors");
         let (key, values) = text.split_once('=').ok_or_else(expected)?;
         let number = |text: &str| {
             text.trim().parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(expected)
+        };
+        let (key, change): (&str, fn(f64) -> Change) = match key.strip_suffix('*') {
+            Some(key) if !key.ends_with('.') => (key, Change::Factor),
+            _ => (key, Change::Value),
         };
         let values = match values.split(':').collect::<Vec<_>>()[..] {
             [from, to, count] => {
@@ -47,7 +53,8 @@ impl FromStr for Axis {
         if key.trim().is_empty() {
             return Err(expected());
         }
-        Ok(Self { key: key.trim().to_owned(), values })
+        let changes = values.into_iter().map(change).collect();
+        Ok(Self { key: key.trim().to_owned(), changes })
     }
 }
 
@@ -82,7 +89,7 @@ impl Grid {
                 return Err(format!("`{}` is varied twice", axis.key));
             }
         }
-        let points = axes.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.values.len()));
+        let points = axes.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.changes.len()));
         match points {
             Some(points) if points <= POINTS_MAX => Ok(Self { axes }),
             _ => Err(format!("more than {POINTS_MAX} points")),
@@ -91,7 +98,7 @@ impl Grid {
 
     /// Number of points.
     pub fn len(&self) -> usize {
-        self.axes.iter().map(|axis| axis.values.len()).product()
+        self.axes.iter().map(|axis| axis.changes.len()).product()
     }
 
     /// False: there is one point at least.
@@ -104,9 +111,10 @@ impl Grid {
         let mut left = index;
         let mut settings: Vec<Setting> = Vec::new();
         for axis in self.axes.iter().rev() {
-            let count = axis.values.len().max(1);
-            let value = axis.values.get(left % count).copied().unwrap_or_default();
-            settings.push(Setting { key: axis.key.clone(), value });
+            let count = axis.changes.len().max(1);
+            let changes = axis.changes.get(left % count);
+            settings
+                .extend(changes.map(|change| Setting { key: axis.key.clone(), change: *change }));
             left /= count;
         }
         settings.reverse();
@@ -122,13 +130,25 @@ mod tests {
     fn the_first_axis_changes_slowest() {
         let axes = ["a=1,2", "b=10:30:3"].map(|text| text.parse::<Axis>().unwrap());
         let grid = Grid::new(axes.to_vec()).unwrap();
-        let values = |index| grid.point(index).iter().map(|s| s.value).collect::<Vec<_>>();
+        let values = |index| grid.point(index).iter().map(Setting::number).collect::<Vec<_>>();
         assert_eq!(grid.len(), 6);
         assert_eq!(values(0), [1.0, 10.0]);
         assert_eq!(values(2), [1.0, 30.0]);
         assert_eq!(values(3), [2.0, 10.0]);
         assert_eq!(Grid::default().len(), 1);
         assert!(Grid::default().point(0).is_empty());
+    }
+
+    #[test]
+    fn a_star_before_the_sign_multiplies() {
+        let axis: Axis = "vehicle.body.*.mass_kg*=0.9,1.1".parse().unwrap();
+        assert_eq!(axis.key, "vehicle.body.*.mass_kg");
+        assert_eq!(axis.changes, [0.9, 1.1].map(Change::Factor));
+        let whole: Axis = "vehicle.body.*=1".parse().unwrap();
+        assert_eq!(
+            (whole.key.as_str(), whole.changes),
+            ("vehicle.body.*", vec![Change::Value(1.0)])
+        );
     }
 
     #[test]

@@ -8,7 +8,6 @@ use studies::critical_speed::fold::Fold;
 use studies::critical_speed::linear::LinearSpeed;
 use studies::critical_speed::{Critical, Procedure};
 use studies::ride::{self, Ride};
-use studies::study::Busy;
 use studies::trip::Equipped;
 
 fn locomotive(nominal: Nominal) -> Equipped {
@@ -16,8 +15,7 @@ fn locomotive(nominal: Nominal) -> Equipped {
     let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
     let run = Run::load(&path, overrides).unwrap();
     let damper = Damper::new(nominal, &[]).unwrap();
-    let equipped = Equipped::of(&run).unwrap();
-    Equipped { dampers: vec![damper; equipped.dampers.len()], ..equipped }
+    Equipped::of(&run).unwrap().with(&damper)
 }
 
 fn at(critical: Critical) -> f64 {
@@ -70,9 +68,9 @@ fn ride_tends_to_that_without_yaw_dampers() {
     let procedure =
         ride::Procedure { seeds: vec![1, 2], section_s: 20.0, ..ride::Procedure::default() };
     let lateral = |clearance_2a_m: f64| {
-        let wear = Setting { key: "damper.clearance_2a_m".to_owned(), value: clearance_2a_m };
+        let wear = Setting::to("damper.clearance_2a_m", clearance_2a_m);
         let run = Run::load_with(&path, overrides, &[wear]).unwrap();
-        let ride = Ride::of(&run, &procedure, &Busy::default()).unwrap();
+        let ride = Ride::of(&run, &Equipped::of(&run).unwrap(), &procedure).unwrap();
         ride.worst(|place| Some(place.lateral.sperling_1985?.mean)).unwrap()
     };
     // A clearance of a metre is never crossed.

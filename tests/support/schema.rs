@@ -1,5 +1,5 @@
 //! Checks a JSON value against the part of JSON Schema that this project's schemas use: `type`,
-//! `properties`, `required`, `additionalProperties: false`, `items`, `enum`, `minItems`, `$ref` into
+//! `properties`, `required`, `additionalProperties: false`, `items`, `enum`, `minItems`, `minProperties`, `$ref` into
 //! `$defs`.
 
 use serde_json::Value;
@@ -45,6 +45,9 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
         found.push(format!("{place}: {value} is none of {}", schema["enum"]));
     }
     if let Some(object) = value.as_object() {
+        if (object.len() as u64) < schema["minProperties"].as_u64().unwrap_or(0) {
+            found.push(format!("{place}: only {} properties", object.len()));
+        }
         for name in schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str) {
             if !object.contains_key(name) {
                 found.push(format!("{place}: {name} is missing"));

@@ -30,7 +30,7 @@ pub fn section(points: &[Point]) -> Option<Section> {
 }
 
 fn plots(point: &Point) -> [Plot; 2] {
-    let words = point.at.iter().map(|set| format!("{} {:e}", set.key, set.value));
+    let words = point.at.iter().map(|set| format!("{} {:e}", set.called(), set.number()));
     let at = words.collect::<Vec<_>>().join(", ");
     let title = |what: &str| if at.is_empty() { what.to_owned() } else { format!("{what}, {at}") };
     let mut locus = Plot::new(&title("Root locus"))

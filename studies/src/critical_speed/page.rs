@@ -9,6 +9,7 @@ use super::study::Point;
 use super::text::conditions;
 use crate::over_keys;
 use report::{Cell, Plot, Report, Section, Table};
+use scenario::setting::Setting;
 
 /// Bifurcation diagrams that are drawn, at most.
 const DRAWN: usize = 6;
@@ -30,7 +31,7 @@ fn table(points: &[Point]) -> Table {
     let first = points.first();
     let mut table = Table::new("Critical speed, km/h");
     for set in first.map(|point| point.at.as_slice()).unwrap_or_default() {
-        table = table.number(&set.key, "");
+        table = table.number(&set.called(), "");
     }
     table = table.text("hunts from").text("range over seeds").text("no cycle below");
     for linear in first.map(|point| point.found.linear.as_slice()).unwrap_or_default() {
@@ -39,7 +40,7 @@ fn table(points: &[Point]) -> Table {
     }
     let strokes = first.map_or(0, |point| point.found.linear.len());
     table.rows(points.iter().map(|point| {
-        let mut row: Vec<Cell> = point.at.iter().map(|set| set.value.into()).collect();
+        let mut row: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
         row.push(match (&point.failure, &point.found.ascent) {
             (Some(why), _) => why.clone().into(),
             (None, ascent) => ascent.as_ref().map(Ascent::mean).into(),
@@ -54,9 +55,9 @@ fn table(points: &[Point]) -> Table {
 
 /// Critical speed over what was varied: a line for one key, a map for two.
 fn over_keys(points: &[Point]) -> Option<Section> {
-    let keys: Vec<&str> = points.first()?.at.iter().map(|set| set.key.as_str()).collect();
+    let keys: Vec<String> = points.first()?.at.iter().map(Setting::called).collect();
     let section = Section::new("Over what was varied");
-    match keys[..] {
+    match &keys[..] {
         [key] if points.len() > 1 => {
             Some(section.plot(over_one(points, key, &over_keys::values(points, 0))))
         }
@@ -71,7 +72,7 @@ fn over_keys(points: &[Point]) -> Option<Section> {
 }
 
 fn over_one(points: &[Point], key: &str, x: &[f64]) -> Plot {
-    let at = |value: f64| points.iter().find(|point| point.at[0].value == value);
+    let at = |value: f64| points.iter().find(|point| point.at[0].number() == value);
     let line = |of: &dyn Fn(&Point) -> Option<f64>| -> Vec<f64> {
         x.iter().map(|value| at(*value).and_then(of).unwrap_or(f64::NAN)).collect()
     };

@@ -11,21 +11,20 @@
 use super::procedure::Procedure;
 use crate::curve::limits::AxleLimits;
 use crate::curve::passed::Passed;
-use crate::curve::sections::{Part, Section};
-use crate::study::Busy;
 use crate::trip::{Equipped, START_M, Trip};
 use firmware_core::track::{Layout, Track};
 use scenario::irregularity::aar6;
 use scenario::track::OwnedTrack;
+use std::ops::Range;
 
 /// Where the forces are judged (m): behind the fade-in of the irregularity and a run-in.
-const JUDGED_M: [f64; 2] = [200.0, 600.0];
+const JUDGED_M: Range<f64> = 200.0..600.0;
 /// Track behind it, for filters and for the rear of the vehicle (m).
 const BEHIND_M: f64 = 60.0;
 
 /// The irregular track of a seed, rough from end to end.
 pub fn rough(procedure: &Procedure, seed: u64) -> OwnedTrack {
-    let samples = aar6(&procedure.band(seed), 0.0, JUDGED_M[1] + 2.0 * BEHIND_M);
+    let samples = aar6(&procedure.band(seed), 0.0, JUDGED_M.end + 2.0 * BEHIND_M);
     OwnedTrack { layout: Layout::tangent(), samples }
 }
 
@@ -41,17 +40,55 @@ pub fn greatest_over_limit(
 ) -> Result<Option<f64>, String> {
     let speed_m_per_s = kmh / 3.6;
     let trip = Trip::new(equipped, track, speed_m_per_s, procedure.substeps);
-    let duration_s = (JUDGED_M[1] + BEHIND_M - START_M) / speed_m_per_s;
-    let passed = Passed::over(&trip, speed_m_per_s, duration_s, &Busy::default())?;
+    let duration_s = (JUDGED_M.end + BEHIND_M - START_M) / speed_m_per_s;
+    let passed = Passed::over(&trip, speed_m_per_s, duration_s)?;
     if passed.signals.derailed {
         return Ok(None);
     }
-    // A section of a curve to the eyes of the filter; the track is straight.
-    let section = Section { part: Part::Curve, from_m: JUDGED_M[0], to_m: JUDGED_M[1] };
-    let forces = passed.forces(&section, false)?;
+    let forces = passed.forces(&JUDGED_M, false)?;
     let over_limit = forces.iter().zip(&passed.loads).map(|(axle, [left_n, right_n])| {
         let limit_n = AxleLimits::of(left_n + right_n, 1.0).stability_rms_n;
         axle.stability_rms_n.unwrap_or(0.0) / limit_n
     });
     Ok(Some(over_limit.fold(0.0, f64::max)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scenario::run::{Overrides, Run};
+    use std::path::Path;
+
+    /// Greatest rms over its limit at a speed, the irregularity scaled.
+    fn over_limit(kmh: f64, scale: f64) -> Option<f64> {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
+        let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+        let run = Run::load_with(&path, overrides, &[]).unwrap();
+        let procedure = Procedure::default();
+        let mut track = rough(&procedure, 1);
+        for sample in &mut track.samples.samples {
+            sample.alignment_m *= scale;
+            sample.vertical_m *= scale;
+            sample.cross_level_m *= scale;
+            sample.gauge_m *= scale;
+        }
+        let equipped = Equipped::of(&run).unwrap();
+        greatest_over_limit(&equipped, &procedure, &track.view(), kmh).unwrap()
+    }
+
+    #[test]
+    fn a_locomotive_is_stable_when_slow_and_unstable_when_it_hunts() {
+        let [slow, fast] = [120.0, 300.0].map(|kmh| over_limit(kmh, 1.0));
+        println!("rms over limit: {slow:?} at 120, {fast:?} at 300 km/h");
+        assert!((0.1..0.9).contains(&slow.unwrap()));
+        // Its critical speed is 250 km/h; off the track is unstable too.
+        assert!(fast.is_none_or(|over| over > 1.0));
+    }
+
+    #[test]
+    fn forces_vanish_with_the_irregularity() {
+        let [half, tenth] = [0.5, 0.1].map(|scale| over_limit(120.0, scale).unwrap());
+        println!("rms over limit: {half} and {tenth}");
+        assert!(tenth < 0.35 * half && tenth > 0.0, "{half} {tenth}");
+    }
 }

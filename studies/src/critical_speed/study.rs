@@ -6,7 +6,7 @@ use super::linear::LinearSpeed;
 use super::page::page;
 use super::procedure::Procedure;
 use super::text::text;
-use crate::study::{self, Busy, Study, Varied};
+use crate::study::{self, Study, Varied};
 use crate::trip::Equipped;
 use firmware_core::wheel_rail::wheel::Surface;
 use report::Report;
@@ -66,19 +66,18 @@ impl Study for Question {
         &self.procedure
     }
 
-    fn answer(&self, run: &Run, found: &mut Found, _busy: &Busy) -> Result<(), String> {
-        let equipped = Equipped::of(run).map_err(|why| why.to_string())?;
-        found.equivalent_conicity_at_3_mm = conicity(&equipped);
+    fn answer(&self, _run: &Run, equipped: &Equipped, found: &mut Found) -> Result<(), String> {
+        found.equivalent_conicity_at_3_mm = conicity(equipped);
         found.friction = equipped.vehicle.axles.first().map(|axle| axle.wheel.friction);
         if self.ascent {
-            let ascent = Ascent::of(&equipped, &self.procedure)?;
+            let ascent = Ascent::of(equipped, &self.procedure)?;
             found.ascent = Some(ascent);
         }
         if self.fold {
-            let fold = Fold::of(&equipped, &self.procedure).map_err(|why| why.to_string())?;
+            let fold = Fold::of(equipped, &self.procedure).map_err(|why| why.to_string())?;
             found.fold = Some(fold);
         }
-        let linear = |stroke_m: &f64| LinearSpeed::of(&equipped, &self.procedure, *stroke_m);
+        let linear = |stroke_m: &f64| LinearSpeed::of(equipped, &self.procedure, *stroke_m);
         found.linear = self.strokes_m.iter().map(linear).collect();
         Ok(())
     }

@@ -2,7 +2,8 @@
 
 use super::procedure::{Criterion, Procedure};
 use super::study::Point;
-use crate::study::{seeds_in_words, table};
+use crate::study::{pace, seeds_in_words, table};
+use scenario::setting::Setting;
 
 /// The points as a table for a terminal, and under which conditions they hold.
 pub fn text(points: &[Point], procedure: &Procedure) -> String {
@@ -11,12 +12,13 @@ pub fn text(points: &[Point], procedure: &Procedure) -> String {
     let mut lines = table(&rows, points);
     lines.push(String::new());
     lines.extend(conditions(points, procedure));
+    lines.extend(pace(points));
     lines.join("\n")
 }
 
 fn heads(points: &[Point]) -> Vec<String> {
     let Some(first) = points.first() else { return Vec::new() };
-    let mut heads: Vec<String> = first.at.iter().map(|set| set.key.clone()).collect();
+    let mut heads: Vec<String> = first.at.iter().map(Setting::called).collect();
     if first.found.ascent.is_some() {
         heads.extend(["hunts from", "over seeds"].map(str::to_owned));
     }

@@ -11,7 +11,7 @@ use super::procedure::Procedure;
 use super::sections::{Part, Section, sections};
 use super::wheelset::WheelsetCurve;
 use crate::spectrum::Spectrum;
-use crate::study::{Busy, OverSeeds};
+use crate::study::OverSeeds;
 use crate::trip::track::Roughness;
 use crate::trip::{Equipped, START_M, Trip};
 use firmware_core::vehicle::GRAVITY_M_PER_S2;
@@ -44,8 +44,6 @@ pub struct Curve {
     pub lead_in_m: f64,
     /// The irregularity.
     pub track: Roughness,
-    /// Time that was simulated on all tracks (s).
-    pub simulated_s: f64,
     /// What forces are held against, wheelset by wheelset.
     pub limits: Vec<AxleLimits>,
     /// Entry, full curve and exit.
@@ -75,11 +73,11 @@ pub struct ForceSpectrum {
 }
 
 impl Curve {
-    /// Runs through the curve on the tracks of all seeds.
+    /// The vehicle of a run goes through the curve on the tracks of all seeds.
     ///
     /// # Errors
     /// In one line: no curve, no steady running, a track that the vehicle leaves.
-    pub fn of(run: &Run, procedure: &Procedure, busy: &Busy) -> Result<Self, String> {
+    pub fn of(run: &Run, equipped: &Equipped, procedure: &Procedure) -> Result<Self, String> {
         let layout = &run.track.layout;
         let sections = sections(layout);
         let full = sections.iter().find(|section| section.part == Part::Curve);
@@ -91,9 +89,8 @@ impl Curve {
         let duration_s = duration_s(run);
         let track = Roughness::of(run, &procedure.seeds);
         let tracks = track.tracks(run, layout, START_M + run.speed_m_per_s * duration_s + 30.0);
-        let equipped = Equipped::of(run).map_err(|why| why.to_string())?;
         let through = |(number, track): (usize, &OwnedTrack)| {
-            passed(run, &equipped, track, duration_s, busy)
+            passed(run, equipped, track, duration_s)
                 .map_err(|why| format!("track {}: {why}", number + 1))
                 .and_then(|passed| on_track(passed, &sections, sign > 0.0))
         };
@@ -131,7 +128,6 @@ impl Curve {
             unbalanced_m_per_s2,
             cant_deficiency_m: unbalanced_m_per_s2 / GRAVITY_M_PER_S2 * RAIL_SPACING_M,
             lead_in_m: sections.first().map_or(0.0, |section| section.from_m),
-            simulated_s: duration_s * tracks.len() as f64,
             track,
             limits,
             sections: by_section.collect(),
@@ -169,11 +165,10 @@ fn passed(
     equipped: &Equipped,
     track: &OwnedTrack,
     duration_s: f64,
-    busy: &Busy,
 ) -> Result<Passed, String> {
     let track = track.view();
     let trip = Trip::new(equipped, &track, run.speed_m_per_s, run.substeps);
-    let passed = Passed::over(&trip, run.speed_m_per_s, duration_s, busy)?;
+    let passed = Passed::over(&trip, run.speed_m_per_s, duration_s)?;
     if passed.signals.derailed {
         let at_m = passed.signals.distance_m.last().copied().unwrap_or_default();
         return Err(format!("off the track at {at_m:.0} m"));
@@ -182,7 +177,7 @@ fn passed(
 }
 
 fn on_track(passed: Passed, sections: &[Section], right_hand: bool) -> Result<OnTrack, String> {
-    let of = |section: &Section| passed.forces(section, right_hand);
+    let of = |section: &Section| passed.forces(&(section.from_m..section.to_m), right_hand);
     let found: Result<Vec<_>, String> = sections.iter().map(of).collect();
     Ok(OnTrack { sections: found?, loads: passed.loads })
 }

@@ -13,7 +13,6 @@
 //!
 //! Filters are causal; their delay (1 m, and 2.61/(2 pi f) of the low-pass) is taken off.
 
-use super::sections::Section;
 use crate::error::SignalError;
 use crate::guiding_force::{CORNER_HZ, MEAN_OVER_M, low_pass, sliding_mean};
 use crate::response::through;
@@ -21,6 +20,7 @@ use crate::spectrum::Spectrum;
 use crate::statistics::{mean, percentile, rms};
 use crate::trip::signals::{RATE_HZ, WheelSignal, WheelsetSignal};
 use realfft::num_complex::Complex;
+use std::ops::Range;
 
 /// Distance between the values of a statistic (m).
 const EVERY_M: f64 = 0.5;
@@ -96,31 +96,31 @@ impl Passage<'_> {
     ///
     /// # Errors
     /// A section that was not passed, or a signal that is not finite.
-    pub fn forces(&self, section: &Section) -> Result<AxleForces, SignalError> {
+    pub fn forces(&self, stretch_m: &Range<f64>) -> Result<AxleForces, SignalError> {
         let outward = if self.right_hand { -1.0 } else { 1.0 };
         let sum_n: Vec<f64> =
             self.wheelset.axle_force_n().into_iter().map(|n| outward * n).collect();
         let guided = self.guided(&sum_n)?;
-        let read = self.every(&guided, section, EVERY_M)?;
+        let read = self.every(&guided, stretch_m, EVERY_M)?;
         let [low, high] = SHARES;
         let at = |values: &[f64], share: f64| percentile(values, share).unwrap_or(f64::NAN);
         let gb = passed(&sum_n, GB_CORNER_HZ)?;
-        let gb: Vec<f64> = self.all(&gb, section)?.iter().map(|n| n.abs()).collect();
+        let gb: Vec<f64> = self.all(&gb, stretch_m)?.iter().map(|n| n.abs()).collect();
         let [left, right] = &self.wheelset.wheels;
         let (pair, loads) = if self.right_hand {
             ([left, right], self.static_n)
         } else {
             ([right, left], [self.static_n[1], self.static_n[0]])
         };
-        let spectrum = Spectrum::welch(self.all(&sum_n, section)?, RATE_HZ, SEGMENT_S).ok();
+        let spectrum = Spectrum::welch(self.all(&sum_n, stretch_m)?, RATE_HZ, SEGMENT_S).ok();
         Ok(AxleForces {
             sum_n: [at(&read, low), at(&read, 0.5), at(&read, high)],
-            stability_rms_n: self.stability_rms_n(&sum_n, spectrum.as_ref(), section)?,
+            stability_rms_n: self.stability_rms_n(&sum_n, spectrum.as_ref(), stretch_m)?,
             gb_n: at(&gb, high),
             spectrum,
             wheels: [
-                self.wheel(pair[0], loads[0], section)?,
-                self.wheel(pair[1], loads[1], section)?,
+                self.wheel(pair[0], loads[0], stretch_m)?,
+                self.wheel(pair[1], loads[1], stretch_m)?,
             ],
         })
     }
@@ -129,7 +129,7 @@ impl Passage<'_> {
         &self,
         wheel: &WheelSignal,
         static_n: f64,
-        section: &Section,
+        stretch_m: &Range<f64>,
     ) -> Result<WheelForces, SignalError> {
         let quotient = |corner_hz: f64| -> Result<Vec<f64>, SignalError> {
             let (y_n, q_n) = (passed(&wheel.y_n, corner_hz)?, passed(&wheel.q_n, corner_hz)?);
@@ -138,21 +138,21 @@ impl Passage<'_> {
         };
         let at = |values: &[f64], share: f64| percentile(values, share).unwrap_or(f64::NAN);
         let [_, high] = SHARES;
-        let y_over_q = self.every(&self.meant(&quotient(CORNER_HZ)?), section, EVERY_M)?;
-        let y_n = self.every(&self.guided(&wheel.y_n)?, section, EVERY_M)?;
-        let q_n = self.every(&self.guided(&wheel.q_n)?, section, EVERY_M)?;
+        let y_over_q = self.every(&self.meant(&quotient(CORNER_HZ)?), stretch_m, EVERY_M)?;
+        let y_n = self.every(&self.guided(&wheel.y_n)?, stretch_m, EVERY_M)?;
+        let q_n = self.every(&self.guided(&wheel.q_n)?, stretch_m, EVERY_M)?;
         let derailment = quotient(GB_CORNER_HZ)?;
         let load_n = passed(&wheel.q_n, GB_CORNER_HZ)?;
         let unloading: Vec<f64> =
-            self.all(&load_n, section)?.iter().map(|q| 1.0 - q / static_n).collect();
+            self.all(&load_n, stretch_m)?.iter().map(|q| 1.0 - q / static_n).collect();
         Ok(WheelForces {
             y_over_q: [at(&y_over_q, 0.5), at(&y_over_q, high)],
             y_quasi_static_n: at(&y_n, 0.5),
             q_n: [at(&q_n, 0.5), at(&q_n, high)],
-            derailment_gb: at(self.all(&derailment, section)?, high),
+            derailment_gb: at(self.all(&derailment, stretch_m)?, high),
             unloading: at(&unloading, high),
-            wear_w: mean(self.all(&wheel.wear_w, section)?),
-            t_gamma_n: mean(self.all(&wheel.t_gamma_n, section)?),
+            wear_w: mean(self.all(&wheel.wear_w, stretch_m)?),
+            t_gamma_n: mean(self.all(&wheel.t_gamma_n, stretch_m)?),
         })
     }
 
@@ -161,13 +161,13 @@ impl Passage<'_> {
         &self,
         sum_n: &[f64],
         spectrum: Option<&Spectrum>,
-        section: &Section,
+        stretch_m: &Range<f64>,
     ) -> Result<Option<f64>, SignalError> {
         let ([from_hz, to_hz], beside_hz) = UNSTABLE_HZ;
         let [over_m, every_m] = STABILITY_M;
         let peak = spectrum
             .and_then(|spectrum| spectrum.peaks(from_hz, to_hz, 1).first().map(|(hz, _)| *hz));
-        let Some(peak_hz) = peak.filter(|_| section.to_m - section.from_m >= over_m - 0.1) else {
+        let Some(peak_hz) = peak.filter(|_| stretch_m.end - stretch_m.start >= over_m - 0.1) else {
             return Ok(None);
         };
         let inside = |hz: f64| (hz - peak_hz).abs() <= beside_hz && hz >= 0.4;
@@ -175,11 +175,11 @@ impl Passage<'_> {
             through(sum_n, RATE_HZ, |hz| Complex::from(f64::from(u8::from(inside(hz)))), SETTLE_S)?;
         let mut greatest: f64 = 0.0;
         let windows =
-            libm::floor((section.to_m - section.from_m - over_m + 0.1) / every_m) as usize;
+            libm::floor((stretch_m.end - stretch_m.start - over_m + 0.1) / every_m) as usize;
         for window in 0..=windows {
-            let from_m = section.from_m + window as f64 * every_m;
-            let to_m = (from_m + over_m).min(section.to_m);
-            greatest = greatest.max(rms(self.all(&band, &Section { from_m, to_m, ..*section })?));
+            let from_m = stretch_m.start + window as f64 * every_m;
+            let to_m = (from_m + over_m).min(stretch_m.end);
+            greatest = greatest.max(rms(self.all(&band, &(from_m..to_m))?));
         }
         Ok(Some(greatest))
     }
@@ -196,8 +196,8 @@ impl Passage<'_> {
     }
 
     /// The samples of a section.
-    fn all<'b>(&self, values: &'b [f64], section: &Section) -> Result<&'b [f64], SignalError> {
-        let (from, to) = (self.sample(section.from_m), self.sample(section.to_m));
+    fn all<'b>(&self, values: &'b [f64], stretch_m: &Range<f64>) -> Result<&'b [f64], SignalError> {
+        let (from, to) = (self.sample(stretch_m.start), self.sample(stretch_m.end));
         values.get(from..to.max(from + 1)).ok_or(SignalError::TooShort(values.len(), to))
     }
 
@@ -205,11 +205,11 @@ impl Passage<'_> {
     fn every(
         &self,
         values: &[f64],
-        section: &Section,
+        stretch_m: &Range<f64>,
         every_m: f64,
     ) -> Result<Vec<f64>, SignalError> {
-        let count = libm::floor((section.to_m - section.from_m) / every_m) as usize;
-        let place = |number: usize| section.from_m + number as f64 * every_m;
+        let count = libm::floor((stretch_m.end - stretch_m.start) / every_m) as usize;
+        let place = |number: usize| stretch_m.start + number as f64 * every_m;
         let value = |number: usize| {
             let sample = self.sample(place(number));
             values.get(sample).copied().ok_or(SignalError::TooShort(values.len(), sample))
@@ -240,7 +240,6 @@ fn earlier(values: Vec<f64>, by_s: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sections::Part;
     use super::*;
     use std::f64::consts::TAU;
 
@@ -259,7 +258,6 @@ mod tests {
     }
 
     fn forces(wheelset: &WheelsetSignal, right_hand: bool) -> AxleForces {
-        let section = Section { part: Part::Curve, from_m: 200.0, to_m: 500.0 };
         let passage = Passage {
             wheelset,
             first_m: 0.0,
@@ -267,7 +265,7 @@ mod tests {
             static_n: [100.0e3; 2],
             right_hand,
         };
-        passage.forces(&section).unwrap()
+        passage.forces(&(200.0..500.0)).unwrap()
     }
 
     #[test]

@@ -36,7 +36,7 @@ fn table(points: &[Point]) -> Table {
     let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
     let mut table = Table::new("Worst wheelset or wheel, mean over seeds");
     for set in keys {
-        table = table.number(&set.key, "");
+        table = table.number(&set.called(), "");
     }
     table = table
         .text("section")
@@ -47,7 +47,7 @@ fn table(points: &[Point]) -> Table {
         .number_with_digits("wear power", "W", 4)
         .number_with_digits("T gamma", "N", 3);
     let rows = points.iter().flat_map(|point| {
-        let keys: Vec<Cell> = point.at.iter().map(|set| set.value.into()).collect();
+        let keys: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
         let sections = point.found.curve.as_ref().map_or(&[][..], |curve| &curve.sections);
         let mut rows: Vec<Vec<Cell>> = sections
             .iter()

@@ -1,10 +1,9 @@
 //! One trip from steady running, with what every wheel did on it.
 
 use super::forces::{AxleForces, Passage};
-use super::sections::Section;
-use crate::study::Busy;
 use crate::trip::signals::{Places, Signals, Wheels};
 use crate::trip::{START_M, Trip};
+use std::ops::Range;
 
 /// A trip that was run, to its end or off the track.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,26 +20,24 @@ impl Passed {
     ///
     /// # Errors
     /// In one line: the vehicle does not run steadily.
-    pub fn over(
-        trip: &Trip<'_>,
-        speed_m_per_s: f64,
-        duration_s: f64,
-        busy: &Busy,
-    ) -> Result<Self, String> {
+    pub fn over(trip: &Trip<'_>, speed_m_per_s: f64, duration_s: f64) -> Result<Self, String> {
         let mut state = trip.begin(&[]).map_err(|why| why.to_string())?;
         let axles = state.vehicle.wheels.iter().take(trip.vehicle().axles.len());
         let loads = axles.map(|[[left], [right]]| [-left.vertical_n, -right.vertical_n]).collect();
         let places = Places::wheelsets_of(trip.vehicle());
-        let signals =
-            busy.time(|| Signals::of(trip, &mut state, duration_s, &places, Wheels::Recorded));
+        let signals = Signals::of(trip, &mut state, duration_s, &places, Wheels::Recorded);
         Ok(Self { signals, loads, speed_m_per_s })
     }
 
-    /// The forces of every wheelset in a section.
+    /// The forces of every wheelset on a stretch of track (m).
     ///
     /// # Errors
-    /// In one line: a section that was not passed, or a signal that is not finite.
-    pub fn forces(&self, section: &Section, right_hand: bool) -> Result<Vec<AxleForces>, String> {
+    /// In one line: a stretch that was not passed, or a signal that is not finite.
+    pub fn forces(
+        &self,
+        stretch_m: &Range<f64>,
+        right_hand: bool,
+    ) -> Result<Vec<AxleForces>, String> {
         let first_m = self.signals.distance_m.first().copied().unwrap_or(START_M);
         let axles = self.signals.wheelsets.iter().zip(&self.loads);
         let forces = axles.map(|(wheelset, static_n)| {
@@ -51,7 +48,7 @@ impl Passed {
                 static_n: *static_n,
                 right_hand,
             };
-            passage.forces(section).map_err(|why| why.to_string())
+            passage.forces(stretch_m).map_err(|why| why.to_string())
         });
         forces.collect()
     }

@@ -5,7 +5,8 @@ use super::page::page;
 use super::procedure::Procedure;
 use super::sections::{Part, sections};
 use super::text::text;
-use crate::study::{self, Busy, Study, Varied};
+use crate::study::{self, Study, Varied};
+use crate::trip::Equipped;
 use report::Report;
 use scenario::run::Run;
 use serde::{Deserialize, Serialize};
@@ -54,8 +55,8 @@ impl Study for Question {
             .ok_or_else(|| "the track has no curve, expected [track.curve]".to_owned())
     }
 
-    fn answer(&self, run: &Run, found: &mut Found, busy: &Busy) -> Result<(), String> {
-        found.curve = Some(Curve::of(run, &self.procedure, busy)?);
+    fn answer(&self, run: &Run, equipped: &Equipped, found: &mut Found) -> Result<(), String> {
+        found.curve = Some(Curve::of(run, equipped, &self.procedure)?);
         Ok(())
     }
 

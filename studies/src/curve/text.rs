@@ -6,6 +6,7 @@ use super::procedure::Procedure;
 use super::study::Point;
 use super::wheelset::{WheelCurve, WheelsetCurve};
 use crate::study::{OverSeeds, pace, table};
+use scenario::setting::Setting;
 
 /// The points as a table for a terminal, and under which conditions they hold. A single point is told
 /// wheelset by wheelset as well.
@@ -21,13 +22,13 @@ pub fn text(points: &[Point], procedure: &Procedure) -> String {
         lines.push(String::new());
     }
     lines.extend(conditions(points, procedure));
-    lines.extend(pace(points, |found| found.curve.as_ref().map_or(0.0, |curve| curve.simulated_s)));
+    lines.extend(pace(points));
     lines.join("\n")
 }
 
 fn heads(points: &[Point]) -> Vec<String> {
     let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
-    let mut heads: Vec<String> = keys.iter().map(|set| set.key.clone()).collect();
+    let mut heads: Vec<String> = keys.iter().map(Setting::called).collect();
     heads.extend(
         [
             "section",

@@ -83,7 +83,7 @@ pub fn calibrate(
             let others: Vec<Setting> = found
                 .iter()
                 .filter(|other| other.key != unknown.key)
-                .map(|other| Setting { key: other.key.to_owned(), value: other.value })
+                .map(|other| Setting::to(other.key, other.value))
                 .collect();
             let calibrated = one(scenario, procedure, unknown, &others, see)?;
             if round == 0 {
@@ -109,7 +109,7 @@ fn one(
     // How far off the aim, and the speed; beyond the range of speeds the error is that of its end.
     let tried = |value: f64| -> Result<(f64, Option<f64>), String> {
         let mut changes = others.to_vec();
-        changes.push(Setting { key: unknown.key.to_owned(), value });
+        changes.push(Setting::to(unknown.key, value));
         let locomotive = Locomotive::load(scenario, &changes).map_err(|why| why.to_string())?;
         let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
         let ascent = Ascent::of(&equipped, &near)?;

@@ -12,7 +12,7 @@ use crate::ride;
 use crate::ride::assessment::{PlaceRide, PlaceSpectrum, Ride};
 use crate::ride::grade::Kind;
 use crate::ride::sperling::Direction;
-use crate::study::Busy;
+use crate::trip::Equipped;
 use rayon::prelude::*;
 use report::Plot;
 
@@ -67,7 +67,7 @@ pub fn over_speed(basis: &Basis<'_>) -> Result<Figure, String> {
                acceleration, 6.58 % and 1.44 % in ride index",
         plots: vec![rms(&rides, ("speed", "km/h")), indices(&rides, ("speed", "km/h"))],
         rows,
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 
@@ -109,7 +109,7 @@ pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, String> {
             indices(&rides, x),
         ],
         rows,
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 
@@ -163,7 +163,7 @@ pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
             indices(&rides, x),
         ],
         rows,
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 
@@ -177,7 +177,8 @@ fn ridden(basis: &Basis<'_>, asked: &[Asked]) -> Result<Vec<Ridden>, String> {
         .par_iter()
         .map(|(damper, speed_kmh, x)| {
             let run = run_with(basis, *damper, *speed_kmh, &[])?;
-            let ride = Ride::of(&run, &procedure, &Busy::default())?;
+            let equipped = Equipped::of(&run).map_err(|why| why.to_string())?;
+            let ride = Ride::of(&run, &equipped, &procedure)?;
             let (ke_n_per_m, clearance_2a_m) = *damper;
             let at = vec![
                 ("ke_n_per_m", ke_n_per_m),

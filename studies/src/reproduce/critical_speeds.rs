@@ -114,7 +114,7 @@ pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, String> {
             (clearance == CLEARANCE_2A_M).then_some(1e-6 * ke)
         })],
         rows: found.iter().flat_map(|found| found.rows("10a")).collect(),
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 
@@ -133,7 +133,7 @@ pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
             (ke == KE_N_PER_M && clearance >= CLEARANCES_2A_M[0]).then_some(1e3 * clearance)
         })],
         rows: found.iter().flat_map(|found| found.rows("10b")).collect(),
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 

@@ -5,15 +5,16 @@
 //! study calls a Bode plot of the shift force is drawn as amplitude density in decibels.
 
 use super::Basis;
-use super::locomotive::KE_N_PER_M;
+use super::locomotive::{KE_N_PER_M, dampers};
 use super::row::{Figure, Row};
 use crate::curve::{self, Curve};
 use crate::statistics;
-use crate::study::Busy;
+use crate::trip::Equipped;
 use rayon::prelude::*;
 use report::Plot;
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
+use std::slice;
 
 /// The study's curve, beside its straight track.
 const SCENARIO: &str = "ss9-curve-400m.toml";
@@ -46,7 +47,7 @@ pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, String> {
                2a = 1 mm, 80 km/h",
         rows: rows("18", &passed),
         plots: drawn(&passed, &x, ("effective stiffness", "MN/m")).into(),
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 
@@ -81,28 +82,24 @@ pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
                derailment coefficient and wear power hardly change; 80 km/h",
         rows: rows("19", &passed),
         plots,
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 
-fn passages(basis: &Basis<'_>, dampers: &[(f64, f64)]) -> Result<Vec<Passed>, String> {
+fn passages(basis: &Basis<'_>, each: &[(f64, f64)]) -> Result<Vec<Passed>, String> {
     let scenario = basis.scenario.with_file_name(SCENARIO);
     let procedure =
         curve::Procedure { seeds: basis.procedure.seeds.clone(), ..curve::Procedure::default() };
     let relief_n = basis.locomotive.nominal().f_relief_n;
-    dampers
-        .par_iter()
+    each.par_iter()
         .map(|(ke_n_per_m, clearance_2a_m)| {
-            let set = |key: &str, value: f64| Setting { key: key.to_owned(), value };
-            let settings = [
-                set("damper.ke_n_per_m", *ke_n_per_m),
-                set("damper.clearance_2a_m", *clearance_2a_m),
-                set("damper.f_relief_n", relief_n),
-            ];
+            let relief = Setting::to("damper.f_relief_n", relief_n);
+            let settings = [&dampers(*ke_n_per_m, *clearance_2a_m), slice::from_ref(&relief)];
             let overrides = Overrides { duration_s: None, speed_kmh: None };
-            let run =
-                Run::load_with(&scenario, overrides, &settings).map_err(|why| why.to_string())?;
-            let curve = Curve::of(&run, &procedure, &Busy::default())?;
+            let run = Run::load_with(&scenario, overrides, &settings.concat())
+                .map_err(|why| why.to_string())?;
+            let equipped = Equipped::of(&run).map_err(|why| why.to_string())?;
+            let curve = Curve::of(&run, &equipped, &procedure)?;
             Ok(Passed { ke_n_per_m: *ke_n_per_m, clearance_2a_m: *clearance_2a_m, curve })
         })
         .collect()

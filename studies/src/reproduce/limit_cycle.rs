@@ -106,7 +106,7 @@ pub fn with_speed(basis: &Basis<'_>) -> Result<Figure, String> {
                Ke = 12.5 MN/m, 2a = 0.2 mm",
         rows,
         plots: vec![amplitude, histories(shown)],
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 
@@ -127,7 +127,7 @@ pub fn suspended(basis: &Basis<'_>) -> Result<Figure, String> {
         said: "the lateral vibration of wheelset 4 grows: the dampers hang in their clearance",
         rows: rows.collect(),
         plots: vec![histories(found.iter())],
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 

@@ -12,8 +12,16 @@ pub const KE_N_PER_M: f64 = 12.5e6;
 /// Its clearance (m).
 pub const CLEARANCE_2A_M: f64 = 0.2e-3;
 
+/// Keys of a scenario that make all its yaw dampers so.
+pub fn dampers(ke_n_per_m: f64, clearance_2a_m: f64) -> [Setting; 2] {
+    [
+        Setting::to("damper.ke_n_per_m", ke_n_per_m),
+        Setting::to("damper.clearance_2a_m", clearance_2a_m),
+    ]
+}
+
 /// A scenario's vehicle, and the damper that its yaw dampers are made from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Locomotive {
     equipped: Equipped,
     nominal: Nominal,
@@ -49,11 +57,8 @@ impl Locomotive {
     ///
     /// A damper that cannot be leaves the scenario's own; none of this study's is one.
     pub fn with_dampers(&self, nominal: Nominal) -> Equipped {
-        let mut equipped = self.equipped.clone();
-        if let Ok(damper) = Damper::new(nominal, &[]) {
-            equipped.dampers.fill(damper);
-        }
-        equipped
+        let as_built = || self.equipped.clone();
+        Damper::new(nominal, &[]).map_or_else(|_| as_built(), |damper| as_built().with(&damper))
     }
 
     /// The damper that others are made from.

@@ -79,6 +79,7 @@ pub fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, String> {
             "The hydraulic damper is illustrative (scenarios/dampers/hydraulic-yaw-damper.toml), no maker's."
                 .to_owned(),
         ],
+        ..Figure::default()
     })
 }
 

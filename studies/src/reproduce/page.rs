@@ -39,7 +39,7 @@ fn section(figure: &Figure) -> Section {
         Section::new(&format!("Figure {} of the study: {}", figure.number, figure.title))
             .text(&format!("The study: {}.", figure.said))
             .plots(figure.plots.clone())
-            .table(table("Numbers", &rows));
+            .table(figure.table.clone().unwrap_or_else(|| table("Numbers", &rows)));
     for remark in &figure.remarks {
         section = section.note(remark);
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// A figure of the study: what it says, what came out here.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Figure {
     /// Its number in the study, such as `10a`.
     pub number: &'static str,
@@ -14,6 +14,8 @@ pub struct Figure {
     pub said: &'static str,
     /// The numbers.
     pub rows: Vec<Row>,
+    /// The numbers in fewer lines, where the report shows them so.
+    pub table: Option<report::Table>,
     /// What they were drawn from.
     pub plots: Vec<report::Plot>,
     /// Where study and model part, and what was tried.

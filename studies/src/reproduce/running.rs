@@ -4,6 +4,7 @@
 //! close it is in [`working_point`](super::working_point).
 
 use super::Basis;
+use super::locomotive::dampers;
 use super::row::{Figure, Role, Row};
 use crate::statistics;
 use crate::trip::signals::{Acceleration, Places, RATE_HZ, Signals, Wheels};
@@ -42,10 +43,7 @@ pub fn run_with(
     speed_kmh: f64,
     further: &[Setting],
 ) -> Result<Run, String> {
-    let set = |key: &str, value: f64| Setting { key: key.to_owned(), value };
-    let mut settings =
-        vec![set("damper.ke_n_per_m", ke_n_per_m), set("damper.clearance_2a_m", clearance_2a_m)];
-    settings.extend(further.iter().cloned());
+    let settings = [&dampers(ke_n_per_m, clearance_2a_m), further].concat();
     let overrides = Overrides { duration_s: Some(1.0), speed_kmh: Some(speed_kmh) };
     Run::load_as_fine_as_needed(basis.scenario, overrides, &settings).map_err(|why| why.to_string())
 }
@@ -132,7 +130,7 @@ pub fn accelerations(basis: &Basis<'_>) -> Result<Figure, String> {
         said: "the wheelset shakes more than the bogie frame, the bogie frame more than the carbody",
         rows,
         plots: vec![plot],
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 
@@ -197,7 +195,7 @@ pub fn damper_forces(basis: &Basis<'_>) -> Result<Figure, String> {
                works at some 3.5 Hz and +-3 to 4 mm (3.46 mm)",
         rows,
         plots: vec![plot.zoom("one reversal", DRAWN_S[0]..=DRAWN_S[0] + 0.5)],
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 

@@ -11,6 +11,7 @@ use super::locomotive::Locomotive;
 use super::row::{Figure, Row};
 use crate::critical_speed::Procedure;
 use crate::critical_speed::ascent::Ascent;
+use firmware_core::vehicle::{Axle, Vehicle};
 use rayon::prelude::*;
 use report::Plot;
 use scenario::setting::Setting;
@@ -23,59 +24,49 @@ struct Input {
 }
 
 enum Change {
-    /// Numbers of the vehicle that are multiplied, by key and value as it stands.
-    Keys(&'static [(&'static str, f64)]),
-    /// Distance of the outer wheelsets of a bogie from its middle.
+    /// Numbers of the vehicle that are multiplied, by key.
+    Keys(&'static [&'static str]),
+    /// Distance of the outer wheelsets of a bogie from its middle one.
     Wheelbase,
 }
 
 /// Tracks of the first seeds.
 const TRACKS: usize = 2;
-const BOGIE_YAW_INERTIA_KG_M2: f64 = 78_243.0;
-const PRIMARY_LATERAL_N_PER_M: f64 = 5.5e6;
-/// Station of a bogie's middle, and distance of the outer wheelsets from it (m).
-const BOGIE_AT_M: f64 = 5.39;
-const AXLE_SPACING_M: f64 = 2.15;
+/// Wheelsets of a bogie.
+const PER_BOGIE: usize = 3;
 
 const INPUTS: [Input; 3] = [
     Input {
         name: "bogie yaw inertia",
         share: 0.30,
         change: Change::Keys(&[
-            ("vehicle.body.bogie_front.yaw_inertia_kg_m2", BOGIE_YAW_INERTIA_KG_M2),
-            ("vehicle.body.bogie_rear.yaw_inertia_kg_m2", BOGIE_YAW_INERTIA_KG_M2),
+            "vehicle.body.bogie_front.yaw_inertia_kg_m2",
+            "vehicle.body.bogie_rear.yaw_inertia_kg_m2",
         ]),
     },
     Input { name: "wheelbase", share: 0.07, change: Change::Wheelbase },
     Input {
         name: "primary lateral stiffness",
         share: 0.40,
-        change: Change::Keys(&[(
-            "vehicle.suspension.primary.stiffness_y_n_per_m",
-            PRIMARY_LATERAL_N_PER_M,
-        )]),
+        change: Change::Keys(&["vehicle.suspension.primary.stiffness_y_n_per_m"]),
     },
 ];
 
 impl Input {
-    fn settings(&self, factor: f64) -> Vec<Setting> {
-        let set = |key: String, value: f64| Setting { key, value };
+    fn settings(&self, vehicle: &Vehicle, factor: f64) -> Vec<Setting> {
         match self.change {
-            Change::Keys(keys) => {
-                keys.iter().map(|(key, value)| set((*key).to_owned(), factor * value)).collect()
+            Change::Keys(keys) => keys.iter().map(|key| Setting::times(*key, factor)).collect(),
+            Change::Wheelbase => {
+                let body = |axle: &Axle| vehicle.bodies.get(axle.body.index());
+                let stations_m: Vec<f64> =
+                    vehicle.axles.iter().filter_map(body).map(|body| body.station_m).collect();
+                let moved = stations_m.chunks(PER_BOGIE).flat_map(|bogie| {
+                    let middle_m = bogie[bogie.len() / 2];
+                    bogie.iter().map(move |station_m| middle_m + factor * (station_m - middle_m))
+                });
+                let key = |index: usize| format!("vehicle.body.wheelset_{}.station_m", index + 1);
+                moved.enumerate().map(|(index, to_m)| Setting::to(key(index), to_m)).collect()
             }
-            Change::Wheelbase => [
-                (1, BOGIE_AT_M, 1.0),
-                (3, BOGIE_AT_M, -1.0),
-                (4, -BOGIE_AT_M, 1.0),
-                (6, -BOGIE_AT_M, -1.0),
-            ]
-            .into_iter()
-            .map(|(number, bogie_at_m, side)| {
-                let station_m = bogie_at_m + side * factor * AXLE_SPACING_M;
-                set(format!("vehicle.body.wheelset_{number}.station_m"), station_m)
-            })
-            .collect(),
         }
     }
 }
@@ -92,10 +83,11 @@ pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, String> {
         .iter()
         .flat_map(|input| [(input, 1.0 - input.share), (input, 1.0 + input.share)])
         .collect();
+    let vehicle = &basis.locomotive.as_built().vehicle;
     let speeds: Result<Vec<Vec<Option<f64>>>, String> = ends
         .par_iter()
         .map(|(input, factor)| {
-            let changed = Locomotive::load(basis.scenario, &input.settings(*factor))
+            let changed = Locomotive::load(basis.scenario, &input.settings(vehicle, *factor))
                 .map_err(|why| why.to_string())?;
             speeds_kmh(&changed, basis)
         })
@@ -128,7 +120,7 @@ pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, String> {
         said: "nothing: the study's appendix with the inputs is not public",
         plots: vec![drawn(&as_it_is, &ends, &speeds)],
         rows,
-        remarks: Vec::new(),
+        ..Figure::default()
     })
 }
 

@@ -15,17 +15,22 @@ use crate::statistics;
 use crate::trip::signals::{RATE_HZ, Signals};
 use firmware_core::track::IrregularitySample;
 use rayon::prelude::*;
-use scenario::setting::Setting;
+use report::{Cell, Table};
+use scenario::setting::Change::{Factor, Value};
+use scenario::setting::{self, Setting};
 
 /// Segments of spectra (s).
 const SEGMENT_S: f64 = 8.192;
 /// Where the bogie's peaks are looked for (Hz).
 const BOGIE_HZ: [f64; 2] = [2.5, 5.0];
 
+/// What the study has for the stroke (mm), twice for its frequency, and for the bogie's second peak (Hz).
+const STUDY: [f64; 4] = [1e3 * WORKING_POINT.0, WORKING_POINT.1, WORKING_POINT.1, 3.8];
+
 /// One thing that is changed.
 struct Change {
     name: &'static str,
-    settings: &'static [(&'static str, f64)],
+    settings: &'static [(&'static str, setting::Change)],
     channel: Option<Channel>,
     own_seeds: Option<[u64; 5]>,
 }
@@ -41,17 +46,17 @@ const CHANGES: [Change; 15] = [
     },
     Change {
         name: "irregularity 1.8 times as large",
-        settings: &[("track.irregularity.aar6.scale", 1.8)],
+        settings: &[("track.irregularity.aar6.scale", Value(1.8))],
         ..AS_IT_IS
     },
     Change {
         name: "wavelengths up to 200 m",
-        settings: &[("track.irregularity.aar6.longest_m", 200.0)],
+        settings: &[("track.irregularity.aar6.longest_m", Value(200.0))],
         ..AS_IT_IS
     },
     Change {
         name: "wavelengths up to 30 m",
-        settings: &[("track.irregularity.aar6.longest_m", 30.0)],
+        settings: &[("track.irregularity.aar6.longest_m", Value(30.0))],
         ..AS_IT_IS
     },
     Change {
@@ -78,14 +83,14 @@ const CHANGES: [Change; 15] = [
     },
     Change {
         name: "carbody roll inertia 20 % greater",
-        settings: &[("vehicle.body.carbody.roll_inertia_kg_m2", 1.777e5)],
+        settings: &[("vehicle.body.carbody.roll_inertia_kg_m2", Factor(1.2))],
         ..AS_IT_IS
     },
     Change {
         name: "rails a hundred times as stiff",
         settings: &[
-            ("vehicle.wheel_rail.rail_support.stiffness_y_n_per_m", 3e9),
-            ("vehicle.wheel_rail.rail_support.damping_y_n_s_per_m", 4.5e5),
+            ("vehicle.wheel_rail.rail_support.stiffness_y_n_per_m", Factor(100.0)),
+            ("vehicle.wheel_rail.rail_support.damping_y_n_s_per_m", Factor(10.0)),
         ],
         ..AS_IT_IS
     },
@@ -93,22 +98,26 @@ const CHANGES: [Change; 15] = [
         name: "conicity 0.30 at small motions",
         settings: &[(
             "vehicle.wheel_rail.surface.profiles.jm3_like.small_amplitude_conicity",
-            0.30,
+            Value(0.30),
         )],
         ..AS_IT_IS
     },
-    Change { name: "relief force 8 kN", settings: &[("damper.f_relief_n", 8e3)], ..AS_IT_IS },
+    Change {
+        name: "relief force 8 kN",
+        settings: &[("damper.f_relief_n", Value(8e3))],
+        ..AS_IT_IS
+    },
     Change {
         name: "bogie yaw inertia 30 % smaller",
         settings: &[
-            ("vehicle.body.bogie_front.yaw_inertia_kg_m2", 54_770.0),
-            ("vehicle.body.bogie_rear.yaw_inertia_kg_m2", 54_770.0),
+            ("vehicle.body.bogie_front.yaw_inertia_kg_m2", Factor(0.7)),
+            ("vehicle.body.bogie_rear.yaw_inertia_kg_m2", Factor(0.7)),
         ],
         ..AS_IT_IS
     },
     Change {
         name: "friction 0.30",
-        settings: &[("vehicle.wheel_rail.friction", 0.30)],
+        settings: &[("vehicle.wheel_rail.friction", Value(0.30))],
         ..AS_IT_IS
     },
 ];
@@ -118,26 +127,50 @@ const CHANGES: [Change; 15] = [
 /// # Errors
 /// The vehicle does not run.
 pub fn tried(basis: &Basis<'_>) -> Result<Figure, String> {
-    let rows: Result<Vec<Vec<Row>>, String> =
+    let rows: Result<Vec<[Row; 4]>, String> =
         CHANGES.par_iter().map(|change| rows_of(basis, change)).collect();
+    let rows = rows?;
     Ok(Figure {
         number: "8 and 13",
         title: "The damper's working point and the bogie's peaks: what was tried",
         said: "the damper works at 3.5 Hz and +-3.46 mm; the bogie's lateral spectrum has peaks at 3.2 and 3.8 Hz",
-        rows: rows?.concat(),
-        plots: Vec::new(),
+        rows: rows.concat(),
+        table: Some(compact(&rows)),
         remarks: vec![
-            "One change at a time; by two definitions of frequency, zero crossings and peak of the spectrum."
+            "One change at a time; frequency by two definitions, zero crossings and peak of the spectrum; \
+             means over tracks."
                 .to_owned(),
         ],
+        ..Figure::default()
     })
 }
 
-fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<Vec<Row>, String> {
+/// A line for every change: our numbers, and what is left to the study's.
+fn compact(rows: &[[Row; 4]]) -> Table {
+    let table = Table::new("What was changed, and what is left of the gap")
+        .text("change")
+        .number("stroke", "mm")
+        .number("left", "mm")
+        .number("zero crossings", "Hz")
+        .number("left", "Hz")
+        .number("spectral peak", "Hz")
+        .number("left", "Hz")
+        .number("bogie's peak", "Hz")
+        .number("left", "Hz");
+    table.rows(CHANGES.iter().zip(rows).map(|(change, rows)| {
+        let pairs = rows
+            .iter()
+            .zip(STUDY)
+            .flat_map(|(row, study)| [row.ours.into(), row.ours.map(|ours| ours - study).into()]);
+        [Cell::from(change.name)].into_iter().chain(pairs).collect::<Vec<_>>()
+    }))
+}
+
+fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<[Row; 4], String> {
     let settings: Vec<Setting> = change
         .settings
         .iter()
-        .map(|(key, value)| Setting { key: (*key).to_owned(), value: *value })
+        .map(|(key, change)| Setting { key: (*key).to_owned(), change: *change })
         .collect();
     let run = run_with(basis, (WORKING_KE_N_PER_M, WORKING_2A_M), SPEED_KMH, &settings)?;
     let seeds = change.own_seeds.map_or(basis.procedure.seeds.clone(), |seeds| seeds.to_vec());
@@ -147,12 +180,10 @@ fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<Vec<Row>, String> {
         each.map(|each| statistics::mean(&each))
     };
     let front = |signals: &Signals| signals.dampers.first().cloned();
-    let (stroke_m, frequency_hz) = WORKING_POINT;
     let at = || [("ke_n_per_m", WORKING_KE_N_PER_M), ("clearance_2a_m", WORKING_2A_M)];
-    let row = |quantity, unit, ours: Option<f64>, paper: Option<f64>| {
+    let row = |quantity, unit, ours: Option<f64>, study: f64| {
         let row = Row::new("8", quantity, at(), unit, ours);
-        let left =
-            ours.zip(paper).map(|(ours, paper)| format!("; {:+.2} {unit} left", ours - paper));
+        let left = ours.map(|ours| format!("; {:+.2} {unit} left", ours - study));
         // The study's number and the error to it stand once, at figure 8; here is what is left of the gap.
         row.note(format!("{}{}", change.name, left.unwrap_or_default()))
     };
@@ -160,11 +191,11 @@ fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<Vec<Row>, String> {
     let crossings_hz = mean(&|signals| Some(working_point_of(&front(signals)?.extension_m)?.1));
     let peak_hz = mean(&|signals| peak(&front(signals)?.extension_m, [0.5, 10.0]));
     let bogie_hz = mean(&|signals| peak(&signals.bogies.first()?.lateral_m_per_s2, BOGIE_HZ));
-    Ok(vec![
-        row("tried_damper_stroke_mean_peak", "mm", stroke_mm, Some(1e3 * stroke_m)),
-        row("tried_damper_frequency_zero_crossings", "Hz", crossings_hz, Some(frequency_hz)),
-        row("tried_damper_frequency_spectral_peak", "Hz", peak_hz, Some(frequency_hz)),
-        row("tried_bogie_lateral_peak_2.5_to_5_hz", "Hz", bogie_hz, Some(3.8)),
+    Ok([
+        row("tried_damper_stroke_mean_peak", "mm", stroke_mm, STUDY[0]),
+        row("tried_damper_frequency_zero_crossings", "Hz", crossings_hz, STUDY[1]),
+        row("tried_damper_frequency_spectral_peak", "Hz", peak_hz, STUDY[2]),
+        row("tried_bogie_lateral_peak_2.5_to_5_hz", "Hz", bogie_hz, STUDY[3]),
     ])
 }
 

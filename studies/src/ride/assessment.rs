@@ -11,7 +11,7 @@ use super::procedure::Procedure;
 use super::shake::{Group, PlaceShaken, Shaken};
 use super::sperling::Direction;
 use crate::spectrum::Spectrum;
-use crate::study::{Busy, OverSeeds};
+use crate::study::OverSeeds;
 use crate::trip::signals::{Places, Signals, Wheels};
 use crate::trip::track::Roughness;
 use crate::trip::{Equipped, START_M, Trip};
@@ -34,8 +34,6 @@ pub struct Ride {
     pub speed_kmh: f64,
     /// The tracks.
     pub track: Roughness,
-    /// Time that was simulated on all of them, run-in included (s).
-    pub simulated_s: f64,
     /// The floor above the bogies from the front, then above the middle.
     pub floor: Vec<PlaceRide>,
     /// The bogie frames.
@@ -97,12 +95,11 @@ pub struct PlaceSpectrum {
 }
 
 impl Ride {
-    /// Rides on the tracks of all seeds.
+    /// The vehicle of a run rides on the tracks of all seeds.
     ///
     /// # Errors
     /// In one line: no steady running, a track that the vehicle leaves, a section too short.
-    pub fn of(run: &Run, procedure: &Procedure, busy: &Busy) -> Result<Self, String> {
-        let equipped = Equipped::of(run).map_err(|why| why.to_string())?;
+    pub fn of(run: &Run, equipped: &Equipped, procedure: &Procedure) -> Result<Self, String> {
         let places = Places::of(run, procedure.floor_height_m);
         let mut track = Roughness::of(run, &procedure.seeds);
         if track.irregularity == "none" {
@@ -113,10 +110,9 @@ impl Ride {
         let tracks = track.tracks(run, &Layout::tangent(), end_m);
         let on_track = |(number, track): (usize, &OwnedTrack)| -> Result<Signals, String> {
             let track = track.view();
-            let trip = Trip::new(&equipped, &track, run.speed_m_per_s, run.substeps);
+            let trip = Trip::new(equipped, &track, run.speed_m_per_s, run.substeps);
             let mut state = trip.begin(&[]).map_err(|why| why.to_string())?;
-            let signals =
-                busy.time(|| Signals::of(&trip, &mut state, duration_s, &places, Wheels::LeftOut));
+            let signals = Signals::of(&trip, &mut state, duration_s, &places, Wheels::LeftOut);
             if signals.derailed {
                 let at_m = signals.distance_m.last().copied().unwrap_or_default();
                 return Err(format!("track {}: off the track at {at_m:.0} m", number + 1));
@@ -129,10 +125,10 @@ impl Ride {
         };
         let shaken: Result<Vec<Shaken>, String> =
             tracks.par_iter().enumerate().map(shaken).collect();
-        Self::over(&shaken?, run, track, duration_s).ok_or_else(|| "no track".to_owned())
+        Self::over(&shaken?, run, track).ok_or_else(|| "no track".to_owned())
     }
 
-    fn over(tracks: &[Shaken], run: &Run, track: Roughness, duration_s: f64) -> Option<Self> {
+    fn over(tracks: &[Shaken], run: &Run, track: Roughness) -> Option<Self> {
         let first = tracks.first()?;
         let [floor, bogies]: [Group; 2] = [|track| &track.floor, |track| &track.bogies];
         let places = |of: Group| -> Vec<PlaceRide> {
@@ -164,7 +160,6 @@ impl Ride {
         Some(Self {
             speed_kmh: 3.6 * run.speed_m_per_s,
             track,
-            simulated_s: duration_s * tracks.len() as f64,
             floor: places(floor),
             bogies: places(bogies),
             resolution_hz,

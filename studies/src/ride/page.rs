@@ -32,7 +32,7 @@ fn table(points: &[Point], procedure: &Procedure) -> Table {
     let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
     let mut table = Table::new("Sperling index of GB 5599-85 and mean comfort");
     for set in keys {
-        table = table.number(&set.key, "");
+        table = table.number(&set.called(), "");
     }
     for direction in DIRECTIONS {
         let name = direction.name();
@@ -40,7 +40,7 @@ fn table(points: &[Point], procedure: &Procedure) -> Table {
     }
     table = table.number_with_digits("N_MV", "", 3).text("EN 12299");
     table.rows(points.iter().map(|point| {
-        let mut row: Vec<Cell> = point.at.iter().map(|set| set.value.into()).collect();
+        let mut row: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
         let ride = point.found.ride.as_ref();
         for direction in DIRECTIONS {
             let index = ride.and_then(|ride| worst_sperling(ride, direction)).map(|over| over.mean);

@@ -4,7 +4,8 @@ use super::assessment::Ride;
 use super::page::page;
 use super::procedure::Procedure;
 use super::text::text;
-use crate::study::{self, Busy, Study, Varied};
+use crate::study::{self, Study, Varied};
+use crate::trip::Equipped;
 use report::Report;
 use scenario::run::Run;
 use serde::{Deserialize, Serialize};
@@ -53,8 +54,8 @@ impl Study for Question {
         })
     }
 
-    fn answer(&self, run: &Run, found: &mut Found, busy: &Busy) -> Result<(), String> {
-        found.ride = Some(Ride::of(run, &self.procedure, busy)?);
+    fn answer(&self, run: &Run, equipped: &Equipped, found: &mut Found) -> Result<(), String> {
+        found.ride = Some(Ride::of(run, equipped, &self.procedure)?);
         Ok(())
     }
 

@@ -5,6 +5,7 @@ use super::procedure::Procedure;
 use super::sperling::Direction;
 use super::study::Point;
 use crate::study::{OverSeeds, pace, table};
+use scenario::setting::Setting;
 
 /// The points as a table for a terminal, and under which conditions they hold.
 pub fn text(points: &[Point], procedure: &Procedure) -> String {
@@ -13,13 +14,13 @@ pub fn text(points: &[Point], procedure: &Procedure) -> String {
     let mut lines = table(&rows, points);
     lines.push(String::new());
     lines.extend(conditions(points, procedure));
-    lines.extend(pace(points, |found| found.ride.as_ref().map_or(0.0, |ride| ride.simulated_s)));
+    lines.extend(pace(points));
     lines.join("\n")
 }
 
 fn heads(points: &[Point]) -> Vec<String> {
     let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
-    let mut heads: Vec<String> = keys.iter().map(|set| set.key.clone()).collect();
+    let mut heads: Vec<String> = keys.iter().map(Setting::called).collect();
     heads.extend(
         [
             "W lateral",

@@ -5,8 +5,10 @@
 //! software: `2a` adds up, compliances add up. With a clearance of a metre (`damper.clearance_2a_m = 1.0`)
 //! a damper never touches: that is a trip with dampers taken off.
 //!
-//! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on.
+//! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on, [`pace`] is how fast
+//! trips are.
 
+pub mod pace;
 pub mod signals;
 #[cfg(test)]
 mod tests;
@@ -18,18 +20,22 @@ use firmware_core::line::{Line, LineState, Slot};
 use firmware_core::track::Track;
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
+use pace::{Odometer, Pace};
 use scenario::equilibrium::{self, NoEquilibrium};
 use scenario::minimum_speed::minimum_speed_m_per_s;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use scenario::wheel_rail::Contact;
+use std::sync::Arc;
+use std::time::Instant;
 
 /// Distance at which the vehicle's reference point starts (m): all wheels on perfect track.
 pub const START_M: f64 = 15.0;
 /// Most substeps of a cycle.
 const SUBSTEPS_MAX: u32 = 64;
 
-/// A vehicle with its dampers and its contact: what neither speed nor track changes.
-#[derive(Debug, Clone, PartialEq)]
+/// A vehicle with its dampers and its contact: what neither speed nor track changes. Copies of it, with
+/// other dampers perhaps, count their trips together.
+#[derive(Debug, Clone)]
 pub struct Equipped {
     /// The vehicle.
     pub vehicle: Vehicle,
@@ -37,6 +43,7 @@ pub struct Equipped {
     pub contact: Option<Contact>,
     /// The damper of every slot.
     pub dampers: Vec<Damper>,
+    odometer: Arc<Odometer>,
 }
 
 impl Equipped {
@@ -47,7 +54,29 @@ impl Equipped {
     pub fn of(run: &Run) -> Result<Self, DamperError> {
         let dampers: Result<Vec<Damper>, DamperError> =
             run.slots.iter().map(|slot| modelled(&slot.force, &run.rig.damper)).collect();
-        Ok(Self { vehicle: run.vehicle.clone(), contact: run.contact.clone(), dampers: dampers? })
+        Ok(Self {
+            vehicle: run.vehicle.clone(),
+            contact: run.contact.clone(),
+            dampers: dampers?,
+            odometer: Arc::default(),
+        })
+    }
+
+    /// A vehicle on cones, with no dampers.
+    pub fn without_dampers(vehicle: Vehicle) -> Self {
+        Self { vehicle, contact: None, dampers: Vec::new(), odometer: Arc::default() }
+    }
+
+    /// The same vehicle with this damper in every slot.
+    #[must_use]
+    pub fn with(mut self, damper: &Damper) -> Self {
+        self.dampers.fill(damper.clone());
+        self
+    }
+
+    /// How fast its trips were; none before the first.
+    pub fn pace(&self) -> Option<Pace> {
+        self.odometer.pace(CYCLE_S)
     }
 
     /// The contact table, for wheels that run on profiles.
@@ -90,9 +119,10 @@ fn modelled(force: &SlotForce, on_rig: &Damper) -> Result<Damper, DamperError> {
 }
 
 /// A vehicle on a track at a speed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Trip<'a> {
     line: Line<'a>,
+    odometer: &'a Odometer,
 }
 
 impl<'a> Trip<'a> {
@@ -123,7 +153,7 @@ impl<'a> Trip<'a> {
             slots,
             guard: Guard::default(),
         };
-        Self { line }
+        Self { line, odometer: &equipped.odometer }
     }
 
     /// Steady running at the beginning of the track, some wheelsets moved to the right by so much (m).
@@ -151,14 +181,16 @@ impl<'a> Trip<'a> {
         mut see: impl FnMut(&LineState),
     ) -> bool {
         let cycles = libm::round(duration_s / CYCLE_S) as u64;
-        for _ in 0..cycles {
+        let began = Instant::now();
+        let gone = (0..cycles).position(|_| {
             self.line.step(state, &[ForceInput::Missing; DAMPER_SLOTS]);
-            if state.safe {
-                return false;
+            if !state.safe {
+                see(state);
             }
-            see(state);
-        }
-        true
+            state.safe
+        });
+        self.odometer.count(gone.map_or(cycles, |at| at as u64), began.elapsed());
+        gone.is_none()
     }
 
     /// The vehicle.

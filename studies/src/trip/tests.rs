@@ -72,7 +72,7 @@ fn the_middle_of_a_rigid_floor_moves_as_the_mean_of_its_ends() {
 
 #[test]
 fn a_clearance_of_a_metre_takes_the_dampers_off() {
-    let off = Setting { key: "damper.clearance_2a_m".to_owned(), value: 1.0 };
+    let off = Setting::to("damper.clearance_2a_m", 1.0);
     let run = locomotive(&[off]);
     let found = signals(&run, &rough(1.0), 4.0);
     for damper in &found.dampers {

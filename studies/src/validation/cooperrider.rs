@@ -256,7 +256,7 @@ fn beside_the_other_program(written: &[Cycle]) -> String {
 
 /// The limit cycle followed down from 252 km/h.
 fn descent(vehicle: Vehicle) -> Result<Fold, Failure> {
-    let bogie = Equipped { vehicle, contact: None, dampers: Vec::new() };
+    let bogie = Equipped::without_dampers(vehicle);
     let procedure = Procedure {
         from_kmh: 230.0,
         to_kmh: 252.0,
