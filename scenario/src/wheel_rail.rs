@@ -1,7 +1,7 @@
 //! The wheel/rail part of a vehicle file: profiles, friction, creep law, rail support.
 
 use crate::contact_geometry::{ContactPair, Placement};
-use crate::profile::{self, Jm3Like, Part, Profile};
+use crate::profile::{self, Jm3Like, Part, Profile, ProfileError};
 use crate::quantity::Quantity;
 use crate::source::{ScenarioError, Source};
 use firmware_core::vehicle::RailSupport;
@@ -206,20 +206,9 @@ impl WheelRailFile {
             "uic60" => profile::uic60(),
             path => from_csv(source, path, Part::Rail, "cn60, uic60")?,
         };
-        let names = [&wheel, &rail].map(|profile| ProfileNote {
-            name: profile.name().to_owned(),
-            provenance: profile.provenance(),
-            about: profile.source().to_owned(),
-        });
-        let pair = ContactPair::new(&wheel, rail, placement)
-            .map_err(|error| source.whole_error(error.to_string()))?;
         let radius_m = self.wheel_radius_m.positive(source, "wheel_radius_m")?;
-        let zones = pair.tables();
-        Ok(Some(Contact {
-            table: Box::new(ContactTable::new(&zones, radius_m, Material::STEEL)),
-            pair,
-            profiles: names,
-        }))
+        let contact = Contact::new(&wheel, rail, placement, radius_m);
+        contact.map(Some).map_err(|error| source.whole_error(error.to_string()))
     }
 }
 
@@ -232,6 +221,28 @@ pub struct Contact {
     pub pair: ContactPair,
     /// Wheel and rail: what they are and where from.
     pub profiles: [ProfileNote; 2],
+}
+
+impl Contact {
+    /// Solves a wheel of a rolling radius (m) on a rail.
+    ///
+    /// # Errors
+    /// Profiles that do not fit each other.
+    pub fn new(
+        wheel: &Profile,
+        rail: Profile,
+        placement: Placement,
+        radius_m: f64,
+    ) -> Result<Self, ProfileError> {
+        let profiles = [wheel, &rail].map(|profile| ProfileNote {
+            name: profile.name().to_owned(),
+            provenance: profile.provenance(),
+            about: profile.source().to_owned(),
+        });
+        let pair = ContactPair::new(wheel, rail, placement)?;
+        let table = Box::new(ContactTable::new(&pair.tables(), radius_m, Material::STEEL));
+        Ok(Self { table, pair, profiles })
+    }
 }
 
 /// What a report says about a profile.

@@ -10,6 +10,7 @@ use crate::statistics;
 use crate::sweep::Grid;
 use crate::trip::Equipped;
 use crate::trip::pace::Pace;
+use rayon::prelude::*;
 use report::Report;
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
@@ -103,20 +104,22 @@ pub trait Study: Debug + Sync {
     /// # Errors
     /// The first point that cannot be.
     fn check(&self) -> Result<String, ScenarioError> {
-        let mut hash = fnv::START;
-        let mut add = |text: &str| hash = text.bytes().fold(hash, |h, b| fnv::add(h, b.into()));
         let varied = self.varied();
-        for index in 0..varied.grid.len() {
+        let add = |hash: u64, text: &str| text.bytes().fold(hash, |h, b| fnv::add(h, b.into()));
+        let at = |index: usize| -> Result<u64, ScenarioError> {
             let run = varied.run(index, |run| self.duration_s(run))?;
             self.fits(&run).map_err(|message| ScenarioError {
                 file: varied.scenario.clone(),
                 line: None,
                 message,
             })?;
-            add(&run.effective.scenario);
-            add(&run.effective.vehicle);
+            Ok(add(add(fnv::START, &run.effective.scenario), &run.effective.vehicle))
+        };
+        let points: Vec<_> = (0..varied.grid.len()).into_par_iter().map(at).collect();
+        let mut hash = add(fnv::START, &format!("{self:?}"));
+        for point in points {
+            hash = fnv::add(hash, point?);
         }
-        add(&format!("{self:?}"));
         Ok(format!(
             "{} {} of {}, study {hash:016x}",
             varied.grid.len(),

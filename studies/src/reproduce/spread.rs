@@ -13,7 +13,7 @@ use crate::critical_speed::Procedure;
 use crate::critical_speed::ascent::Ascent;
 use firmware_core::vehicle::{Axle, Vehicle};
 use rayon::prelude::*;
-use report::Plot;
+use report::{Cell, Plot, Table};
 use scenario::setting::Setting;
 
 /// An input, and by which share it may be off.
@@ -81,7 +81,9 @@ pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, String> {
     let basis = &Basis { procedure, ..basis.clone() };
     let ends: Vec<(&Input, f64)> = INPUTS
         .iter()
-        .flat_map(|input| [(input, 1.0 - input.share), (input, 1.0 + input.share)])
+        .flat_map(|input| {
+            [-1.0, 1.0].map(|side| (input, libm::round(1e3 + side * 1e3 * input.share) / 1e3))
+        })
         .collect();
     let vehicle = &basis.locomotive.as_built().vehicle;
     let speeds: Result<Vec<Vec<Option<f64>>>, String> = ends
@@ -118,6 +120,7 @@ pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, String> {
         number: "10",
         title: "What inputs that are not known do to critical speeds",
         said: "nothing: the study's appendix with the inputs is not public",
+        table: Some(compact(&as_it_is, &ends, &speeds)),
         plots: vec![drawn(&as_it_is, &ends, &speeds)],
         rows,
         ..Figure::default()
@@ -134,6 +137,25 @@ fn speeds_kmh(locomotive: &Locomotive, basis: &Basis<'_>) -> Result<Vec<Option<f
         .collect()
 }
 
+/// A line for every end of every input: critical speeds of the published cases.
+fn compact(as_it_is: &[Option<f64>], ends: &[(&Input, f64)], speeds: &[Vec<Option<f64>>]) -> Table {
+    let table =
+        Table::new("Critical speeds with an input at an end of what it may be").text("input");
+    let table = PUBLISHED.iter().fold(table, |table, (ke_n_per_m, clearance_2a_m, ..)| {
+        let (ke, clearance) = (1e-6 * ke_n_per_m, 1e3 * clearance_2a_m);
+        table.number(&format!("Ke {ke}, 2a {clearance}"), "km/h")
+    });
+    let line = |name: String, speeds: &[Option<f64>]| {
+        let cells = speeds.iter().map(|speed| Cell::from(*speed));
+        [Cell::from(name)].into_iter().chain(cells).collect::<Vec<_>>()
+    };
+    let others = ends
+        .iter()
+        .zip(speeds)
+        .map(|((input, factor), speeds)| line(format!("{} times {factor:.2}", input.name), speeds));
+    table.rows([line("as it is".to_owned(), as_it_is)].into_iter().chain(others))
+}
+
 fn drawn(as_it_is: &[Option<f64>], ends: &[(&Input, f64)], speeds: &[Vec<Option<f64>>]) -> Plot {
     let numbers: Vec<f64> = (1..=PUBLISHED.len()).map(|number| number as f64).collect();
     let kmh = |speeds: &[Option<f64>]| -> Vec<f64> {
@@ -144,7 +166,7 @@ fn drawn(as_it_is: &[Option<f64>], ends: &[(&Input, f64)], speeds: &[Vec<Option<
         .x("case", "")
         .y("critical speed", "km/h")
         .caption(
-            "Cases: 1 Ke 3 MN/m, 2 Ke 12.5 MN/m, 3 Ke 15 MN/m, each at 2a = 0.2 mm; 4 2a = 1 mm, 5 2a = 8 mm, \
+            "Bands from one end of an input to the other, two tracks. Cases: 1 Ke 3 MN/m, 2 Ke 12.5 MN/m, 3 Ke 15 MN/m, each at 2a = 0.2 mm; 4 2a = 1 mm, 5 2a = 8 mm, \
              both at Ke 12.5 MN/m.",
         );
     for pair in ends.chunks(2).zip(speeds.chunks(2)) {

@@ -16,8 +16,10 @@ use crate::trip::signals::{RATE_HZ, Signals};
 use firmware_core::track::IrregularitySample;
 use rayon::prelude::*;
 use report::{Cell, Table};
+use scenario::profile::{Profile, cn60, lma, s1002};
 use scenario::setting::Change::{Factor, Value};
 use scenario::setting::{self, Setting};
+use scenario::wheel_rail::Contact;
 
 /// Segments of spectra (s).
 const SEGMENT_S: f64 = 8.192;
@@ -32,12 +34,14 @@ struct Change {
     name: &'static str,
     settings: &'static [(&'static str, setting::Change)],
     channel: Option<Channel>,
+    wheel: Option<fn() -> Profile>,
     own_seeds: Option<[u64; 5]>,
 }
 
-const AS_IT_IS: Change = Change { name: "as it is", settings: &[], channel: None, own_seeds: None };
+const AS_IT_IS: Change =
+    Change { name: "as it is", settings: &[], channel: None, wheel: None, own_seeds: None };
 
-const CHANGES: [Change; 15] = [
+const CHANGES: [Change; 17] = [
     AS_IT_IS,
     Change {
         name: "other track samples: seeds 101 to 105",
@@ -102,6 +106,8 @@ const CHANGES: [Change; 15] = [
         )],
         ..AS_IT_IS
     },
+    Change { name: "wheel profile LMA, documented", wheel: Some(lma), ..AS_IT_IS },
+    Change { name: "wheel profile S1002, documented", wheel: Some(s1002), ..AS_IT_IS },
     Change {
         name: "relief force 8 kN",
         settings: &[("damper.f_relief_n", Value(8e3))],
@@ -172,7 +178,14 @@ fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<[Row; 4], String> {
         .iter()
         .map(|(key, change)| Setting { key: (*key).to_owned(), change: *change })
         .collect();
-    let run = run_with(basis, (WORKING_KE_N_PER_M, WORKING_2A_M), SPEED_KMH, &settings)?;
+    let mut run = run_with(basis, (WORKING_KE_N_PER_M, WORKING_2A_M), SPEED_KMH, &settings)?;
+    if let (Some(wheel), Some(contact), Some(axle)) =
+        (change.wheel, &run.contact, run.vehicle.axles.first())
+    {
+        let placement = *contact.pair.placement();
+        let other = Contact::new(&wheel(), cn60(), placement, axle.wheel.radius_m);
+        run.contact = Some(other.map_err(|why| why.to_string())?);
+    }
     let seeds = change.own_seeds.map_or(basis.procedure.seeds.clone(), |seeds| seeds.to_vec());
     let tracks = signals(&run, &seeds, change.channel)?;
     let mean = |of: &dyn Fn(&Signals) -> Option<f64>| -> Option<f64> {
