@@ -60,7 +60,7 @@ enum Method {
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
 pub fn command(args: &CriticalSpeedArgs) -> anyhow::Result<()> {
-    study::command(&args.study, &question(args)?)
+    study::command(&args.study, question(args)?)
 }
 
 fn question(args: &CriticalSpeedArgs) -> anyhow::Result<Question> {
@@ -82,7 +82,6 @@ fn question(args: &CriticalSpeedArgs) -> anyhow::Result<Question> {
     };
     let linear = matches!(args.method, Method::Linear | Method::Both);
     Ok(Question {
-        varied: args.study.varied()?,
         procedure: Procedure {
             criterion: match args.criterion {
                 CriterionChoice::LimitCycle => Criterion::LimitCycle,

@@ -3,7 +3,7 @@
 use crate::study::{self, StudyArgs};
 use anyhow::bail;
 use clap::Args;
-use studies::curve::{Procedure, Question};
+use studies::curve::Procedure;
 
 /// What `curve` is told.
 #[derive(Debug, Args)]
@@ -23,9 +23,5 @@ pub fn command(args: &CurveArgs) -> anyhow::Result<()> {
     if !(args.k1 > 0.0 && args.k1 <= 1.0) {
         bail!("--k1 {}: expected more than 0 and at most 1", args.k1);
     }
-    let question = Question {
-        varied: args.study.varied()?,
-        procedure: Procedure { seeds: args.study.seeds()?, k1: args.k1 },
-    };
-    study::command(&args.study, &question)
+    study::command(&args.study, Procedure { seeds: args.study.seeds()?, k1: args.k1 })
 }

@@ -3,9 +3,9 @@
 use crate::study::{self, StudyArgs};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
+use studies::ride::Procedure;
 use studies::ride::grade::Kind;
 use studies::ride::sperling::WINDOW_1985_S;
-use studies::ride::{Procedure, Question};
 
 /// What `ride` is told.
 #[derive(Debug, Args)]
@@ -40,10 +40,10 @@ enum GradesOf {
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
 pub fn command(args: &RideArgs) -> anyhow::Result<()> {
-    study::command(&args.study, &question(args)?)
+    study::command(&args.study, procedure(args)?)
 }
 
-fn question(args: &RideArgs) -> anyhow::Result<Question> {
+fn procedure(args: &RideArgs) -> anyhow::Result<Procedure> {
     let RideArgs { section_s, run_in_s, floor_m, .. } = *args;
     if !(WINDOW_1985_S..=3600.0).contains(&section_s) {
         bail!(
@@ -56,17 +56,14 @@ fn question(args: &RideArgs) -> anyhow::Result<Question> {
     if !(0.0..=6.0).contains(&floor_m) {
         bail!("--floor-m {floor_m}: expected 0 to 6");
     }
-    Ok(Question {
-        varied: args.study.varied()?,
-        procedure: Procedure {
-            kind: match args.grades {
-                GradesOf::Locomotive => Kind::Locomotive,
-                GradesOf::Coach => Kind::Coach,
-            },
-            seeds: args.study.seeds()?,
-            run_in_s,
-            section_s,
-            floor_height_m: floor_m,
+    Ok(Procedure {
+        kind: match args.grades {
+            GradesOf::Locomotive => Kind::Locomotive,
+            GradesOf::Coach => Kind::Coach,
         },
+        seeds: args.study.seeds()?,
+        run_in_s,
+        section_s,
+        floor_height_m: floor_m,
     })
 }

@@ -12,7 +12,7 @@ use scenario::run::{Overrides, Run};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use studies::shards::{self, Item, Shard, Work};
-use studies::study::{Point, Study, Varied};
+use studies::study::{Asked, Point, Study, Varied};
 use studies::sweep::{Axis, Grid};
 
 /// What every study of a vehicle is told.
@@ -41,15 +41,6 @@ pub struct StudyArgs {
 }
 
 impl StudyArgs {
-    /// The scenario and its points.
-    ///
-    /// # Errors
-    /// A key that is varied twice, or too many points.
-    pub fn varied(&self) -> anyhow::Result<Varied> {
-        let grid = Grid::new(self.vary.clone()).map_err(|why| anyhow::anyhow!("--vary: {why}"))?;
-        Ok(Varied { scenario: self.scenario.clone(), grid })
-    }
-
     /// The seeds of the tracks.
     ///
     /// # Errors
@@ -71,18 +62,20 @@ struct StudyFile<'a, P, F> {
     points: &'a [Point<F>],
 }
 
-/// Finds the points of a study, or merges those that shards have found, and tells them.
+/// Puts a question to every point, or merges the answers that shards have found, and tells them.
 ///
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
-pub fn command<S: Study>(args: &StudyArgs, study: &S) -> anyhow::Result<()> {
+pub fn command<S: Study>(args: &StudyArgs, study: S) -> anyhow::Result<()> {
+    let grid = Grid::new(args.vary.clone()).map_err(|why| anyhow::anyhow!("--vary: {why}"))?;
+    let asked = Asked { varied: Varied { scenario: args.scenario.clone(), grid }, study };
     let usual =
         || PathBuf::from(format!("runs/{}-{}", crate::cli::stem(&args.scenario), S::CALLED));
     let folder = RunFolder::at(args.out.clone().unwrap_or_else(usual));
-    let name = study.check()?;
+    let name = asked.check()?;
     let files = if args.merge.is_empty() {
         folder.create()?;
-        vec![find(study, &name, args.shard.unwrap_or(Shard::WHOLE), folder.path())?]
+        vec![find(&asked, &name, args.shard.unwrap_or(Shard::WHOLE), folder.path())?]
     } else {
         args.merge.clone()
     };
@@ -90,14 +83,19 @@ pub fn command<S: Study>(args: &StudyArgs, study: &S) -> anyhow::Result<()> {
     if let Some(other) = points.first().filter(|point| point.study != name) {
         bail!("{}: {}, expected {name}", files[0].display(), other.study);
     }
-    leave(args, study, &folder, &points)
+    leave(args, &asked.study, &folder, &points)
 }
 
-fn find<S: Study>(study: &S, name: &str, shard: Shard, folder: &Path) -> anyhow::Result<PathBuf> {
+fn find<S: Study>(
+    asked: &Asked<S>,
+    name: &str,
+    shard: Shard,
+    folder: &Path,
+) -> anyhow::Result<PathBuf> {
     let bar = progress::bar("the first points");
-    let items = study.varied().grid.len();
+    let items = asked.varied.grid.len();
     let work = Work { items, name: name.to_owned() };
-    let point = |index| study.point(name, index);
+    let point = |index| asked.point(name, index);
     let show = |point: &Point<S::Found>, done, of| {
         progress::show(&bar, [done, of], format!("point {} of {items}", point.index + 1));
     };
@@ -115,7 +113,7 @@ fn leave<S: Study>(
 ) -> anyhow::Result<()> {
     let lasting: Vec<_> = points.iter().map(Item::lasting).collect();
     let scenario = args.scenario.display().to_string();
-    let file = StudyFile { format: 1, scenario, procedure: study.procedure(), points: &lasting };
+    let file = StudyFile { format: 1, scenario, procedure: study, points: &lasting };
     let json = format!("{}\n", serde_json::to_string_pretty(&file)?);
     let run = Run::load(&args.scenario, Overrides { duration_s: Some(1.0), speed_kmh: None })?;
     let titled = Report::new(&run.title);

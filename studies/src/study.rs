@@ -56,22 +56,15 @@ impl Varied {
     }
 }
 
-/// A question, and how its answers are told.
-pub trait Study: Debug + Sync {
+/// A question about a vehicle: how it is asked, what is found, how that is told. Written out, it is every
+/// number that the answers depend on beside the scenario.
+pub trait Study: Debug + Serialize + Sync {
     /// What it is called: its command, its folder, its file.
     const CALLED: &'static str;
     /// What many answers are called.
     const ANSWERS: &'static str;
     /// What is found at a point; its default is nothing.
     type Found: Serialize + DeserializeOwned + Default + Clone + PartialEq + Send + Sync;
-    /// Every number that the answers depend on beside the scenario.
-    type Procedure: Serialize;
-
-    /// The scenario and its points.
-    fn varied(&self) -> &Varied;
-
-    /// How it is asked.
-    fn procedure(&self) -> &Self::Procedure;
 
     /// How long the vehicle runs on each track (s); only a measured track asks.
     fn duration_s(&self, _run: &Run) -> f64 {
@@ -98,17 +91,28 @@ pub trait Study: Debug + Sync {
 
     /// The report of the answers, behind its title and facts.
     fn page(&self, points: &[Point<Self::Found>], report: Report) -> Report;
+}
 
+/// A question put to a scenario and its points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asked<S> {
+    /// The scenario and its points.
+    pub varied: Varied,
+    /// The question.
+    pub study: S,
+}
+
+impl<S: Study> Asked<S> {
     /// Reads the scenario at every point; gives the name of the study.
     ///
     /// # Errors
     /// The first point that cannot be.
-    fn check(&self) -> Result<String, ScenarioError> {
-        let varied = self.varied();
+    pub fn check(&self) -> Result<String, ScenarioError> {
+        let Self { varied, study } = self;
         let add = |hash: u64, text: &str| text.bytes().fold(hash, |h, b| fnv::add(h, b.into()));
         let at = |index: usize| -> Result<u64, ScenarioError> {
-            let run = varied.run(index, |run| self.duration_s(run))?;
-            self.fits(&run).map_err(|message| ScenarioError {
+            let run = varied.run(index, |run| study.duration_s(run))?;
+            study.fits(&run).map_err(|message| ScenarioError {
                 file: varied.scenario.clone(),
                 line: None,
                 message,
@@ -120,29 +124,25 @@ pub trait Study: Debug + Sync {
         for point in points {
             hash = fnv::add(hash, point?);
         }
-        Ok(format!(
-            "{} {} of {}, study {hash:016x}",
-            varied.grid.len(),
-            Self::ANSWERS,
-            varied.file_name()
-        ))
+        let (points, file) = (varied.grid.len(), varied.file_name());
+        Ok(format!("{points} {} of {file}, study {hash:016x}", S::ANSWERS))
     }
 
-    /// Finds the answer at a point.
-    fn point(&self, study: &str, index: usize) -> Point<Self::Found> {
-        let varied = self.varied();
-        let mut found = Self::Found::default();
+    /// Finds the answer at a point of the study of a name.
+    pub fn point(&self, name: &str, index: usize) -> Point<S::Found> {
+        let Self { varied, study } = self;
+        let mut found = S::Found::default();
         let mut pace = None;
         let mut answer = || -> Result<(), String> {
-            let run = varied.run(index, |run| self.duration_s(run));
+            let run = varied.run(index, |run| study.duration_s(run));
             let run = run.map_err(|why| why.to_string())?;
             let equipped = Equipped::of(&run).map_err(|why| why.to_string())?;
-            let answer = self.answer(&run, &equipped, &mut found);
+            let answer = study.answer(&run, &equipped, &mut found);
             pace = equipped.pace();
             answer
         };
         let failure = answer().err();
-        Point { index, study: study.to_owned(), at: varied.grid.point(index), found, failure, pace }
+        Point { index, study: name.to_owned(), at: varied.grid.point(index), found, failure, pace }
     }
 }
 

@@ -6,7 +6,7 @@ use super::linear::LinearSpeed;
 use super::page::page;
 use super::procedure::Procedure;
 use super::text::text;
-use crate::study::{self, Study, Varied};
+use crate::study::{self, Study};
 use crate::trip::Equipped;
 use firmware_core::wheel_rail::wheel::Surface;
 use report::Report;
@@ -19,12 +19,11 @@ const CONICITY_AT_M: f64 = 3e-3;
 /// Lateral reach of the rolling radius difference that it is found from (m).
 const REACH_M: f64 = 6e-3;
 
-/// What is asked.
-#[derive(Debug, Clone, PartialEq)]
+/// What is asked; track and duration of the scenario do not matter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Question {
-    /// The scenario and its points; track and duration of the scenario do not matter.
-    pub varied: Varied,
     /// How stability is asked for.
+    #[serde(flatten)]
     pub procedure: Procedure,
     /// Over irregular track.
     pub ascent: bool,
@@ -56,15 +55,6 @@ impl Study for Question {
     const CALLED: &'static str = "critical-speed";
     const ANSWERS: &'static str = "critical speeds";
     type Found = Found;
-    type Procedure = Procedure;
-
-    fn varied(&self) -> &Varied {
-        &self.varied
-    }
-
-    fn procedure(&self) -> &Procedure {
-        &self.procedure
-    }
 
     fn answer(&self, _run: &Run, equipped: &Equipped, found: &mut Found) -> Result<(), String> {
         found.equivalent_conicity_at_3_mm = conicity(equipped);

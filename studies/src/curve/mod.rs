@@ -27,4 +27,4 @@ pub mod wheelset;
 
 pub use assessment::Curve;
 pub use procedure::Procedure;
-pub use study::{Found, Point, Question};
+pub use study::{Found, Point};

@@ -5,20 +5,11 @@ use super::page::page;
 use super::procedure::Procedure;
 use super::sections::{Part, sections};
 use super::text::text;
-use crate::study::{self, Study, Varied};
+use crate::study::{self, Study};
 use crate::trip::Equipped;
 use report::Report;
 use scenario::run::Run;
 use serde::{Deserialize, Serialize};
-
-/// What is asked.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Question {
-    /// The scenario and its points; its duration does not matter.
-    pub varied: Varied,
-    /// How curving is asked for.
-    pub procedure: Procedure,
-}
 
 /// A point of the grid and the curving there.
 pub type Point = study::Point<Found>;
@@ -30,19 +21,10 @@ pub struct Found {
     pub curve: Option<Curve>,
 }
 
-impl Study for Question {
+impl Study for Procedure {
     const CALLED: &'static str = "curve";
     const ANSWERS: &'static str = "curves";
     type Found = Found;
-    type Procedure = Procedure;
-
-    fn varied(&self) -> &Varied {
-        &self.varied
-    }
-
-    fn procedure(&self) -> &Procedure {
-        &self.procedure
-    }
 
     fn duration_s(&self, run: &Run) -> f64 {
         duration_s(run)
@@ -56,15 +38,15 @@ impl Study for Question {
     }
 
     fn answer(&self, run: &Run, equipped: &Equipped, found: &mut Found) -> Result<(), String> {
-        found.curve = Some(Curve::of(run, equipped, &self.procedure)?);
+        found.curve = Some(Curve::of(run, equipped, self)?);
         Ok(())
     }
 
     fn text(&self, points: &[Point]) -> String {
-        text(points, &self.procedure)
+        text(points, self)
     }
 
     fn page(&self, points: &[Point], report: Report) -> Report {
-        page(points, &self.procedure, report)
+        page(points, self, report)
     }
 }

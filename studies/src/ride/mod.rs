@@ -23,4 +23,4 @@ pub mod weighting;
 
 pub use assessment::Ride;
 pub use procedure::Procedure;
-pub use study::{Found, Point, Question};
+pub use study::{Found, Point};

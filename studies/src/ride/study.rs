@@ -4,20 +4,11 @@ use super::assessment::Ride;
 use super::page::page;
 use super::procedure::Procedure;
 use super::text::text;
-use crate::study::{self, Study, Varied};
+use crate::study::{self, Study};
 use crate::trip::Equipped;
 use report::Report;
 use scenario::run::Run;
 use serde::{Deserialize, Serialize};
-
-/// What is asked.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Question {
-    /// The scenario and its points; its layout and duration do not matter.
-    pub varied: Varied,
-    /// How ride is asked for.
-    pub procedure: Procedure,
-}
 
 /// A point of the grid and the ride there.
 pub type Point = study::Point<Found>;
@@ -29,22 +20,13 @@ pub struct Found {
     pub ride: Option<Ride>,
 }
 
-impl Study for Question {
+impl Study for Procedure {
     const CALLED: &'static str = "ride";
     const ANSWERS: &'static str = "rides";
     type Found = Found;
-    type Procedure = Procedure;
-
-    fn varied(&self) -> &Varied {
-        &self.varied
-    }
-
-    fn procedure(&self) -> &Procedure {
-        &self.procedure
-    }
 
     fn duration_s(&self, _run: &Run) -> f64 {
-        self.procedure.run_in_s + self.procedure.section_s
+        self.run_in_s + self.section_s
     }
 
     fn fits(&self, run: &Run) -> Result<(), String> {
@@ -55,15 +37,15 @@ impl Study for Question {
     }
 
     fn answer(&self, run: &Run, equipped: &Equipped, found: &mut Found) -> Result<(), String> {
-        found.ride = Some(Ride::of(run, equipped, &self.procedure)?);
+        found.ride = Some(Ride::of(run, equipped, self)?);
         Ok(())
     }
 
     fn text(&self, points: &[Point]) -> String {
-        text(points, &self.procedure)
+        text(points, self)
     }
 
     fn page(&self, points: &[Point], report: Report) -> Report {
-        page(points, &self.procedure, report)
+        page(points, self, report)
     }
 }
