@@ -152,7 +152,7 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
     for (args, told) in [
         (&["--vary=vehicle.body.frame.mass_kg=1:2:2"][..], "body has no \"frame\""),
         (&["--vary=damper.ke_n_per_mm=1e3:2e3:2"], "unknown field `ke_n_per_mm`"),
-        (&["--vary=vehicle.body.bogie.mass_kg=-1,2"], "mass_kg = -1"),
+        (&["--vary=vehicle.body.bogie.mass_kg=-1,2"], "[[body]] number 0: mass_kg = -1"),
         (&["--vary=damper.ke_n_per_m*=0.5,2"], "expected one to multiply"),
         (&["--vary=speed_kmh"], "expected KEY=from:to:n"),
         (&["--from-kmh=300", "--to-kmh=200"], "expected 0 < from < to"),

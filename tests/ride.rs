@@ -117,6 +117,20 @@ fn points_are_the_same_whole_in_shards_after_a_stop_and_on_one_core() {
 }
 
 #[test]
+fn a_vehicle_off_the_track_is_told_and_the_exit_code_is_1() {
+    let place = coach("ride-off-the-track");
+    // A feather for a carbody: the weight is gone from the wheels.
+    let light = ["ride", "--vary=vehicle.body.carbody.mass_kg=1e-3", "--seeds=1", "--out=off"];
+    let result = output(yawbench().args(light).arg("coach.toml").current_dir(&place));
+    let text = String::from_utf8_lossy(&result.stdout);
+    assert_eq!(result.status.code(), Some(1), "{text}");
+    assert!(text.contains("point 1: track 1: off the track at"), "{text}");
+    let found: Value = serde_json::from_str(&read(&place.join("off/ride.json"))).unwrap();
+    assert!(found["points"][0]["failure"].is_string() && found["points"][0]["ride"].is_null());
+    assert!(!read(&place.join("off/report.html")).contains("Spectra of acceleration"));
+}
+
+#[test]
 fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
     let place = coach("ride-refused");
     let bogie = repository().join("scenarios/vehicles/cooperrider-bogie.toml");

@@ -188,7 +188,7 @@ impl RealtimeArgs {
 }
 
 /// Something failed that is not the input's fault.
-const FAILED: u8 = 1;
+pub(crate) const FAILED: u8 = 1;
 /// Bad input.
 const BAD_INPUT: u8 = 2;
 /// The run ended in the safe state.
@@ -203,10 +203,10 @@ pub fn main() -> ExitCode {
         Command::Characterise(args) => characterise::command(args).map(|()| ExitCode::SUCCESS),
         Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
         Command::Simulate(args) => identify::simulate_command(args).map(|()| ExitCode::SUCCESS),
-        Command::CriticalSpeed(args) => critical_speed::command(args).map(|()| ExitCode::SUCCESS),
+        Command::CriticalSpeed(args) => critical_speed::command(args),
         Command::Reproduce(args) => reproduce::command(args),
-        Command::Ride(args) => ride::command(args).map(|()| ExitCode::SUCCESS),
-        Command::Curve(args) => curve::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Ride(args) => ride::command(args),
+        Command::Curve(args) => curve::command(args),
     };
     match result {
         Ok(code) => code,

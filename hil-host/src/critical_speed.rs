@@ -5,6 +5,7 @@ use anyhow::bail;
 use clap::{Args, ValueEnum};
 use studies::critical_speed::linear::STROKES_M;
 use studies::critical_speed::{Criterion, Procedure, Question};
+use std::process::ExitCode;
 
 /// What `critical-speed` is told.
 #[derive(Debug, Args)]
@@ -59,7 +60,7 @@ enum Method {
 ///
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
-pub fn command(args: &CriticalSpeedArgs) -> anyhow::Result<()> {
+pub fn command(args: &CriticalSpeedArgs) -> anyhow::Result<ExitCode> {
     study::command(&args.study, question(args)?)
 }
 

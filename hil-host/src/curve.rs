@@ -4,6 +4,7 @@ use crate::study::{self, StudyArgs};
 use anyhow::bail;
 use clap::Args;
 use studies::curve::Procedure;
+use std::process::ExitCode;
 
 /// What `curve` is told.
 #[derive(Debug, Args)]
@@ -19,7 +20,7 @@ pub struct CurveArgs {
 ///
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
-pub fn command(args: &CurveArgs) -> anyhow::Result<()> {
+pub fn command(args: &CurveArgs) -> anyhow::Result<ExitCode> {
     if !(args.k1 > 0.0 && args.k1 <= 1.0) {
         bail!("--k1 {}: expected more than 0 and at most 1", args.k1);
     }

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use studies::ride::Procedure;
 use studies::ride::grade::Kind;
 use studies::ride::sperling::WINDOW_1985_S;
+use std::process::ExitCode;
 
 /// What `ride` is told.
 #[derive(Debug, Args)]
@@ -39,7 +40,7 @@ enum GradesOf {
 ///
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
-pub fn command(args: &RideArgs) -> anyhow::Result<()> {
+pub fn command(args: &RideArgs) -> anyhow::Result<ExitCode> {
     study::command(&args.study, procedure(args)?)
 }
 

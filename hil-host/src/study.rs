@@ -3,6 +3,7 @@
 //! One point, or a grid of them with `--vary`, in shards where there are many. A folder that has some of
 //! the points goes on.
 
+use crate::cli::FAILED;
 use crate::progress;
 use crate::record::RunFolder;
 use anyhow::bail;
@@ -11,6 +12,7 @@ use report::Report;
 use scenario::run::{Overrides, Run};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use studies::shards::{self, Item, Shard, Work};
 use studies::study::{Asked, Point, Study, Varied};
 use studies::sweep::{Axis, Grid};
@@ -62,11 +64,12 @@ struct StudyFile<'a, P, F> {
     points: &'a [Point<F>],
 }
 
-/// Puts a question to every point, or merges the answers that shards have found, and tells them.
+/// Puts a question to every point, or merges the answers that shards have found, and tells them. Exit code 1
+/// says that a point has no answer; the files are there all the same.
 ///
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
-pub fn command<S: Study>(args: &StudyArgs, study: S) -> anyhow::Result<()> {
+pub fn command<S: Study>(args: &StudyArgs, study: S) -> anyhow::Result<ExitCode> {
     let grid = Grid::new(args.vary.clone()).map_err(|why| anyhow::anyhow!("--vary: {why}"))?;
     let asked = Asked { varied: Varied { scenario: args.scenario.clone(), grid }, study };
     let usual =
@@ -83,7 +86,9 @@ pub fn command<S: Study>(args: &StudyArgs, study: S) -> anyhow::Result<()> {
     if let Some(other) = points.first().filter(|point| point.study != name) {
         bail!("{}: {}, expected {name}", files[0].display(), other.study);
     }
-    leave(args, &asked.study, &folder, &points)
+    leave(args, &asked.study, &folder, &points)?;
+    let failed = points.iter().any(|point| point.failure.is_some());
+    Ok(if failed { ExitCode::from(FAILED) } else { ExitCode::SUCCESS })
 }
 
 fn find<S: Study>(

@@ -66,8 +66,8 @@ impl Setting {
 }
 
 impl Source {
-    /// The scenario with the settings that are its own. Lines of later errors are those of the text as
-    /// it is written anew.
+    /// The scenario with the settings that are its own. Later errors name a table, for the text is written
+    /// anew and its lines are no one's.
     ///
     /// # Errors
     /// A key that leads nowhere.
@@ -101,7 +101,7 @@ impl Source {
         }
         let Some(table) = table else { return Ok(self.clone()) };
         let text = toml::to_string(&table).map_err(|why| self.whole_error(why.to_string()))?;
-        Ok(Self::from_text(self.path(), &text))
+        Ok(self.rewritten(text))
     }
 }
 

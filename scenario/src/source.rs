@@ -31,6 +31,8 @@ impl std::error::Error for ScenarioError {}
 pub struct Source {
     path: PathBuf,
     text: String,
+    /// The text is not the file's own: its lines are told by the table that they stand in.
+    rewritten: bool,
 }
 
 impl Source {
@@ -40,7 +42,7 @@ impl Source {
     /// The file cannot be read as text.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         match std::fs::read_to_string(path) {
-            Ok(text) => Ok(Self { path: path.to_owned(), text }),
+            Ok(text) => Ok(Self { path: path.to_owned(), text, rewritten: false }),
             Err(error) => Err(ScenarioError {
                 file: path.to_owned(),
                 line: None,
@@ -51,7 +53,12 @@ impl Source {
 
     /// Text that is in memory already; `path` names it in errors and anchors relative paths.
     pub fn from_text(path: &Path, text: &str) -> Self {
-        Self { path: path.to_owned(), text: text.to_owned() }
+        Self { path: path.to_owned(), text: text.to_owned(), rewritten: false }
+    }
+
+    /// The same file with another text.
+    pub(crate) fn rewritten(&self, text: String) -> Self {
+        Self { path: self.path.clone(), text, rewritten: true }
     }
 
     /// Parses TOML; unknown keys are errors where the type says so.
@@ -61,10 +68,9 @@ impl Source {
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ScenarioError> {
         toml::from_str(&self.text).map_err(|error| {
             let message = error.message().replace('\n', " ");
-            ScenarioError {
-                file: self.path.clone(),
-                line: error.span().map(|span| self.line(&span)),
-                message: message.trim().to_owned(),
+            match error.span() {
+                Some(span) => self.error(&span, message.trim()),
+                None => self.whole_error(message.trim()),
             }
         })
     }
@@ -86,20 +92,46 @@ impl Source {
 
     /// An error at a place in the file.
     pub fn error(&self, span: &Range<usize>, message: impl Into<String>) -> ScenarioError {
-        ScenarioError {
-            file: self.path.clone(),
-            line: Some(self.line(span)),
-            message: message.into(),
+        let message = message.into();
+        let before = self.text.get(..span.start).unwrap_or(&self.text);
+        if self.rewritten {
+            return self.whole_error(format!("{}{message}", table_of(before)));
         }
+        let line = Some(before.matches('\n').count() + 1);
+        ScenarioError { file: self.path.clone(), line, message }
     }
 
     /// An error of the file as a whole.
     pub fn whole_error(&self, message: impl Into<String>) -> ScenarioError {
         ScenarioError { file: self.path.clone(), line: None, message: message.into() }
     }
+}
 
-    fn line(&self, span: &Range<usize>) -> usize {
-        let before = self.text.get(..span.start).unwrap_or(&self.text);
-        before.matches('\n').count() + 1
+/// The table that a text ends in, in words: its head, and its number where it is one of a list.
+fn table_of(text: &str) -> String {
+    let heads = || text.lines().filter(|line| line.starts_with('['));
+    let Some(head) = heads().next_back() else { return String::new() };
+    if head.starts_with("[[") {
+        let number = heads().filter(|line| *line == head).count() - 1;
+        return format!("{head} number {number}: ");
+    }
+    format!("{head}: ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_that_no_file_has_is_told_by_its_table() {
+        let file = Source::from_text(Path::new("a.toml"), "[[body]]\nmass_kg = 1\n");
+        assert_eq!(file.error(&(9..16), "odd").to_string(), "a.toml:2: odd");
+        let text = "x = 1\n[[body]]\nmass_kg = 1\n[[body]]\nmass_kg = 2\n[damper]\n";
+        let changed = file.rewritten(text.to_owned());
+        let at = |place: usize| changed.error(&(place..place), "odd").to_string();
+        assert_eq!(at(0), "a.toml: odd");
+        assert_eq!(at(15), "a.toml: [[body]] number 0: odd");
+        assert_eq!(at(36), "a.toml: [[body]] number 1: odd");
+        assert_eq!(at(text.len()), "a.toml: [damper]: odd");
     }
 }

@@ -27,9 +27,9 @@ pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
     }
     let first = points.iter().find_map(|point| point.found.curve.as_ref());
     if let Some(curve) = first {
-        report = report.section(wheelsets(curve));
+        report = report.section(wheelsets(curve)).section(spectra(points));
     }
-    report.section(spectra(points))
+    report
 }
 
 fn table(points: &[Point]) -> Table {

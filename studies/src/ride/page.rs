@@ -25,7 +25,11 @@ pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
     if !plots.is_empty() {
         report = report.section(Section::new("Over what was varied").plots(plots));
     }
-    report.section(spectra(points)).section(places(points))
+    // With no answer at all there is nothing to draw.
+    if points.iter().any(|point| point.found.ride.is_some()) {
+        report = report.section(spectra(points)).section(places(points));
+    }
+    report
 }
 
 fn table(points: &[Point], procedure: &Procedure) -> Table {
