@@ -123,6 +123,12 @@ fn points_are_the_same_whole_in_shards_and_after_a_stop() {
     let files = ["--merge", "parts/points-2-of-2.jsonl", "parts/points-1-of-2.jsonl"];
     varied(&[&["--out=merged"], &files[..]].concat());
     assert_eq!(read(&place.join("merged/critical-speed.json")), json);
+    let part = ["critical-speed", "--merge", "parts/points-2-of-2.jsonl", "--out=part"];
+    let result = output(yawbench().args(part).args(VARIED).current_dir(&place));
+    let errors = String::from_utf8_lossy(&result.stderr);
+    assert_eq!(result.status.code(), Some(2));
+    assert!(errors.contains("--merge: point 1, 3 of 3 not found, expected all"), "{errors}");
+    assert!(!place.join("part").exists());
 
     // Stopped within a line: that point is found again and no other.
     let file = place.join("whole/points-1-of-1.jsonl");
@@ -157,6 +163,12 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
         (&["--vary=speed_kmh"], "expected KEY=from:to:n"),
         (&["--from-kmh=300", "--to-kmh=200"], "expected 0 < from < to"),
         (&["--stroke-mm=0"], "a clearance leaves no damper"),
+        (&["--stroke-mm", "-1"], "--stroke-mm -1: expected 0.001 to 500"),
+        (&["--method=fold", "--stroke-mm=1"], "expected --method linear or both"),
+        (&["--method=fold", "--criterion=en14363"], "expected --method nonlinear"),
+        (&["--vary=speed_kmh=100,200"], "expected --from-kmh and --to-kmh"),
+        (&["--vary=vehicle.body.bogie.mass_kg=2,2"], "expected each once"),
+        (&["--vary=vehicle.body.bogie.mass_kg=1:2:1"], "expected 2 to 1000000"),
         (&["--seeds=0"], "--seeds 0"),
         (&["--shard=3/2"], "expected part/parts"),
         (&["--merge", "none.jsonl"], "none.jsonl"),

@@ -139,6 +139,9 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
         bogie.display()
     );
     std::fs::write(place.join("bogie.toml"), bogie).unwrap();
+    let rough = read(&place.join("coach.toml"));
+    let perfect = rough.split("[track").next().unwrap();
+    std::fs::write(place.join("perfect.toml"), perfect).unwrap();
     for (scenario, args, told) in [
         ("coach.toml", &["--vary=vehicle.body.frame.mass_kg=1:2:2"][..], "body has no \"frame\""),
         ("coach.toml", &["--vary=speed_kmh=0,100"], "speed_kmh = 0"),
@@ -148,6 +151,8 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
         ("coach.toml", &["--seeds=0"], "--seeds 0"),
         ("coach.toml", &["--merge", "none.jsonl"], "none.jsonl"),
         ("bogie.toml", &[], "bogie.toml: no body is named \"carbody\""),
+        ("perfect.toml", &[], "perfect.toml: the track has no irregularity"),
+        ("coach.toml", &["--no-such"], "error: unexpected argument '--no-such' found"),
         ("none.toml", &[], "none.toml"),
     ] {
         let result =

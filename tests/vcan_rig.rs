@@ -249,11 +249,16 @@ fn listener(interface: &Interface) -> CanFdSocket {
     socket
 }
 
-/// Frames of an id until nothing has come for a while or there are enough.
+/// Frames of an id until there are enough, or nothing has come for a while behind the first one. A host may
+/// take its time to start.
 fn hear(socket: &CanFdSocket, id: MessageId, enough: usize) -> Vec<Vec<u8>> {
-    let mut heard = Vec::new();
+    let (begin, mut heard) = (Instant::now(), Vec::new());
     while heard.len() < enough {
-        let Ok(frame) = socket.read_frame() else { return heard };
+        let frame = match socket.read_frame() {
+            Ok(frame) => frame,
+            Err(_) if heard.is_empty() && begin.elapsed() < Duration::from_secs(20) => continue,
+            Err(_) => return heard,
+        };
         if let Some((raw, data)) = parts(&frame)
             && raw == id.raw()
         {

@@ -1,6 +1,7 @@
 //! `yawbench identify --campaign` and `--merge`: the proof of `identify` on records whose truth is known.
 
 use crate::identify::IdentifyArgs;
+use crate::output::print;
 use crate::progress;
 use crate::record::RunFolder;
 use anyhow::bail;
@@ -50,9 +51,9 @@ fn tell(args: &IdentifyArgs, files: &[PathBuf], folder: Option<&Path>) -> anyhow
         folder.write("table.txt", &text)?;
     }
     if args.json {
-        println!("{json}");
+        print(&json)?;
     } else {
-        print!("{text}");
+        print(&text)?;
     }
     Ok(())
 }

@@ -7,12 +7,14 @@ use crate::characterise::{self, CharacteriseArgs};
 use crate::critical_speed::{self, CriticalSpeedArgs};
 use crate::curve::{self, CurveArgs};
 use crate::identify::{self, IdentifyArgs, SimulateArgs};
+use crate::output::print;
 use crate::realtime::RealtimeOptions;
 use crate::reproduce::{self, ReproduceArgs};
 use crate::ride::{self, RideArgs};
 use crate::run::{self, BusChoice, PaceChoice, RunOptions, SilentRigs};
 use crate::summary::Summary;
 use can_protocol::{Node, Profile};
+use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
@@ -196,7 +198,18 @@ const SAFE_STATE: u8 = 3;
 
 /// Runs the command line.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(told)
+            if told.use_stderr()
+                && told.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
+        {
+            eprintln!("{}", one_line(&told.render().to_string()));
+            return ExitCode::from(BAD_INPUT);
+        }
+        // Help or version, on standard output.
+        Err(told) => told.exit(),
+    };
     let result = match &cli.command {
         Command::Run(args) => run_command(args),
         Command::Rig(args) => rig_command(args),
@@ -229,6 +242,14 @@ fn broken_pipe(error: &anyhow::Error) -> bool {
     io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
+/// What clap says of an argument, in one line and without the usage behind it.
+fn one_line(told: &str) -> String {
+    let lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
+    let ours =
+        lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+    ours.collect::<Vec<_>>().join("; ")
+}
+
 /// Set by Ctrl-C or a termination signal.
 fn stop_signal() -> anyhow::Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
@@ -254,20 +275,20 @@ fn run_command(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let stop = stop_signal()?;
     let finished = run::run(&scenario, &options, &stop)?;
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&finished.summary)?);
+        print(&serde_json::to_string_pretty(&finished.summary)?)?;
     } else {
-        print_summary(&finished.summary);
+        let mut lines = summary_lines(&finished.summary);
         let mut files =
             "report.html, summary.json, record.npy, bus.log, scenario.toml, vehicle.toml"
                 .to_owned();
         if let Some(comparison) = &finished.summary.comparison {
-            print!("{comparison}");
-            for warning in comparison.warnings(&finished.summary.state) {
-                println!("warning: {warning}");
-            }
+            lines.push(comparison.to_string().trim_end().to_owned());
+            let warnings = comparison.warnings(&finished.summary.state);
+            lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
             files += ", record-compared.npy";
         }
-        println!("files in {}: {files}", finished.folder.display());
+        lines.push(format!("files in {}: {files}", finished.folder.display()));
+        print(&lines.join("\n"))?;
     }
     Ok(if finished.summary.state == "safe" {
         eprintln!(
@@ -285,9 +306,10 @@ pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "run".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-fn print_summary(summary: &Summary) {
-    println!("{}", summary.title);
-    println!(
+fn summary_lines(summary: &Summary) -> Vec<String> {
+    let mut lines = Vec::new();
+    lines.push(summary.title.clone());
+    lines.push(format!(
         "{} cycles of 1 ms, {} | vehicle step p50 {:.1} p99 {:.1} µs | cycle p50 {:.1} p99 {:.1} p99.9 {:.1} max {:.0} µs | skipped {}",
         summary.steps,
         summary.state,
@@ -298,13 +320,13 @@ fn print_summary(summary: &Summary) {
         summary.cycle_time_us.p99_9,
         summary.cycle_time_us.max,
         summary.overruns,
-    );
-    println!(
+    ));
+    lines.push(format!(
         "{:<12} {:<9} {:>9} {:>9} {:>9} {:>10} {:>8} {:>9}",
         "damper", "is", "min kN", "max kN", "rms kN", "stroke mm", "PSD Hz", "work J/s"
-    );
+    ));
     for damper in &summary.damper {
-        println!(
+        lines.push(format!(
             "{:<12} {:<9} {:>9.2} {:>9.2} {:>9.2} {:>10.2} {:>8} {:>9.1}",
             damper.name,
             damper.place,
@@ -314,7 +336,7 @@ fn print_summary(summary: &Summary) {
             damper.stroke_m.mean_peak.unwrap_or(0.0) * 1e3,
             damper.frequency_psd_peak_hz.map_or("-".to_owned(), |hz| format!("{hz:.2}")),
             damper.work_per_s_j,
-        );
+        ));
     }
     let bodies = [
         ("carbody", summary.accelerations.carbody),
@@ -323,35 +345,36 @@ fn print_summary(summary: &Summary) {
     ];
     for (name, body) in bodies {
         if let Some(body) = body {
-            println!(
+            lines.push(format!(
                 "{name:<12} lateral {:.3} vertical {:.3} m/s² rms",
                 body.lateral_rms_m_per_s2, body.vertical_rms_m_per_s2
-            );
+            ));
         }
     }
     for damper in &summary.damper {
         let (cut, flagged) = (damper.saturated_commands, damper.flagged_measurements);
         if cut.unwrap_or(0) + flagged.unwrap_or(0) > 0 {
-            println!(
+            lines.push(format!(
                 "warning: {}: {} commands cut to the frame's limits, {} measurements with a flag \
                  (limit reached, actuator lagging, saturated)",
                 damper.name,
                 cut.unwrap_or(0),
                 flagged.unwrap_or(0)
-            );
+            ));
         }
         if let Some(error) = damper.exchanged_energy_error.filter(|error| error.abs() > 0.1) {
-            println!(
+            lines.push(format!(
                 "warning: {}: exchanged energy differs by {:.0} %",
                 damper.name,
                 error * 100.0
-            );
+            ));
         }
     }
-    println!(
+    lines.push(format!(
         "frames sent {} received {} lost {} | trajectory {}",
         summary.frames.sent, summary.frames.received, summary.frames.lost, summary.trajectory_hash
-    );
+    ));
+    lines
 }
 
 fn rig_command(args: &RigArgs) -> anyhow::Result<ExitCode> {

@@ -3,9 +3,9 @@
 use crate::study::{self, StudyArgs};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
+use std::process::ExitCode;
 use studies::critical_speed::linear::STROKES_M;
 use studies::critical_speed::{Criterion, Procedure, Question};
-use std::process::ExitCode;
 
 /// What `critical-speed` is told.
 #[derive(Debug, Args)]
@@ -20,17 +20,17 @@ pub struct CriticalSpeedArgs {
     #[arg(long, value_enum, default_value_t = CriterionChoice::LimitCycle)]
     criterion: CriterionChoice,
     /// Lowest speed tried (km/h).
-    #[arg(long, value_name = "KMH", default_value_t = 100.0)]
+    #[arg(long, value_name = "KMH", default_value_t = 100.0, allow_negative_numbers = true)]
     from_kmh: f64,
     /// Highest speed tried (km/h).
-    #[arg(long, value_name = "KMH", default_value_t = 400.0)]
+    #[arg(long, value_name = "KMH", default_value_t = 400.0, allow_negative_numbers = true)]
     to_kmh: f64,
     /// Lateral motion of a wheelset that counts as hunting (mm).
-    #[arg(long, value_name = "MM", default_value_t = 3.0)]
+    #[arg(long, value_name = "MM", default_value_t = 3.0, allow_negative_numbers = true)]
     threshold_mm: f64,
     /// Strokes of the dampers for eigenvalues, half the travel (mm); at zero a clearance would mean that
     /// there is no damper.
-    #[arg(long, value_name = "MM,MM", value_delimiter = ',')]
+    #[arg(long, value_name = "MM,MM", value_delimiter = ',', allow_negative_numbers = true)]
     stroke_mm: Vec<f64>,
 }
 
@@ -72,16 +72,30 @@ fn question(args: &CriticalSpeedArgs) -> anyhow::Result<Question> {
     if !(threshold_mm > 0.0 && threshold_mm < 100.0) {
         bail!("--threshold-mm {threshold_mm}: expected more than 0 and less than 100");
     }
-    if let Some(stroke) = args.stroke_mm.iter().find(|mm| !(**mm > 0.0 && **mm <= 500.0)) {
+    if let Some(stroke) = args.stroke_mm.iter().find(|mm| !(1e-3..=500.0).contains(*mm)) {
+        bail!("--stroke-mm {stroke}: expected 0.001 to 500 (at zero a clearance leaves no damper)");
+    }
+    let linear = matches!(args.method, Method::Linear | Method::Both);
+    if !(linear || args.stroke_mm.is_empty()) {
+        bail!("--stroke-mm: only eigenvalues ask for it, expected --method linear or both");
+    }
+    if args.method != Method::Nonlinear
+        && args.method != Method::Both
+        && args.criterion == CriterionChoice::En14363
+    {
         bail!(
-            "--stroke-mm {stroke}: expected more than 0 (a clearance leaves no damper there) up to 500"
+            "--criterion en14363: expected --method nonlinear or both, which run over rough track"
+        );
+    }
+    if args.study.varies("speed_kmh") {
+        bail!(
+            "--vary speed_kmh: the speed is what is looked for, expected --from-kmh and --to-kmh"
         );
     }
     let strokes_m = match args.stroke_mm.as_slice() {
         [] => STROKES_M.to_vec(),
         given => given.iter().map(|mm| 1e-3 * mm).collect(),
     };
-    let linear = matches!(args.method, Method::Linear | Method::Both);
     Ok(Question {
         procedure: Procedure {
             criterion: match args.criterion {

@@ -3,8 +3,8 @@
 use crate::study::{self, StudyArgs};
 use anyhow::bail;
 use clap::Args;
-use studies::curve::Procedure;
 use std::process::ExitCode;
+use studies::curve::Procedure;
 
 /// What `curve` is told.
 #[derive(Debug, Args)]
@@ -12,7 +12,7 @@ pub struct CurveArgs {
     #[command(flatten)]
     study: StudyArgs,
     /// Prud'homme's factor: 1 for locomotives and coaches, 0.85 for freight wagons.
-    #[arg(long, value_name = "K1", default_value_t = 1.0)]
+    #[arg(long, value_name = "K1", default_value_t = 1.0, allow_negative_numbers = true)]
     k1: f64,
 }
 

@@ -22,6 +22,7 @@ pub mod control;
 pub mod critical_speed;
 pub mod curve;
 pub mod identify;
+mod output;
 pub mod page;
 mod predictions;
 mod progress;

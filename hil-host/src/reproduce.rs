@@ -1,5 +1,6 @@
 //! `yawbench reproduce`: the study of the SS9's yaw dampers, figure by figure.
 
+use crate::output::print;
 use crate::progress;
 use crate::record::RunFolder;
 use crate::validation;
@@ -57,11 +58,11 @@ struct CalibrationFile<'a> {
 /// # Errors
 /// Bad input, before anything is written; a vehicle that does not run; a disk that fails.
 pub fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
-    if args.validation {
-        return validation::command(args.out.as_deref(), args.json);
-    }
     if !(1..=1000).contains(&args.seeds) {
         bail!("--seeds {}: expected 1 to 1000", args.seeds);
+    }
+    if args.validation {
+        return validation::command(args.out.as_deref(), args.json);
     }
     let recipes = match &args.figure {
         None => FIGURES.to_vec(),
@@ -91,10 +92,10 @@ pub fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
     folder.write("reproduce.json", &json)?;
     folder.write("report.html", &page::page(&figures, &locomotive).to_html()?)?;
     if args.json {
-        print!("{json}");
+        print(&json)?;
     } else {
-        println!("{}", page::text(&figures));
-        println!("\nfiles in {}: report.html, reproduce.json", folder.path().display());
+        let (text, place) = (page::text(&figures), folder.path().display());
+        print(&format!("{text}\n\nfiles in {place}: report.html, reproduce.json"))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -132,18 +133,20 @@ fn calibration(
     folder.create()?;
     folder.write("calibration.json", &json)?;
     if args.json {
-        print!("{json}");
+        print(&json)?;
         return Ok(());
     }
+    let mut lines = Vec::new();
     for (number, unknown) in calibrated.iter().zip(UNKNOWNS) {
         let reached = number.reached_kmh.map_or("-".to_owned(), |kmh| format!("{kmh:.1}"));
         let [low, high] = unknown.range;
         let end = if number.at_end_of_range { "; at the end of its range" } else { "" };
-        println!(
+        lines.push(format!(
             "{} = {:.6}   in {low} to {high}   aim {:.0} km/h, reached {reached}{end}",
             number.key, number.value, number.aim_kmh
-        );
+        ));
     }
-    println!("\nfiles in {}: calibration.json", folder.path().display());
+    lines.push(format!("\nfiles in {}: calibration.json", folder.path().display()));
+    print(&lines.join("\n"))?;
     Ok(())
 }

@@ -3,10 +3,10 @@
 use crate::study::{self, StudyArgs};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
+use std::process::ExitCode;
 use studies::ride::Procedure;
 use studies::ride::grade::Kind;
 use studies::ride::sperling::WINDOW_1985_S;
-use std::process::ExitCode;
 
 /// What `ride` is told.
 #[derive(Debug, Args)]
@@ -17,13 +17,13 @@ pub struct RideArgs {
     #[arg(long, value_enum, default_value_t = GradesOf::Locomotive)]
     grades: GradesOf,
     /// Time on each track that counts (s); a minute on five tracks are the sixty blocks of EN 12299.
-    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true)]
     section_s: f64,
     /// Time at the beginning of each track that does not count (s).
-    #[arg(long, value_name = "S", default_value_t = 5.0)]
+    #[arg(long, value_name = "S", default_value_t = 5.0, allow_negative_numbers = true)]
     run_in_s: f64,
     /// Height of the floor above the rails (m).
-    #[arg(long, value_name = "M", default_value_t = 1.25)]
+    #[arg(long, value_name = "M", default_value_t = 1.25, allow_negative_numbers = true)]
     floor_m: f64,
 }
 

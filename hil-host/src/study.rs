@@ -4,6 +4,7 @@
 //! the points goes on.
 
 use crate::cli::FAILED;
+use crate::output::print;
 use crate::progress;
 use crate::record::RunFolder;
 use anyhow::bail;
@@ -22,8 +23,9 @@ use studies::sweep::{Axis, Grid};
 pub struct StudyArgs {
     /// The scenario.
     scenario: PathBuf,
-    /// A key of the scenario, or of its vehicle behind "vehicle.", and the values it takes.
-    #[arg(long, value_name = "KEY=FROM:TO:N")]
+    /// A key of the scenario, or of its vehicle behind "vehicle.", and the values it takes: KEY=FROM:TO:N or
+    /// KEY=A,B,C; with *= instead of = they multiply what stands there.
+    #[arg(long, value_name = "KEY=VALUES")]
     vary: Vec<Axis>,
     /// Tracks: seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 5)]
@@ -43,6 +45,11 @@ pub struct StudyArgs {
 }
 
 impl StudyArgs {
+    /// True where a key is varied.
+    pub fn varies(&self, key: &str) -> bool {
+        self.vary.iter().any(|axis| axis.key == key)
+    }
+
     /// The seeds of the tracks.
     ///
     /// # Errors
@@ -85,6 +92,14 @@ pub fn command<S: Study>(args: &StudyArgs, study: S) -> anyhow::Result<ExitCode>
     let points: Vec<Point<S::Found>> = shards::merge(&files)?;
     if let Some(other) = points.first().filter(|point| point.study != name) {
         bail!("{}: {}, expected {name}", files[0].display(), other.study);
+    }
+    let missing = (0..asked.varied.grid.len())
+        .filter(|index| points.iter().all(|point| point.index != *index))
+        .map(|index| (index + 1).to_string());
+    let missing: Vec<String> = missing.collect();
+    if !args.merge.is_empty() && !missing.is_empty() {
+        let of = asked.varied.grid.len();
+        bail!("--merge: point {} of {of} not found, expected all", missing.join(", "));
     }
     leave(args, &asked.study, &folder, &points)?;
     let failed = points.iter().any(|point| point.failure.is_some());
@@ -129,10 +144,10 @@ fn leave<S: Study>(
     folder.write(&name, &json)?;
     folder.write("report.html", &html)?;
     if args.json {
-        print!("{json}");
+        print(&json)?;
     } else {
-        println!("{}", study.text(points));
-        println!("\nfiles in {}: report.html, {name}", folder.path().display());
+        let (text, place) = (study.text(points), folder.path().display());
+        print(&format!("{text}\n\nfiles in {place}: report.html, {name}"))?;
     }
     Ok(())
 }

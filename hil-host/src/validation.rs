@@ -1,6 +1,7 @@
 //! `yawbench reproduce --validation`: numbers of this program beside numbers that are known
 //! ([`studies::validation`]): a table, `validation.json` and a page.
 
+use crate::output::print;
 use crate::progress;
 use crate::record::RunFolder;
 use serde::Serialize;
@@ -52,13 +53,14 @@ fn leave(as_json: bool, folder: &RunFolder, references: &[Reference]) -> anyhow:
     folder.write("validation.json", &json)?;
     folder.write("validation.html", &page::page(references).to_html()?)?;
     if as_json {
-        print!("{json}");
+        print(&json)?;
         for miss in text::misses(references) {
             eprintln!("MISS {miss}");
         }
     } else {
-        print!("{}", text::text(references));
-        println!("\nfiles in {}: validation.html, validation.json", folder.path().display());
+        let place = folder.path().display();
+        let text = text::text(references);
+        print(&format!("{text}\nfiles in {place}: validation.html, validation.json"))?;
     }
     Ok(if passes { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
 }

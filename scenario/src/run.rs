@@ -436,11 +436,14 @@ fn slots(
     let places: Vec<&str> = vehicle.damper_slot.iter().map(|slot| slot.place.as_str()).collect();
     debug_assert!(places.len() <= DAMPER_SLOTS);
     if let Some(unknown) = file.slot.iter().find(|slot| !places.contains(&slot.place.as_str())) {
-        return Err(source.whole_error(format!(
-            "slot place \"{}\" does not exist, expected one of {}",
-            unknown.place,
-            places.join(", ")
-        )));
+        let expected = match places.as_slice() {
+            [] => "expected none: the vehicle has no damper".to_owned(),
+            places => format!("expected one of {}", places.join(", ")),
+        };
+        let place = &unknown.place;
+        return Err(
+            source.whole_error(format!("slot place \"{place}\" does not exist, {expected}"))
+        );
     }
     for (index, slot) in file.slot.iter().enumerate() {
         let place = &slot.place;

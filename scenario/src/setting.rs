@@ -114,7 +114,10 @@ fn put(table: &mut Table, path: &[&str], change: Change) -> Result<(), String> {
                 Change::Value(value) => value,
                 Change::Factor(factor) => factor * standing(table.get(*last))?,
             };
-            table.insert((*last).to_owned(), Value::Float(value));
+            // A whole number in the place of one, such as a seed; keys of quantities take either.
+            let whole = table.get(*last).is_some_and(Value::is_integer) && value == value.trunc();
+            let value = if whole { Value::Integer(value as i64) } else { Value::Float(value) };
+            table.insert((*last).to_owned(), value);
             Ok(())
         }
         [first, rest @ ..] => {
@@ -202,6 +205,17 @@ mod tests {
         assert_eq!(masses("vehicle.body.wheel.mass_kg"), [Some(1.0), Some(7.0)]);
         assert_eq!(masses("vehicle.body.0.mass_kg"), [Some(7.0), Some(2.0)]);
         assert_eq!(masses("vehicle.body.*.mass_kg"), [Some(7.0), Some(7.0)]);
+    }
+
+    #[test]
+    fn a_whole_number_stays_one() {
+        let source = Source::from_text(Path::new("a.toml"), "seed = 1\n");
+        let seed = |value| {
+            let changed = source.with_settings(&[Setting::to("seed", value)]).unwrap();
+            changed.parse::<Table>().unwrap()["seed"].clone()
+        };
+        assert_eq!(seed(2.0), Value::Integer(2));
+        assert_eq!(seed(2.5), Value::Float(2.5));
     }
 
     #[test]

@@ -89,8 +89,8 @@ pub enum ShardError {
     Other(PathBuf, String, String),
     /// Two files hold different results for an item: file, what it is called, number.
     Twice(PathBuf, &'static str, usize),
-    /// There is nothing to merge; what it would be called.
-    Empty(&'static str),
+    /// There is nothing to merge: the first file, what it would be called.
+    Empty(PathBuf, &'static str),
 }
 
 impl fmt::Display for ShardError {
@@ -104,7 +104,9 @@ impl fmt::Display for ShardError {
             Self::Twice(path, called, index) => {
                 write!(f, "{}: {called} {index} has another result elsewhere", path.display())
             }
-            Self::Empty(called) => write!(f, "no {called} in these files"),
+            Self::Empty(path, called) => {
+                write!(f, "{}: found no {called}, expected some", path.display())
+            }
         }
     }
 }
@@ -179,7 +181,8 @@ pub fn merge<T: Item>(paths: &[PathBuf]) -> Result<Vec<T>, ShardError> {
         }
     }
     if all.is_empty() {
-        return Err(ShardError::Empty(T::CALLED));
+        let first = paths.first().cloned().unwrap_or_default();
+        return Err(ShardError::Empty(first, T::CALLED));
     }
     all.sort_by_key(Item::index);
     Ok(all)
@@ -196,7 +199,14 @@ fn read<T: Item>(path: &Path) -> Result<(Vec<T>, u64), ShardError> {
             break;
         }
         let item = serde_json::from_str(&text)
-            .map_err(|why| ShardError::Line(path.to_owned(), items.len() + 1, why.to_string()))?;
+            .map_err(|why| {
+            let why = format!(
+                "found no {} of this work ({why}), expected one on every line; without the line it is \
+                 found anew",
+                T::CALLED
+            );
+            ShardError::Line(path.to_owned(), items.len() + 1, why)
+        })?;
         items.push(item);
         whole += text.len() as u64;
         text.clear();

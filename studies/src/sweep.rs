@@ -45,13 +45,19 @@ impl FromStr for Axis {
             [from, to, count] => {
                 let (from, to) = (number(from)?, number(to)?);
                 let count: usize = count.trim().parse().map_err(|_| expected())?;
-                even(from, to, count).ok_or_else(expected)?
+                even(from, to, count).ok_or_else(|| {
+                    format!("found {count} values in \"{text}\", expected 2 to {POINTS_MAX}")
+                })?
             }
             [list] => list.split(',').map(number).collect::<Result<_, _>>()?,
             _ => return Err(expected()),
         };
         if key.trim().is_empty() {
             return Err(expected());
+        }
+        let again = |(index, value): (usize, &f64)| values.iter().take(index).any(|v| v == value);
+        if values.iter().enumerate().any(again) {
+            return Err(format!("found a value twice in \"{text}\", expected each once"));
         }
         let changes = values.into_iter().map(change).collect();
         Ok(Self { key: key.trim().to_owned(), changes })

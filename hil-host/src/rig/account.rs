@@ -103,9 +103,11 @@ pub(super) fn print_statuses(mut statuses: Consumer<'_, Status>, done: &AtomicBo
     }
 }
 
-pub(super) fn print_summary(summary: &RigSummary) {
+/// The account of a rig in two lines.
+pub(super) fn summary_text(summary: &RigSummary) -> String {
+    let mut lines = Vec::new();
     let frames = &summary.frames;
-    println!(
+    lines.push(format!(
         "rig node {}: {} after {} cycles in {} runs, {} slots missed, {} times safe by itself",
         summary.node,
         summary.state,
@@ -113,8 +115,8 @@ pub(super) fn print_summary(summary: &RigSummary) {
         summary.runs,
         summary.skipped,
         summary.safe_events
-    );
-    println!(
+    ));
+    lines.push(format!(
         "commands received {} lost {} wrong checksum {} repeated {} out of sequence {}; sent {}, \
          dropped {} out and {} in",
         frames.received,
@@ -125,5 +127,6 @@ pub(super) fn print_summary(summary: &RigSummary) {
         summary.sent,
         summary.send_dropped,
         summary.receive_dropped
-    );
+    ));
+    lines.join("\n")
 }

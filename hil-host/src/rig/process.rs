@@ -9,10 +9,11 @@
 
 pub use super::account::RigSummary;
 
-use super::account::{Status, print_statuses, print_summary};
+use super::account::{Status, print_statuses, summary_text};
 use super::{RigNode, Timing};
 use crate::bus::{Bus, Sent, SocketCanBus};
 use crate::clock::Pacer;
+use crate::output::print;
 use crate::realtime::{self, RealtimeOptions};
 use can_protocol::{MessageId, Node, Pace, Profile, RunState};
 use heapless::spsc::{Producer, Queue};
@@ -67,9 +68,9 @@ pub fn command(
     let mut rig = RigNode::new(setup, node, profile);
     let summary = serve(&mut rig, &mut bus, options, stop)?;
     if options.json {
-        println!("{}", serde_json::to_string_pretty(&summary)?);
+        print(&serde_json::to_string_pretty(&summary)?)?;
     } else {
-        print_summary(&summary);
+        print(&summary_text(&summary))?;
     }
     Ok(if summary.is_safe() { ExitCode::from(SAFE_STATE) } else { ExitCode::SUCCESS })
 }

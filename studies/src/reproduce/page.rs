@@ -12,7 +12,9 @@ pub fn page(figures: &[Figure], locomotive: &Locomotive) -> Report {
     for line in &locomotive.about {
         report = report.fact("vehicle", line);
     }
-    report = report.section(overview(figures));
+    if figures.iter().flat_map(|figure| &figure.rows).any(|row| row.paper.is_some()) {
+        report = report.section(overview(figures));
+    }
     figures.iter().map(section).fold(report, Report::section)
 }
 

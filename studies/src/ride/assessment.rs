@@ -17,13 +17,10 @@ use crate::trip::track::Roughness;
 use crate::trip::{Equipped, START_M, Trip};
 use firmware_core::track::Layout;
 use rayon::prelude::*;
-use scenario::irregularity::Band;
 use scenario::run::Run;
 use scenario::track::OwnedTrack;
 use serde::{Deserialize, Serialize};
 
-/// Irregularity of a scenario that has none.
-const USUAL: Band = Band { seed: 1, shortest: 1.0, longest: 100.0, scale: 1.0 };
 /// Spectra are kept up to here (Hz).
 const SPECTRA_TO_HZ: f64 = 20.0;
 
@@ -101,10 +98,7 @@ impl Ride {
     /// In one line: no steady running, a track that the vehicle leaves, a section too short.
     pub fn of(run: &Run, equipped: &Equipped, procedure: &Procedure) -> Result<Self, String> {
         let places = Places::of(run, procedure.floor_height_m);
-        let mut track = Roughness::of(run, &procedure.seeds);
-        if track.irregularity == "none" {
-            track = Roughness::random(&USUAL, &procedure.seeds);
-        }
+        let track = Roughness::of(run, &procedure.seeds);
         let duration_s = procedure.run_in_s + procedure.section_s;
         let end_m = START_M + run.speed_m_per_s * duration_s + 30.0;
         let tracks = track.tracks(run, &Layout::tangent(), end_m);

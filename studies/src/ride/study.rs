@@ -30,10 +30,15 @@ impl Study for Procedure {
     }
 
     fn fits(&self, run: &Run) -> Result<(), String> {
-        let known = run.body_names.iter().any(|name| name == "carbody");
-        known.then_some(()).ok_or_else(|| {
-            format!("no body is named \"carbody\", found {}", run.body_names.join(", "))
-        })
+        if !run.body_names.iter().any(|name| name == "carbody") {
+            return Err(format!(
+                "no body is named \"carbody\", found {}",
+                run.body_names.join(", ")
+            ));
+        }
+        let perfect = run.band.is_none() && run.track.samples.samples.is_empty();
+        let refused = || "the track has no irregularity, expected [track.irregularity]".to_owned();
+        if perfect { Err(refused()) } else { Ok(()) }
     }
 
     fn answer(&self, run: &Run, equipped: &Equipped, found: &mut Found) -> Result<(), String> {
