@@ -27,28 +27,48 @@ pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
         .fold(report, Report::section)
 }
 
+/// The columns that some point has an entry for.
 fn table(points: &[Point]) -> Table {
-    let first = points.first();
-    let mut table = Table::new("Critical speed, km/h");
-    for set in first.map(|point| point.at.as_slice()).unwrap_or_default() {
-        table = table.number(&set.called(), "");
+    let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
+    let strokes_m: Vec<f64> = points
+        .iter()
+        .max_by_key(|point| point.found.linear.len())
+        .map(|point| point.found.linear.iter().map(|linear| linear.stroke_m).collect())
+        .unwrap_or_default();
+    let has = |of: fn(&Point) -> bool| points.iter().any(of);
+    let ascent = has(|point| point.found.ascent.is_some());
+    let fold = has(|point| point.found.fold.is_some());
+    let failure = has(|point| point.failure.is_some());
+    let mut table = keys
+        .iter()
+        .fold(Table::new("Critical speed, km/h"), |table, set| table.number(&set.called(), ""));
+    if ascent {
+        table = table.text("hunts from").text("range over seeds");
     }
-    table = table.text("hunts from").text("range over seeds").text("no cycle below");
-    for linear in first.map(|point| point.found.linear.as_slice()).unwrap_or_default() {
-        let stroke_mm = 1e3 * linear.stroke_m;
-        table = table.text(&format!("by eigenvalues at {stroke_mm} mm"));
+    if fold {
+        table = table.text("no cycle below");
     }
-    let strokes = first.map_or(0, |point| point.found.linear.len());
+    for stroke_m in &strokes_m {
+        table = table.text(&format!("by eigenvalues at {} mm", 1e3 * stroke_m));
+    }
+    if failure {
+        table = table.text("no answer");
+    }
     table.rows(points.iter().map(|point| {
+        let found = &point.found;
         let mut row: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
-        row.push(match (&point.failure, &point.found.ascent) {
-            (Some(why), _) => why.clone().into(),
-            (None, ascent) => ascent.as_ref().map(Ascent::mean).into(),
-        });
-        row.push(point.found.ascent.as_ref().map(Ascent::range).into());
-        row.push(point.found.fold.as_ref().map(|fold| fold.dies.to_string()).into());
-        let linear = (0..strokes).map(|index| point.found.linear.get(index));
+        if ascent {
+            row.push(found.ascent.as_ref().map(Ascent::mean).into());
+            row.push(found.ascent.as_ref().map(Ascent::range).into());
+        }
+        if fold {
+            row.push(found.fold.as_ref().map(|fold| fold.dies.to_string()).into());
+        }
+        let linear = (0..strokes_m.len()).map(|index| found.linear.get(index));
         row.extend(linear.map(|linear| linear.map(|linear| linear.critical.to_string()).into()));
+        if failure {
+            row.push(point.failure.clone().into());
+        }
         row
     }))
 }
