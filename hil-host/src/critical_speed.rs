@@ -79,10 +79,8 @@ fn question(args: &CriticalSpeedArgs) -> anyhow::Result<Question> {
     if !(linear || args.stroke_mm.is_empty()) {
         bail!("--stroke-mm: only eigenvalues ask for it, expected --method linear or both");
     }
-    if args.method != Method::Nonlinear
-        && args.method != Method::Both
-        && args.criterion == CriterionChoice::En14363
-    {
+    let rough = matches!(args.method, Method::Nonlinear | Method::Both);
+    if args.criterion == CriterionChoice::En14363 && !rough {
         bail!(
             "--criterion en14363: expected --method nonlinear or both, which run over rough track"
         );
@@ -108,7 +106,7 @@ fn question(args: &CriticalSpeedArgs) -> anyhow::Result<Question> {
             seeds: args.study.seeds()?,
             ..Procedure::default()
         },
-        ascent: matches!(args.method, Method::Nonlinear | Method::Both),
+        ascent: rough,
         fold: args.method != Method::Linear,
         strokes_m: if linear { strokes_m } else { Vec::new() },
     })

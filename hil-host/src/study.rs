@@ -93,13 +93,13 @@ pub fn command<S: Study>(args: &StudyArgs, study: S) -> anyhow::Result<ExitCode>
     if let Some(other) = points.first().filter(|point| point.study != name) {
         bail!("{}: {}, expected {name}", files[0].display(), other.study);
     }
-    let missing = (0..asked.varied.grid.len())
-        .filter(|index| points.iter().all(|point| point.index != *index))
-        .map(|index| (index + 1).to_string());
-    let missing: Vec<String> = missing.collect();
-    if !args.merge.is_empty() && !missing.is_empty() {
-        let of = asked.varied.grid.len();
-        bail!("--merge: point {} of {of} not found, expected all", missing.join(", "));
+    let of = asked.varied.grid.len();
+    if !args.merge.is_empty() && points.len() < of {
+        // Merged points stand in order, each once.
+        let found = |index: &usize| points.binary_search_by_key(index, |point| point.index).is_ok();
+        let missing = (0..of).filter(|index| !found(index)).map(|index| (index + 1).to_string());
+        let missing = missing.collect::<Vec<_>>().join(", ");
+        bail!("--merge: point {missing} of {of} not found, expected all");
     }
     leave(args, &asked.study, &folder, &points)?;
     let failed = points.iter().any(|point| point.failure.is_some());

@@ -55,8 +55,9 @@ impl FromStr for Axis {
         if key.trim().is_empty() {
             return Err(expected());
         }
-        let again = |(index, value): (usize, &f64)| values.iter().take(index).any(|v| v == value);
-        if values.iter().enumerate().any(again) {
+        let mut sorted = values.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
             return Err(format!("found a value twice in \"{text}\", expected each once"));
         }
         let changes = values.into_iter().map(change).collect();
