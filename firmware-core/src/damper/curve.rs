@@ -86,8 +86,8 @@ impl Curve {
 
     /// The value at `x`; at a step, the middle of it.
     pub fn at(&self, x: f64) -> f64 {
-        let index = self.knots.iter().position(|knot| knot.x >= x).unwrap_or(self.knots.len());
-        let (before, after, _) = self.limits(index, x);
+        let next = self.knots.iter().position(|knot| knot.x >= x).unwrap_or(self.knots.len());
+        let (before, after) = Reader { curve: self, next, line: None }.limits(x);
         0.5 * (before + after)
     }
 
@@ -221,32 +221,16 @@ impl Curve {
         let _ = self.knots.push(knot);
     }
 
-    /// Limits from the left and the right at `x`, given the first knot at or after `x`, and the
-    /// first knot after `x`.
-    fn limits(&self, index: usize, x: f64) -> (f64, f64, usize) {
-        let Some(here) = self.knots.get(index).filter(|knot| knot.x == x) else {
-            let value = self.between(index, x);
-            return (value, value, index);
-        };
-        let mut after = here.y;
-        let mut next = index + 1;
-        while let Some(knot) = self.knots.get(next).filter(|knot| knot.x == x) {
-            after = knot.y;
-            next += 1;
-        }
-        (here.y, after, next)
-    }
-
-    fn between(&self, index: usize, x: f64) -> f64 {
-        let left = index.checked_sub(1).and_then(|i| self.knots.get(i));
-        match (left, self.knots.get(index)) {
-            (None, None) => 0.0,
-            (None, Some(b)) => b.y + self.slope_before * (x - b.x),
-            (Some(a), None) => a.y + self.slope_after * (x - a.x),
+    /// The line from the knot before `next` to it, through the one nearer to zero.
+    fn line_to(&self, next: usize) -> Line {
+        let left = next.checked_sub(1).and_then(|i| self.knots.get(i));
+        match (left, self.knots.get(next)) {
+            (None, None) => Line { through: Knot { x: 0.0, y: 0.0 }, slope: 0.0 },
+            (None, Some(b)) => Line { through: *b, slope: self.slope_before },
+            (Some(a), None) => Line { through: *a, slope: self.slope_after },
             (Some(a), Some(b)) => {
-                let slope = (b.y - a.y) / (b.x - a.x);
-                let inner = if a.x.abs() <= b.x.abs() { a } else { b };
-                inner.y + slope * (x - inner.x)
+                let through = if a.x.abs() <= b.x.abs() { *a } else { *b };
+                Line { through, slope: (b.y - a.y) / (b.x - a.x) }
             }
         }
     }
@@ -263,18 +247,64 @@ pub enum Side {
 
 /// Visits every place where one of two curves has a knot, rising, with the limits of both from the
 /// left and the right.
+#[inline]
 pub(super) fn merge(a: &Curve, b: &Curve, mut visit: impl FnMut(f64, (f64, f64), (f64, f64))) {
-    let (mut i, mut j) = (0, 0);
+    let (mut a, mut b) = (Reader::of(a), Reader::of(b));
     for _ in 0..2 * CURVE_KNOTS {
-        let x = match (a.knots.get(i), b.knots.get(j)) {
+        let x = match (a.knot(), b.knot()) {
             (None, None) => return,
             (Some(knot), None) | (None, Some(knot)) => knot.x,
             (Some(p), Some(q)) => p.x.min(q.x),
         };
-        let (a_before, a_after, next_i) = a.limits(i, x);
-        let (b_before, b_after, next_j) = b.limits(j, x);
-        visit(x, (a_before, a_after), (b_before, b_after));
-        (i, j) = (next_i, next_j);
+        visit(x, a.limits(x), b.limits(x));
+    }
+}
+
+/// Reads a curve at rising places.
+struct Reader<'a> {
+    curve: &'a Curve,
+    /// The first knot that was not reached yet.
+    next: usize,
+    /// The straight line towards it, once it was needed: of two curves that are merged, one often has no
+    /// knot for a long time.
+    line: Option<Line>,
+}
+
+/// A straight line through a knot.
+#[derive(Clone, Copy)]
+struct Line {
+    through: Knot,
+    slope: f64,
+}
+
+impl<'a> Reader<'a> {
+    fn of(curve: &'a Curve) -> Self {
+        Self { curve, next: 0, line: None }
+    }
+
+    /// The first knot that was not reached yet.
+    #[inline]
+    fn knot(&self) -> Option<Knot> {
+        self.curve.knots.get(self.next).copied()
+    }
+
+    /// Limits from the left and the right at `x`, at or before the next knot.
+    #[inline]
+    fn limits(&mut self, x: f64) -> (f64, f64) {
+        let Some(here) = self.knot().filter(|knot| knot.x == x) else {
+            let Line { through, slope } =
+                *self.line.get_or_insert_with(|| self.curve.line_to(self.next));
+            let value = through.y + slope * (x - through.x);
+            return (value, value);
+        };
+        let mut after = here.y;
+        self.next += 1;
+        while let Some(knot) = self.knot().filter(|knot| knot.x == x) {
+            after = knot.y;
+            self.next += 1;
+        }
+        self.line = None;
+        (here.y, after)
     }
 }
 

@@ -337,8 +337,8 @@ fn join_into(segments: &mut VecView<Segment>, body: &Curve, attachment: &Curve) 
             }
             match last {
                 None => push_end(segments, &point, body, attachment, -1.0),
-                Some(from) if point.deflection_m > from.deflection_m => {
-                    push_between(segments, &from, &point);
+                Some(from) if deflection_m > from.deflection_m => {
+                    push_between(segments, from, point);
                 }
                 Some(_) => {}
             }
@@ -364,9 +364,10 @@ fn join_into(segments: &mut VecView<Segment>, body: &Curve, attachment: &Curve) 
 }
 
 /// The segment between two points.
-fn push_between(segments: &mut VecView<Segment>, from: &Point, to: &Point) {
+#[inline]
+fn push_between(segments: &mut VecView<Segment>, from: Point, to: Point) {
     let length = to.deflection_m - from.deflection_m;
-    let inner = if from.deflection_m.abs() <= to.deflection_m.abs() { from } else { to };
+    let anchor = if from.deflection_m.abs() <= to.deflection_m.abs() { from } else { to };
     // Never full: `Law::check` has counted the knots.
     let _ = segments.push(Segment {
         from_m: from.deflection_m,
@@ -375,7 +376,7 @@ fn push_between(segments: &mut VecView<Segment>, from: &Point, to: &Point) {
         velocity_to: to.velocity_m_per_s,
         rate_per_s: (to.velocity_m_per_s - from.velocity_m_per_s) / length,
         stiffness_n_per_m: (to.force_n - from.force_n) / length,
-        anchor: *inner,
+        anchor,
         gains: Gains::NONE,
     });
 }
