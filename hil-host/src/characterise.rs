@@ -5,6 +5,7 @@
 //! leave `laboratory.json` with the figures that are printed. Nothing is written before everything
 //! has been worked out.
 
+use crate::output::print;
 use crate::record::RunFolder;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -243,25 +244,21 @@ fn leave(
         write().with_context(|| place(&name))?;
     }
     folder.write("laboratory.json", &format!("{json}\n"))?;
-    let mut out = std::io::stdout().lock();
     if args.json {
-        writeln!(out, "{json}")?;
-        return Ok(());
+        return Ok(print(&json)?);
     }
-    write!(out, "{}", file.laboratory)?;
-    if let Some(sensors) = &file.sensors {
-        writeln!(
-            out,
-            "\nvirtual visit, seed {}: {} Hz, force +-{} N with {} N rms of noise, displacement +-{} m with {} um",
+    let visit = file.sensors.as_ref().map_or(String::new(), |sensors| {
+        format!(
+            "\nvirtual visit, seed {}: {} Hz, force +-{} N with {} N rms of noise, displacement +-{} m with {} um\n",
             args.seed,
             sensors.rate_hz,
             sensors.force_range_n,
             sensors.force_noise_n,
             sensors.displacement_range_m,
             sensors.displacement_noise_m * 1e6
-        )?;
-    }
+        )
+    });
     let csv = if records.is_empty() { String::new() } else { format!(", {} CSV", records.len()) };
-    writeln!(out, "files in {}: laboratory.json{csv}", folder.path().display())?;
-    Ok(())
+    let place = folder.path().display();
+    Ok(print(&format!("{}{visit}files in {place}: laboratory.json{csv}", file.laboratory))?)
 }

@@ -1,6 +1,7 @@
 //! `yawbench identify` and `yawbench simulate`: from measured records to the effect that a damper
 //! model lacks, and a model's force on a record.
 
+use crate::output::print;
 use crate::predictions::{self, Forces};
 use crate::record::RunFolder;
 use anyhow::{Context, bail};
@@ -12,7 +13,7 @@ use scenario::datasheet::Datasheet;
 use scenario::quantity::Provenance;
 use scenario::source::Source;
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use studies::identify::empirical::{Empirical, FittedMap};
@@ -144,14 +145,11 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
             predictions::write(&path, test, &forces).with_context(|| path.display().to_string())?;
         }
     }
-    let mut out = std::io::stdout().lock();
     if args.json {
-        writeln!(out, "{json}")?;
-        return Ok(());
+        return Ok(print(&json)?);
     }
-    tell(&mut out, &identification, datasheet_given)?;
-    writeln!(out, "\nfiles: {}", folder.path().display())?;
-    Ok(())
+    let text = told(&identification, datasheet_given)?;
+    Ok(print(&format!("{text}\nfiles: {}", folder.path().display()))?)
 }
 
 /// Runs `simulate`.
@@ -343,11 +341,8 @@ fn sentence(result: &IdentifyResult) -> String {
 }
 
 /// The summary for people.
-fn tell(
-    out: &mut impl Write,
-    identification: &Identification,
-    datasheet_given: bool,
-) -> std::io::Result<()> {
+fn told(identification: &Identification, datasheet_given: bool) -> Result<String, std::fmt::Error> {
+    let mut out = String::new();
     let result = &identification.result;
     writeln!(out, "{}", sentence(result))?;
     writeln!(out, "\n{:<14}{:>14}{:>9}{:>14}{:>9}", "rms error", "train N", "", "hold-out N", "")?;
@@ -421,5 +416,5 @@ fn tell(
     for note in &result.notes {
         writeln!(out, "note: {note}")?;
     }
-    Ok(())
+    Ok(out)
 }
