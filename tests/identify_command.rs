@@ -302,6 +302,7 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
     names.swap(1, 2);
     assert_eq!(names[1..3], ["force_n", "displacement_m"]);
     write("swapped.csv", with(0, &names.join(",")));
+    write("copy.csv", lines.join("\n"));
     write("renamed.csv", with(0, &lines[begin].replace("force_n", "load_n")));
     write("unknown.toml", format!("{SHEET}stiffness = 1.0\n"));
     write("negative.toml", SHEET.replace("11e6", "-11e6"));
@@ -309,7 +310,7 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
     write("oil.toml", "[temperature]\ncolumn = \"oil\"\n".to_owned());
     write("wrong.toml", "[force]\nunit = \"kip\"\n".to_owned());
     let work = "bench/work.csv";
-    let cases: [(&[&str], &[&str]); 16] = [
+    let cases: [(&[&str], &[&str]); 17] = [
         (&["--train", "none.csv"], &["none.csv", "no readable file"]),
         (&["--train", work, "--holdout", "none.csv"], &["none.csv", "no readable file"]),
         (&["--train", "nan.csv"], &["nan.csv", "displacement_m", "nan"]),
@@ -326,6 +327,8 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
         (&["--train", work, "--datasheet", "negative.toml"], &["negative.toml:3", "-11000000"]),
         (&["--train", work, "--datasheet", "empty.toml"], &["empty.toml", "ce_n_s_per_m"]),
         (&["--train", work, "--holdout", work], &["work.csv", "both in --train and in --holdout"]),
+        // Under another name it would be as dishonest.
+        (&["--train", work, "--holdout", "copy.csv"], &["copy.csv", "same numbers", "work.csv"]),
     ];
     for (args, parts) in cases {
         let refused = identify(&[args, &["--out", "refused"]].concat());

@@ -236,6 +236,7 @@ fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
     // Read together, so that no two tests share a name.
     let paths: Vec<PathBuf> = args.train.iter().chain(&args.holdout).cloned().collect();
     let mut train = read_tests(&paths, mapping)?;
+    refuse_repeated(&train)?;
     let fitted = train.iter().take_while(|record| args.train.contains(&record.file)).count();
     let mut holdout = train.split_off(fitted);
     if holdout.is_empty() {
@@ -253,6 +254,21 @@ fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
     }
     let datasheet = datasheet.map(|sheet| sheet.nominal);
     Ok(Question { train, holdout, datasheet, empirical: args.empirical, notes })
+}
+
+/// Refuses a record that is there twice, under whatever name: held out beside itself in training it
+/// would show an error that nobody has.
+fn refuse_repeated(records: &[Measurement]) -> anyhow::Result<()> {
+    for (index, later) in records.iter().enumerate() {
+        let same = |first: &&Measurement| {
+            first.force_n == later.force_n && first.displacement_m == later.displacement_m
+        };
+        if let Some(first) = records[..index].iter().find(same) {
+            let (file, of) = (later.file.display(), first.file.display());
+            bail!("{file}: found the same numbers as in {of}, expected each record once");
+        }
+    }
+    Ok(())
 }
 
 /// What each sampling rate lets through, once per rate.

@@ -151,11 +151,21 @@ impl Table {
                     *line,
                     "row",
                     format!("{} cells", row.len()),
-                    format!("{expected}"),
+                    format!("{expected}{}", self.separator_hint()),
                 ));
             }
         }
         Ok(())
+    }
+
+    /// What may be wrong where all names stand in one cell.
+    fn separator_hint(&self) -> &'static str {
+        match self.names.as_slice() {
+            [only] if only.contains([';', '\t', ' ']) => {
+                " (another separator? a mapping says which)"
+            }
+            _ => "",
+        }
     }
 
     /// Place of a column.
@@ -165,15 +175,10 @@ impl Table {
     pub fn column(&self, name: &str) -> Result<usize, MeasurementError> {
         let mut places = self.names.iter().enumerate().filter(|(_, other)| *other == name);
         let Some((place, _)) = places.next() else {
-            let hint = match self.names.as_slice() {
-                [only] if only.contains([';', '\t', ' ']) => {
-                    " (another separator? a mapping says which)"
-                }
-                _ => "",
-            };
+            let (names, hint) = (self.names.join(", "), self.separator_hint());
             return Err(MeasurementError::File {
                 file: self.file.clone(),
-                found: format!("the columns {}{hint}", self.names.join(", ")),
+                found: format!("the columns {names}{hint}"),
                 expected: format!("one called {name}"),
             });
         };

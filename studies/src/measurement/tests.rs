@@ -98,6 +98,11 @@ fn every_bad_file_has_its_line() {
             "a.csv: found the columns time_s;displacement_m;force_n (another separator? a mapping says which), expected one called time_s",
         ),
         (
+            "separator and decimal comma",
+            file(2000, good).replace(',', ";").replace('.', ","),
+            "a.csv:2: row: found 3 cells, expected 1 (another separator? a mapping says which)",
+        ),
+        (
             "twice",
             file(2000, good).replace("time_s", "force_n"),
             "a.csv: found the columns force_n, displacement_m, force_n, expected one called time_s",
