@@ -355,6 +355,15 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
         said_in_one_line(&refused, &args, parts);
         assert!(!VISIT.join("refused.csv").exists(), "{args:?} wrote something");
     }
+    let before = std::fs::read(VISIT.join(work)).unwrap();
+    for (out, part) in
+        [(work, "the record itself"), ("no/where.csv", "no place"), ("bench", "no place")]
+    {
+        let args = ["simulate", "damper.toml", work, "--out", out];
+        let refused = output(yawbench().args(args).current_dir(&*VISIT));
+        said_in_one_line(&refused, &args, &[out, part]);
+    }
+    assert_eq!(std::fs::read(VISIT.join(work)).unwrap(), before);
 }
 
 fn said_in_one_line(refused: &Output, args: &[&str], parts: &[&str]) {

@@ -131,6 +131,12 @@ pub fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
     write("report.html", &html)?;
     let within = folder.file("predictions");
     std::fs::create_dir_all(&within).with_context(|| place("predictions"))?;
+    // Those of an earlier identification would be taken for some of this.
+    for entry in std::fs::read_dir(&within).with_context(|| place("predictions"))?.flatten() {
+        if entry.path().extension().is_some_and(|kind| kind == "csv") {
+            std::fs::remove_file(entry.path()).with_context(|| place("predictions"))?;
+        }
+    }
     for (tests, models, mapped) in [
         (&identification.train, &identification.on_train, map.map(|map| &map.on_train)),
         (&identification.holdout, &identification.on_holdout, map.map(|map| &map.on_holdout)),
@@ -169,8 +175,12 @@ pub fn simulate_command(args: &SimulateArgs) -> anyhow::Result<()> {
         let (file, count) = (args.record.display(), records.len());
         bail!("{file}: {count} tests in one file, expected one; a mapping can choose with `where`");
     }
+    refuse_place(&args.out, &args.record)?;
     let tests = TestsAtHand::new(records);
     let Some(test) = tests.tests.first() else { bail!("no test") };
+    for repair in &test.record.repairs {
+        eprintln!("note: {}: {repair}", args.record.display());
+    }
     if !measured {
         let file = args.record.display();
         eprintln!("{file}: no column force_n, started at rest in the middle of the clearance");
@@ -191,6 +201,20 @@ pub fn simulate_command(args: &SimulateArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Refuses to write where nothing can be written, or over the record.
+fn refuse_place(out: &Path, record: &Path) -> anyhow::Result<()> {
+    let file = out.display();
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if out.is_dir() || folder.is_some_and(|folder| !folder.is_dir()) {
+        bail!("--out {file}: found no place for a file, expected one in a folder that exists");
+    }
+    let same = |path: &Path| std::fs::canonicalize(path).ok();
+    if same(out).is_some_and(|out| Some(out) == same(record)) {
+        bail!("--out {file}: found the record itself, expected another file");
+    }
+    Ok(())
+}
+
 /// The tests of a file without a force column; `None` where it has one or the mapping names one. The
 /// displacement stands in the place of the force, so that every check of the motion is made.
 fn motions(
@@ -205,7 +229,8 @@ fn motions(
         None => Mapping::own()?,
     };
     let table = Table::read(path, &layout)?;
-    let has_force = |force: &Reading| force.column != "force_n" || table.column("force_n").is_ok();
+    let has_force =
+        |force: &Reading| force.column != "force_n" || table.names.contains(&force.column);
     if layout.force.iter().any(has_force) {
         return Ok(None);
     }

@@ -169,6 +169,9 @@ impl Datasheet {
                 "C2 {c2_n_s_per_m} N s/m is not below Ce {ce_n_s_per_m} N s/m: no relief at all"
             ));
         }
+        if direct.clearance_2a_m.is_none() {
+            conversion.push("2a = 0 m, by default: no clearance is given".to_owned());
+        }
         let ke_given = direct.stiffness(&mut nominal, &points, &mut warnings, &mut conversion);
         nominal.validate().map_err(|error| source.whole_error(error.to_string()))?;
         let given = Given {

@@ -69,7 +69,7 @@ fn tables_give_all_but_the_clearance() {
     assert_eq!(clearance_2a_m, 0.0);
     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
     assert!(found.given.ke && found.given.c2 && found.given.f_relief);
-    assert_eq!(found.conversion.len(), 4, "{:?}", found.conversion);
+    assert_eq!(found.conversion.len(), 5, "{:?}", found.conversion);
     // A stated Ce that the table contradicts is taken, and told.
     let other = sheet(&format!("[damper]\nce_n_s_per_m = 1.3e6\n{text}")).unwrap();
     assert_eq!(other.nominal.ce_n_s_per_m, 1.3e6);

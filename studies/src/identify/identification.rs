@@ -181,8 +181,8 @@ impl Identification {
         Some(Errors {
             train_rmse_n: train,
             holdout_rmse_n: held,
-            train_nrmse: train / self.train.rms_force_n(),
-            holdout_nrmse: held.map(|held| held / self.holdout.rms_force_n()),
+            train_nrmse: train / self.train.measured_rms_n()?,
+            holdout_nrmse: held.zip(self.holdout.measured_rms_n()).map(|(held, rms)| held / rms),
         })
     }
 

@@ -18,7 +18,7 @@
 //! | [`candidate`], [`screening`] | the catalogue against the residual, to first order |
 //! | [`trial`], [`folds`] | one candidate fitted and judged on what it has not seen |
 //! | [`short_list`], [`acceptance`] | which are worth a fit; which are accepted, and rivals |
-//! | [`search`] | the rounds: several effects |
+//! | [`search`], [`settling`] | the rounds: several effects; an accepted model at its bottom |
 //! | [`left_over`] | is the rest noise? |
 //! | [`empirical`] | a map on the rest, where somebody wants one: no physics |
 //! | [`uncertainty`] | how well parameters are known |
@@ -44,6 +44,7 @@ pub mod page;
 pub mod result;
 pub mod screening;
 pub mod search;
+pub mod settling;
 pub mod short_list;
 pub mod simulation;
 pub mod split;

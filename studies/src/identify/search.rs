@@ -14,17 +14,17 @@
 use super::acceptance::{choose, objection};
 use super::candidate::{Candidate, candidates};
 use super::canonical::canonical;
-use super::fit::{Effort, Fit, fit, fit_on};
+use super::fit::{Effort, fit};
 use super::grey_box::GreyBox;
 use super::left_over::repeat::repeat;
 use super::screening::{Screened, screen};
+use super::settling::settled;
 use super::short_list::{hidden, rehearsals, short_list};
 use super::start::{BEGINNING_S, NominalFit};
 use super::tests_at_hand::TestsAtHand;
 use super::trial::{
     Evidence, Judged, LEAST_GAIN, Trial, evidence, rehearse, starts, try_candidate,
 };
-use rayon::prelude::*;
 
 /// Most effects that are accepted.
 pub const MOST_EFFECTS: usize = 4;
@@ -35,7 +35,7 @@ const FAR_OFF: f64 = 0.03;
 /// A residual is far above its noise from this multiple.
 const ABOVE_NOISE: f64 = 1.5;
 /// Share of the squared error by which another minimum of the standing model is better.
-const BETTER_MINIMUM: f64 = 0.01;
+pub(super) const BETTER_MINIMUM: f64 = 0.01;
 
 /// Is told what is being done, from any thread.
 pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
@@ -198,27 +198,6 @@ fn fairer(standing: &Judged, trials: &[Trial], tests: &TestsAtHand) -> Option<Ju
     let again = fit(&before.model, values, tests, Effort::FULL)?;
     let better = again.total_n2() < (1.0 - BETTER_MINIMUM) * before.total_n2();
     if better { Judged::new(again, tests) } else { None }
-}
-
-/// An accepted model at the bottom: trials stop near it, and may lie in another hollow of the same
-/// effect than the deepest, which its other start values reach.
-fn settled(trial: &Fit, candidate: &Candidate, tests: &TestsAtHand) -> Option<Fit> {
-    // Whole tests with fewer samples are enough to compare hollows.
-    let rough = tests.beginnings(f64::INFINITY);
-    let nominal = trial.values.len() - candidate.effect.parameters.len();
-    let others = candidate.starts.iter().map(|start| [&trial.values[..nominal], start].concat());
-    let starts: Vec<Vec<f64>> = std::iter::once(trial.values.clone()).chain(others).collect();
-    let mut hollows: Vec<Fit> = starts
-        .par_iter()
-        .filter_map(|from| fit(&trial.model, from, &rough, Effort::TRIAL))
-        .collect();
-    // The trial's own hollow stays first among equals.
-    hollows.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
-    let deepest = fit(&trial.model, &hollows.first()?.values, tests, Effort::FULL)?;
-    if deepest.total_n2() < trial.total_n2() {
-        return Some(deepest);
-    }
-    fit_on(trial.clone(), tests, Effort::FULL)
 }
 
 fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {

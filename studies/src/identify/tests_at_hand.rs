@@ -118,6 +118,13 @@ impl TestsAtHand {
         (count > 0).then(|| (sum / count as f64).sqrt())
     }
 
+    /// rms of the measured force over the samples that [`Self::rmse_n`] counts, N.
+    pub fn measured_rms_n(&self) -> Option<f64> {
+        let none: Vec<Vec<f64>> =
+            self.tests.iter().map(|test| vec![0.0; test.record.len()]).collect();
+        self.rmse_n(&none)
+    }
+
     /// The same tests cut short after their run-in, with fewer samples and longer steps: enough to look
     /// for start values. Their size stays that of the whole.
     #[must_use]

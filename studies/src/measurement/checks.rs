@@ -3,7 +3,7 @@
 use super::clock::listed;
 use super::error::MeasurementError;
 use super::series::Series;
-use crate::statistics::{mean, min_max, rms, smallest_change};
+use crate::statistics::{min_max, rms, smallest_change};
 
 /// Fewest samples of a test.
 pub const SAMPLES_LEAST: usize = 50;
@@ -107,58 +107,6 @@ fn held(displacement_m: &[f64]) -> usize {
         }
     }
     held
-}
-
-/// Work that the damper took up between two samples (J), the mean force left out, and that work over
-/// the sum of its absolute parts.
-pub fn work_j(displacement_m: &[f64], force_n: &[f64]) -> (f64, f64) {
-    let middle = mean(force_n);
-    let (mut work, mut parts) = (0.0, 0.0);
-    for (x, f) in displacement_m.windows(2).zip(force_n.windows(2)) {
-        let part = (0.5 * (f[0] + f[1]) - middle) * (x[1] - x[0]);
-        work += part;
-        parts += part.abs();
-    }
-    (work, if parts > 0.0 { work / parts } else { 0.0 })
-}
-
-/// Turns the force where the damper would have given work; it shows only that the signs of
-/// displacement and force agree.
-///
-/// # Errors
-/// Work is given and the "displacement" is three times as rough as the "force": swapped columns.
-pub fn agree(series: &mut Series, cycles: &[usize]) -> Result<(), MeasurementError> {
-    let range = match (cycles.first(), cycles.last()) {
-        (Some(first), Some(last)) => *first..*last,
-        _ => 0..series.force_n.len(),
-    };
-    let part = |values: &[f64]| values.get(range.clone()).unwrap_or(values).to_vec();
-    let (work, share) = work_j(&part(&series.displacement_m), &part(&series.force_n));
-    let [_, displacement, force] = &series.columns;
-    if share < -0.02 {
-        let (rough_x, rough_f) = (roughness(&series.displacement_m), roughness(&series.force_n));
-        if rough_x > 3.0 * rough_f {
-            let found = format!("{displacement} rougher than {force}, and {work:.4} J taken up");
-            let expected = "a smooth displacement and positive work: are the columns swapped?";
-            return Err(series.error(found, expected.to_owned()));
-        }
-        series.repairs.push(format!("{force}: sign turned, the damper took up {work:.4} J"));
-        for value in &mut series.force_n {
-            *value = -*value;
-        }
-    } else if share < 0.02 {
-        series.repairs.push(format!(
-            "left as it is: {work:.4} J taken up are too little to show that {displacement} and {force} agree in sign"
-        ));
-    }
-    Ok(())
-}
-
-/// Second differences over first differences: a corner makes it large, a sine small.
-fn roughness(values: &[f64]) -> f64 {
-    let first: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let second: Vec<f64> = first.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    rms(&second) / rms(&first).max(f64::MIN_POSITIVE)
 }
 
 /// Samples at the highest or lowest force while the damper moves on: runs of five or more equal values

@@ -3,7 +3,8 @@
 //!
 //! [`read_tests`] reads CSV files, with a [`mapping`] where their columns are another
 //! laboratory's. Each test passes the [`checks`], comes to a uniform [`clock`], loses the noise of its displacement
-//! ([`smoothing`]), gets velocity and acceleration from the [`interpolant`] and its [`cycles`]; [`noise`] says what no model can explain.
+//! ([`smoothing`]), gets velocity and acceleration from the [`interpolant`] and its [`cycles`]; all of a visit agree
+//! on their sign (`sign`); [`noise`] says what no model can explain.
 //! What is wrong is one line with file, row, column, found and expected ([`error`]); what was mended is a
 //! line in [`Measurement::repairs`]. Nothing is silently dropped.
 
@@ -16,6 +17,7 @@ pub mod mapping;
 mod motion;
 pub mod noise;
 pub mod series;
+mod sign;
 pub mod smoothing;
 pub mod table;
 #[cfg(test)]
@@ -25,7 +27,8 @@ pub mod unit;
 pub use error::MeasurementError;
 pub use series::Series;
 
-use mapping::{Extension, Mapping};
+use mapping::{Extension, Layout, Mapping};
+use sign::Agreement;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -65,6 +68,8 @@ pub struct Measurement {
     pub repairs: Vec<String>,
     /// Effects that the laboratory's processing has destroyed, by catalogue name, and how.
     pub destroyed: BTreeMap<&'static str, String>,
+    /// Whether displacement and force, as recorded, agree in sign.
+    agreement: Agreement,
 }
 
 impl Measurement {
@@ -86,7 +91,15 @@ impl Measurement {
     /// assert_eq!(test.run_in, 500);
     /// # Ok::<(), studies::measurement::MeasurementError>(())
     /// ```
-    pub fn from_series(mut series: Series) -> Result<Self, MeasurementError> {
+    pub fn from_series(series: Series) -> Result<Self, MeasurementError> {
+        let mut alone = [Self::as_recorded(series)?];
+        settle_sign(&mut alone.iter_mut().collect::<Vec<_>>());
+        let [test] = alone;
+        Ok(test)
+    }
+
+    /// The same, the force not yet turned.
+    fn as_recorded(mut series: Series) -> Result<Self, MeasurementError> {
         checks::size(&series)?;
         if series.extension == Extension::Negative {
             let turned = [Some(&mut series.displacement_m), Some(&mut series.force_n)];
@@ -102,7 +115,7 @@ impl Measurement {
         let step_s = clock::make_uniform(&mut series)?;
         checks::length(&series, step_s)?;
         let cycles = cycles::find(&series.displacement_m);
-        checks::agree(&mut series, &cycles)?;
+        let agreement = Agreement::of(&series, &cycles)?;
         let drive_m = smoothing::smoothed(&series.displacement_m);
         let (velocity_m_per_s, acceleration_m_per_s2) = interpolant::derivatives(&drive_m, step_s);
         checks::tell_velocity(&mut series, &velocity_m_per_s);
@@ -123,6 +136,7 @@ impl Measurement {
             direction_declared: series.extension != Extension::Unknown,
             repairs: series.repairs,
             destroyed: BTreeMap::new(),
+            agreement,
         })
     }
 
@@ -182,6 +196,9 @@ pub fn read_tests(
 ) -> Result<Vec<Measurement>, MeasurementError> {
     let mapping = mapping.map(Mapping::load).transpose()?;
     let mut tests: Vec<Measurement> = Vec::new();
+    // What was read alike from a column of the same name was wired alike.
+    let mut wirings: Vec<(Layout, String)> = Vec::new();
+    let mut visits: Vec<usize> = Vec::new();
     for path in paths {
         let layout = match &mapping {
             Some((mapping, source)) => mapping.layout(source, path)?,
@@ -189,8 +206,18 @@ pub fn read_tests(
         };
         for series in series::read(path, &layout)? {
             let destroyed = layout.destroyed.clone();
-            tests.push(Measurement { destroyed, ..Measurement::from_series(series)? });
+            let wiring = (layout.clone(), series.columns[2].clone());
+            let known = wirings.iter().position(|other| *other == wiring);
+            visits.push(known.unwrap_or(wirings.len()));
+            if known.is_none() {
+                wirings.push(wiring);
+            }
+            tests.push(Measurement { destroyed, ..Measurement::as_recorded(series)? });
         }
+    }
+    for visit in 0..wirings.len() {
+        let of_visit = tests.iter_mut().zip(&visits).filter(|(_, own)| **own == visit);
+        settle_sign(&mut of_visit.map(|(test, _)| test).collect::<Vec<_>>());
     }
     name_apart(&mut tests);
     let warm = tests.iter().filter(|test| test.temperature_degc.is_some()).count();
@@ -201,6 +228,17 @@ pub fn read_tests(
         }
     }
     Ok(tests)
+}
+
+/// Turns the force of every test of a visit, or of none.
+fn settle_sign(visit: &mut [&mut Measurement]) {
+    let turned = sign::disagree(visit.iter().map(|test| &test.agreement));
+    for test in visit {
+        if turned {
+            test.force_n.iter_mut().for_each(|force| *force = -*force);
+        }
+        test.repairs.extend(test.agreement.told(turned));
+    }
 }
 
 /// Adds a number to names that came before.

@@ -100,7 +100,7 @@ fn every_bad_file_has_its_line() {
         (
             "separator and decimal comma",
             file(2000, good).replace(',', ";").replace('.', ","),
-            "a.csv:2: row: found 3 cells, expected 1 (another separator? a mapping says which)",
+            "a.csv:2: row: found 4 cells, expected 1 (another separator? a mapping says which)",
         ),
         (
             "twice",
@@ -362,6 +362,28 @@ fn a_laboratory_file_of_another_country_is_read() {
     assert_eq!(tests[0].force_n, test.force_n);
     assert_eq!(tests[0].repairs, ["the text is not UTF-8: read as Latin-1"]);
     assert_eq!(tests.iter().map(|t| t.name.as_str()).collect::<Vec<_>>(), ["l", "w", "l-2"]);
+}
+
+#[test]
+fn one_test_of_a_visit_was_turned_alone_where_its_force_came_late() {
+    let late = |degree: f64| {
+        file(2000, move |n, [t, x, _]| {
+            let angle = TAU * 2.0 * n as f64 * 2e-3;
+            plain([t, x, 1e3 * libm::sin(angle + degree.to_radians())])
+        })
+    };
+    let folder = std::env::temp_dir().join(format!("yawbench-signs-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let [soft, stiff] = ["soft.csv", "stiff.csv"].map(|name| folder.join(name));
+    std::fs::write(&soft, late(80.0)).unwrap();
+    std::fs::write(&stiff, late(-15.0)).unwrap();
+    let tests = read_tests(&[soft, stiff.clone()], None).unwrap();
+    let alone = read_tests(&[stiff], None).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(tests[0].repairs, [""; 0]);
+    assert!(tests[1].repairs[0].contains("a force that comes late?"), "{:?}", tests[1].repairs);
+    assert!(alone[0].repairs[0].contains("sign turned"), "{:?}", alone[0].repairs);
+    assert_eq!(tests[1].force_n[7], -alone[0].force_n[7]);
 }
 
 #[test]

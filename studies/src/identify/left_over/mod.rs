@@ -13,6 +13,7 @@ pub mod repeat;
 
 use super::fit::Fit;
 use super::tests_at_hand::TestsAtHand;
+use crate::statistics::rms;
 use coordinates::{Coordinate, Track};
 use lines::Line;
 use maps::CoordinateMap;
@@ -103,11 +104,11 @@ impl LeftOver {
             lines,
             unexplained: None,
         };
-        left.unexplained = left.judge(tests);
+        left.unexplained = left.judge(&residual_n, tests);
         Some(left)
     }
 
-    fn judge(&self, tests: &TestsAtHand) -> Option<Unexplained> {
+    fn judge(&self, residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Option<Unexplained> {
         let own_n = LEAST_SHARE_OF_FORCE * tests.rms_force_n();
         let least = (LEAST_SHARE_OF_FLOOR * self.noise_floor_n).max(own_n);
         let questions = (self.maps.len() + 1) as f64;
@@ -117,19 +118,23 @@ impl LeftOver {
             self.repeat.p_value * questions < LARGEST_P && self.repeat.repeated_rms_n > least;
         let lines_rms_n = pooled(&self.lines, tests);
         let strongest = self.lines.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
+        // A spectrum looks at the middle of a record most: what is loud there alone seems more than it is.
+        let at_most = |rms_n: f64| rms_n.min(self.rms_n);
         if let Some(line) = strongest.filter(|_| lines_rms_n > least)
             && mapped.is_none_or(|map| map.rms_n < lines_rms_n)
             && lines_rms_n > self.repeat.repeated_in_all_rms_n
         {
-            let name = &tests.tests[line.test].record.name;
+            let test = &tests.tests[line.test];
+            let name = &test.record.name;
+            let whole_n = rms(&residual_n[line.test][test.counted()]);
             return Some(Unexplained {
-                rms_n: lines_rms_n,
+                rms_n: at_most(lines_rms_n),
                 coordinate: "frequency",
                 description: format!(
                     "a line at {:.2} Hz with {} N rms in test {name}, lines in {} of {} tests; \
                      it does not repeat with the cycle",
                     line.frequency_hz,
-                    short(line.rms_n),
+                    short(line.rms_n.min(whole_n)),
                     self.lines.len(),
                     tests.tests.len()
                 ),
@@ -137,7 +142,11 @@ impl LeftOver {
         }
         if let Some(map) = mapped {
             return Some(Unexplained {
-                rms_n: map.rms_n.max(if repeats { self.repeat.repeated_rms_n } else { 0.0 }),
+                rms_n: at_most(map.rms_n.max(if repeats {
+                    self.repeat.repeated_rms_n
+                } else {
+                    0.0
+                })),
                 coordinate: map.coordinate.name(),
                 description: describe(map),
             });
@@ -155,7 +164,7 @@ impl LeftOver {
             });
         }
         repeats.then(|| Unexplained {
-            rms_n: self.repeat.repeated_rms_n,
+            rms_n: at_most(self.repeat.repeated_rms_n),
             coordinate: "phase",
             description: format!(
                 "{} N rms come again in every cycle, without one shape over any coordinate",
@@ -171,7 +180,8 @@ fn pooled(lines: &[Line], tests: &TestsAtHand) -> f64 {
         .iter()
         .map(|line| line.rms_n * line.rms_n * tests.tests[line.test].counted().len() as f64)
         .sum();
-    (squares / tests.counted_samples().max(1) as f64).sqrt()
+    let counted: usize = tests.tests.iter().map(|test| test.counted().len()).sum();
+    (squares / counted.max(1) as f64).sqrt()
 }
 
 /// Where a map is largest, in words.

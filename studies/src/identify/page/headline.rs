@@ -128,13 +128,19 @@ fn story(identification: &Identification, held_out: bool) -> String {
             result.effects.iter().map(|effect| super::words::spoken(effect.name)).collect();
         sentences.push(format!("With {} it is {with_effects}.", super::words::listed(&names)));
     }
-    let floor = result.noise_floor_n / identification.train.rms_force_n();
+    let floor = floor_share(identification);
     let (floor, method) = (percent(floor), &result.noise_floor_method);
     let lines = if floor_has_lines(result) { ", lines of the spectrum counted in" } else { "" };
     sentences.push(format!(
         "Noise alone is {floor} of the force of the fitted tests ({method}{lines})."
     ));
     sentences.join(" ")
+}
+
+/// The noise floor over the force of the fitted tests.
+fn floor_share(identification: &Identification) -> f64 {
+    let force_n = identification.train.measured_rms_n().unwrap_or(f64::NAN);
+    identification.result.noise_floor_n / force_n
 }
 
 /// Errors of the three models.
@@ -157,7 +163,7 @@ fn summary(identification: &Identification) -> Table {
     table.row([
         Cell::from("noise floor"),
         identification.result.noise_floor_n.into(),
-        (100.0 * identification.result.noise_floor_n / identification.train.rms_force_n()).into(),
+        (100.0 * floor_share(identification)).into(),
         Cell::Empty,
         Cell::Empty,
     ])
