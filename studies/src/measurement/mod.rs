@@ -92,10 +92,9 @@ impl Measurement {
     /// # Ok::<(), studies::measurement::MeasurementError>(())
     /// ```
     pub fn from_series(series: Series) -> Result<Self, MeasurementError> {
-        let mut alone = [Self::as_recorded(series)?];
-        settle_sign(&mut alone.iter_mut().collect::<Vec<_>>());
-        let [test] = alone;
-        Ok(test)
+        let mut alone = Self::as_recorded(series)?;
+        settle_sign(&mut [&mut alone]);
+        Ok(alone)
     }
 
     /// The same, the force not yet turned.

@@ -141,12 +141,9 @@ impl LeftOver {
             });
         }
         if let Some(map) = mapped {
+            let repeated_n = if repeats { self.repeat.repeated_rms_n } else { 0.0 };
             return Some(Unexplained {
-                rms_n: at_most(map.rms_n.max(if repeats {
-                    self.repeat.repeated_rms_n
-                } else {
-                    0.0
-                })),
+                rms_n: at_most(map.rms_n.max(repeated_n)),
                 coordinate: map.coordinate.name(),
                 description: describe(map),
             });
