@@ -292,7 +292,7 @@ fn table_2_of_all_tests_of_utfsm() {
 }
 
 #[test]
-#[ignore = "a table of docs/identified-records.md; a quarter of an hour"]
+#[ignore = "a table of docs/identified-records.md; twenty minutes"]
 fn table_3_of_all_tests_of_labcontrol() {
     print_table(["0", "0.871", "1.98", "3.212"].map(Visit::labcontrol));
 }
