@@ -235,6 +235,14 @@ impl DamperState {
     }
 }
 
+/// What the effects of a damper ask for in a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct InStep {
+    slow: bool,
+    creeps: bool,
+    switches: bool,
+}
+
 /// A damper: nominal parameters, effects, the laws that follow from them, and a map where it has one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Damper {
@@ -244,9 +252,8 @@ pub struct Damper {
     body: Body,
     law: Law,
     per_step: f64,
-    slow: bool,
-    creeps: bool,
-    switches: bool,
+    law_alone: bool,
+    in_step: InStep,
     delay_s: f64,
     empirical: Option<EmpiricalMap>,
 }
@@ -279,9 +286,12 @@ impl Damper {
         let mut law = Law::empty();
         let body = Body::nominal(&parts);
         law.join(&parts, &body, &Factors::NONE);
-        let slow = ordered.iter().any(Effect::is_slow);
-        let creeps = ordered.iter().any(Effect::creeps);
-        let switches = ordered.iter().any(Effect::switches);
+        let law_alone = ordered.iter().all(Effect::is_law_alone);
+        let in_step = InStep {
+            slow: ordered.iter().any(Effect::is_slow),
+            creeps: ordered.iter().any(Effect::creeps),
+            switches: ordered.iter().any(Effect::switches),
+        };
         let delay_s = ordered.iter().map(Effect::delay_s).sum();
         Ok(Self {
             nominal,
@@ -290,9 +300,8 @@ impl Damper {
             body,
             law,
             per_step: 0.0,
-            slow,
-            creeps,
-            switches,
+            law_alone,
+            in_step,
             delay_s,
             empirical: None,
         })
@@ -365,7 +374,7 @@ impl Damper {
             velocity_m_per_s: mean - 0.5 * gained,
             acceleration_m_per_s2: gained * per_step,
         };
-        let mut force_n = if self.effects.is_empty() {
+        let mut force_n = if self.law_alone {
             let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
             let arrival = series::advance(&self.law, stand, drive, step_s);
             state.arrive(&arrival, motion);

@@ -60,13 +60,28 @@ impl Damper {
     }
 
     /// Moves the state from one time within a step to another, and returns the force there.
+    #[inline]
     fn stretch(&self, state: &mut DamperState, sample: &Sample, from_s: f64, to_s: f64) -> f64 {
+        if self.in_step.switches {
+            return self.stretch_with_switches(state, sample, from_s, to_s);
+        }
+        let tried = self.attempt(state, sample, from_s, to_s);
+        self.finish(state, &tried)
+    }
+
+    fn stretch_with_switches(
+        &self,
+        state: &mut DamperState,
+        sample: &Sample,
+        from_s: f64,
+        to_s: f64,
+    ) -> f64 {
         let mut at_s = from_s;
         let mut force_n = state.chain_force_n;
         for piece in 1..=MAX_PIECES {
             let mut end_s = to_s;
             let mut tried = self.attempt(state, sample, at_s, end_s);
-            if self.switches && piece < MAX_PIECES {
+            if piece < MAX_PIECES {
                 for index in 0..self.effects.len() {
                     if self.margin(state, index, &tried) < 0.0 {
                         (end_s, tried) = self.switch(state, sample, at_s, end_s, index, tried);
@@ -135,6 +150,7 @@ impl Damper {
     }
 
     /// Tries a piece of a step.
+    #[inline]
     fn attempt(&self, state: &DamperState, sample: &Sample, from_s: f64, to_s: f64) -> Tried {
         let step_s = to_s - from_s;
         let acceleration = sample.drive.acceleration_m_per_s2;
@@ -151,25 +167,20 @@ impl Damper {
         let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
         let creep = self.creep(state, start_force_n, step_s);
         let mut half_clearance_m = 0.5 * self.nominal.clearance_2a_m;
-        let mut arrival = if self.slow {
-            let at = self.instant(state, stand, drive, step_s);
-            let factors = self.factors(state, &at);
-            half_clearance_m += factors.added_half_clearance_m;
-            if factors == Factors::NONE {
-                self.solve(&self.law, stand, drive, step_s, creep, start_force_n)
-            } else {
-                let mut law = Law::empty();
-                law.join(&self.parts, &self.body, &factors);
-                self.solve(&law, stand, drive, step_s, creep, start_force_n)
-            }
+        let mut arrival = if self.in_step.slow {
+            let (added_m, arrival) =
+                self.solve_slow(state, stand, drive, step_s, creep, start_force_n);
+            half_clearance_m += added_m;
+            arrival
         } else {
             self.solve(&self.law, stand, drive, step_s, creep, start_force_n)
         };
-        let creep_m = if self.creeps { creep.end_m(arrival.force_n) } else { state.creep_m };
+        let creep_m =
+            if self.in_step.creeps { creep.end_m(arrival.force_n) } else { state.creep_m };
         let deflection_m = arrival.stand.deflection_m;
         let piston_m = motion.displacement_m - deflection_m - creep_m;
         let piston_travel_m = piston_m - state.piston_m();
-        if self.slow {
+        if self.in_step.slow {
             let at = Instant {
                 motion,
                 piston_m,
@@ -200,6 +211,7 @@ impl Damper {
     }
 
     /// Takes a piece as done and returns the force at its end, not yet delayed.
+    #[inline]
     fn finish(&self, state: &mut DamperState, tried: &Tried) -> f64 {
         let Tried { arrival, creep_m, done } = tried;
         state.creep_m = *creep_m;
@@ -215,6 +227,31 @@ impl Damper {
         force_n
     }
 
+    /// Solves a piece under the factors of its slow effects. Apart from the rest for the sake of its
+    /// large frame: it holds a law of its own.
+    #[inline(never)]
+    fn solve_slow(
+        &self,
+        state: &DamperState,
+        stand: Stand,
+        drive: Drive,
+        step_s: f64,
+        creep: Creep,
+        start_force_n: f64,
+    ) -> (f64, Arrival) {
+        let at = self.instant(state, stand, drive, step_s);
+        let factors = self.factors(state, &at);
+        let added_half_clearance_m = factors.added_half_clearance_m;
+        if factors == Factors::NONE {
+            let arrival = self.solve(&self.law, stand, drive, step_s, creep, start_force_n);
+            return (added_half_clearance_m, arrival);
+        }
+        let mut law = Law::empty();
+        law.join(&self.parts, &self.body, &factors);
+        (added_half_clearance_m, self.solve(&law, stand, drive, step_s, creep, start_force_n))
+    }
+
+    #[inline]
     fn solve(
         &self,
         law: &Law,
@@ -224,7 +261,7 @@ impl Damper {
         creep: Creep,
         start_force_n: f64,
     ) -> Arrival {
-        if self.creeps {
+        if self.in_step.creeps {
             implicit::advance_with_creep(law, stand, drive, step_s, creep, start_force_n)
         } else {
             series::advance(law, stand, drive, step_s)
@@ -233,7 +270,7 @@ impl Damper {
 
     fn creep(&self, state: &DamperState, start_force_n: f64, step_s: f64) -> Creep {
         let mut creep = Creep::NONE;
-        if self.creeps {
+        if self.in_step.creeps {
             for (effect, memory) in self.effects.iter().zip(&state.memory) {
                 creep = creep.plus(effect.creep(&self.nominal, memory, start_force_n, step_s));
             }
@@ -276,5 +313,39 @@ impl Damper {
             let deflection_m = arrival.stand.deflection_m;
             arrival.force_n = law::attachment_force_n(&self.parts, &factors, deflection_m);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Nominal;
+    use super::super::effects::{CATALOGUE, Effect};
+    use super::*;
+
+    #[test]
+    fn effect_that_is_its_law_alone_needs_no_step_of_its_own() {
+        let scale = Nominal::NEW.scale();
+        let mut alone = 0;
+        for info in CATALOGUE {
+            let usual: heapless::Vec<f64, 8> =
+                info.parameters.iter().map(|row| row.usual(&scale)).collect();
+            let effect = Effect::from_values(info.name, &usual).unwrap();
+            let short = Damper::new(Nominal::NEW, &[effect]).unwrap();
+            if !short.law_alone {
+                continue;
+            }
+            alone += 1;
+            let asked = Damper { law_alone: false, ..short.clone() };
+            let (mut a, mut b) = (DamperState::rest(), DamperState::rest());
+            for i in 1..=2000 {
+                let t = 1e-3 * f64::from(i);
+                let motion = Motion::new(4e-3 * libm::sin(22.0 * t), 88e-3 * libm::cos(22.0 * t));
+                let forces =
+                    (short.advance(&mut a, motion, 1e-3), asked.advance(&mut b, motion, 1e-3));
+                assert_eq!(forces.0, forces.1, "{} at {t} s", info.name);
+            }
+            assert_eq!(a, b, "{}", info.name);
+        }
+        assert_eq!(alone, 8);
     }
 }

@@ -14,6 +14,9 @@
 //! | [`output`](DamperEffect::output) | parts beside the chain, and the sensor | after each piece, in list order |
 //! | [`delay_s`](DamperEffect::delay_s) | a late reading | after everything else |
 //!
+//! A [`Place::Inboard`] or [`Place::Attachment`] effect that is neither slow, nor creeps, nor switches
+//! is its law alone: in a step it is not asked anything.
+//!
 //! The order of the list is the order in which effects act, whatever the order they are given in.
 
 pub mod parameter;
@@ -258,6 +261,12 @@ macro_rules! effects {
 
             pub(super) fn switches(&self) -> bool {
                 match self { $(Self::$effect(_) => $effect::SWITCHES,)+ }
+            }
+
+            /// True where [`shape`](DamperEffect::shape) says all of it.
+            pub(super) fn is_law_alone(&self) -> bool {
+                let inside = matches!(self.place(), Place::Inboard | Place::Attachment);
+                inside && !(self.is_slow() || self.creeps() || self.switches())
             }
 
             pub(super) fn margin(&self, memory: &Memory, done: &Done) -> f64 {
