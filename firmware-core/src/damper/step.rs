@@ -227,8 +227,8 @@ impl Damper {
         force_n
     }
 
-    /// Solves a piece under the factors of its slow effects. Apart from the rest for the sake of its
-    /// large frame: it holds a law of its own.
+    /// Solves a piece under the factors of its slow effects: the half clearance that they add, m, and
+    /// where the piece ends. Apart from the rest for the sake of its large frame: it holds a law of its own.
     #[inline(never)]
     fn solve_slow(
         &self,
@@ -241,14 +241,16 @@ impl Damper {
     ) -> (f64, Arrival) {
         let at = self.instant(state, stand, drive, step_s);
         let factors = self.factors(state, &at);
-        let added_half_clearance_m = factors.added_half_clearance_m;
-        if factors == Factors::NONE {
-            let arrival = self.solve(&self.law, stand, drive, step_s, creep, start_force_n);
-            return (added_half_clearance_m, arrival);
-        }
-        let mut law = Law::empty();
-        law.join(&self.parts, &self.body, &factors);
-        (added_half_clearance_m, self.solve(&law, stand, drive, step_s, creep, start_force_n))
+        let mut joined;
+        let law = if factors == Factors::NONE {
+            &self.law
+        } else {
+            joined = Law::empty();
+            joined.join(&self.parts, &self.body, &factors);
+            &joined
+        };
+        let arrival = self.solve(law, stand, drive, step_s, creep, start_force_n);
+        (factors.added_half_clearance_m, arrival)
     }
 
     #[inline]
@@ -319,7 +321,7 @@ impl Damper {
 #[cfg(test)]
 mod tests {
     use super::super::Nominal;
-    use super::super::effects::{CATALOGUE, Effect};
+    use super::super::effects::{CATALOGUE, Effect, Values};
     use super::*;
 
     #[test]
@@ -327,8 +329,7 @@ mod tests {
         let scale = Nominal::NEW.scale();
         let mut alone = 0;
         for info in CATALOGUE {
-            let usual: heapless::Vec<f64, 8> =
-                info.parameters.iter().map(|row| row.usual(&scale)).collect();
+            let usual: Values = info.parameters.iter().map(|row| row.usual(&scale)).collect();
             let effect = Effect::from_values(info.name, &usual).unwrap();
             let short = Damper::new(Nominal::NEW, &[effect]).unwrap();
             if !short.law_alone {
