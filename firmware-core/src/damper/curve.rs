@@ -103,13 +103,13 @@ impl Curve {
     /// the sum.
     pub(super) fn plus_into(&self, other: &Self, sum: &mut Self) {
         sum.clear(self.slope_before + other.slope_before, self.slope_after + other.slope_after);
-        merge(self, other, |x, a, b| {
+        for (x, a, b) in merged(self, other) {
             let (before, after) = (a.0 + b.0, a.1 + b.1);
             sum.push(Knot { x, y: before });
             if after != before {
                 sum.push(Knot { x, y: after });
             }
-        });
+        }
     }
 
     /// Adds a straight line through the origin.
@@ -209,6 +209,11 @@ impl Curve {
             && pairs.clone().all(|(a, b)| b.x >= a.x && b.y - a.y >= slope * (b.x - a.x))
     }
 
+    /// True where it is zero everywhere.
+    pub(super) fn is_zero(&self) -> bool {
+        self.knots.is_empty() && self.slope_before == 0.0 && self.slope_after == 0.0
+    }
+
     /// Without a knot, with these slopes.
     pub(super) fn clear(&mut self, slope_before: f64, slope_after: f64) {
         self.knots.clear();
@@ -245,19 +250,21 @@ pub enum Side {
     Positive,
 }
 
-/// Visits every place where one of two curves has a knot, rising, with the limits of both from the
-/// left and the right.
+/// Limits of a curve at a place, from the left and the right.
+type Limits = (f64, f64);
+
+/// Every place where one of two curves has a knot, rising, with the limits of both.
 #[inline]
-pub(super) fn merge(a: &Curve, b: &Curve, mut visit: impl FnMut(f64, (f64, f64), (f64, f64))) {
+pub(super) fn merged(a: &Curve, b: &Curve) -> impl Iterator<Item = (f64, Limits, Limits)> {
     let (mut a, mut b) = (Reader::of(a), Reader::of(b));
-    for _ in 0..2 * CURVE_KNOTS {
+    (0..2 * CURVE_KNOTS).map_while(move |_| {
         let x = match (a.knot(), b.knot()) {
-            (None, None) => return,
+            (None, None) => return None,
             (Some(knot), None) | (None, Some(knot)) => knot.x,
             (Some(p), Some(q)) => p.x.min(q.x),
         };
-        visit(x, a.limits(x), b.limits(x));
-    }
+        Some((x, a.limits(x), b.limits(x)))
+    })
 }
 
 /// Reads a curve at rising places.
@@ -290,7 +297,7 @@ impl<'a> Reader<'a> {
 
     /// Limits from the left and the right at `x`, at or before the next knot.
     #[inline]
-    fn limits(&mut self, x: f64) -> (f64, f64) {
+    fn limits(&mut self, x: f64) -> Limits {
         let Some(here) = self.knot().filter(|knot| knot.x == x) else {
             let Line { through, slope } =
                 *self.line.get_or_insert_with(|| self.curve.line_to(self.next));

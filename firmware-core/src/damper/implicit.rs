@@ -19,8 +19,8 @@
 //! (Illinois) otherwise. Second order, and for a fast creep d1 is F1 times its compliance with no
 //! memory left: L-stable. Knots of the law stay exact.
 
-use super::law::{Law, Segment};
-use super::series::{Arrival, Drive, Stand, advance};
+use super::law::Segment;
+use super::series::{Arrival, Drive};
 
 /// Most evaluations of the chain in one coupled step.
 pub const MAX_COUPLING: u32 = 20;
@@ -78,28 +78,33 @@ impl Creep {
     }
 }
 
-/// Moves a chain whose attachment creeps through one step. `guess_n` is any force near the end's.
-pub fn advance_with_creep(
-    law: &Law,
-    stand: Stand,
+/// Moves a chain whose attachment creeps through one step. `chain` is the step without creep, under a
+/// drive; `guess_n` is any force near the end's.
+///
+/// # Errors
+/// What `chain` has none of its own for.
+pub fn advance_with_creep<E>(
     drive: Drive,
     step_s: f64,
     creep: Creep,
     guess_n: f64,
-) -> Arrival {
+    chain: impl Fn(Drive) -> Result<Arrival, E>,
+) -> Result<Arrival, E> {
     let per_step = 1.0 / step_s;
     let mut force_n = guess_n;
     // Guesses on both sides of the root, with what is missing at each.
     let (mut low, mut high): (Option<Guess>, Option<Guess>) = (None, None);
     let mut last_rising = None;
-    let mut arrival = advance(law, stand, drive, 0.0);
-    for _ in 0..MAX_COUPLING {
+    let mut tries = 0;
+    loop {
         let rate = (creep.end_m(force_n) - creep.start_m) * per_step;
         let velocity_m_per_s = drive.velocity_m_per_s - rate;
-        arrival = advance(law, stand, Drive { velocity_m_per_s, ..drive }, step_s);
+        let arrival = chain(Drive { velocity_m_per_s, ..drive })?;
+        tries += 1;
         let miss_n = arrival.force_n - force_n;
-        if miss_n.abs() <= 1e-9 * arrival.force_n.abs().max(force_n.abs()) {
-            break;
+        let close = miss_n.abs() <= 1e-9 * arrival.force_n.abs().max(force_n.abs());
+        if close || tries == MAX_COUPLING {
+            return Ok(arrival);
         }
         let rising = miss_n > 0.0;
         let (side, other) = if rising { (&mut low, &mut high) } else { (&mut high, &mut low) };
@@ -122,7 +127,6 @@ pub fn advance_with_creep(
             force_n + miss_n / slope
         };
     }
-    arrival
 }
 
 /// A force tried for the end of the step, and how far the chain's answer was from it.
@@ -136,8 +140,10 @@ struct Guess {
 mod tests {
     use super::*;
     use crate::damper::curve::Curve;
-    use crate::damper::law::{Body, Factors, Parts};
+    use crate::damper::law::{Body, Factors, Law, Parts};
     use crate::damper::nominal::Nominal;
+    use crate::damper::series::{Stand, advance};
+    use core::convert::Infallible;
 
     /// The damper of the published step-size table.
     fn table_damper(c2_n_s_per_m: f64) -> Nominal {
@@ -247,7 +253,8 @@ mod tests {
             for compliance_m_per_n in [0.0, 1e-10, 1e-8, 1e-7, 1.6e-6] {
                 let creep = Creep { start_m: 2e-5, end_without_force_m: 1e-5, compliance_m_per_n };
                 let step_s = 1e-3;
-                let end = advance_with_creep(&law, stand, drive, step_s, creep, -2e4);
+                let chain = |drive| Ok::<_, Infallible>(advance(&law, stand, drive, step_s));
+                let Ok(end) = advance_with_creep(drive, step_s, creep, -2e4, chain);
                 let rate = (creep.end_m(end.force_n) - creep.start_m) / step_s;
                 let velocity_m_per_s = drive.velocity_m_per_s - rate;
                 let again = advance(&law, stand, Drive { velocity_m_per_s, ..drive }, step_s);

@@ -14,9 +14,10 @@
 //! A body whose force falls after breakaway has two laws, one for the piston at rest and one for
 //! the sliding piston. Both rise; which one holds is a memory of the piston.
 
+use core::ops::ControlFlow;
 use heapless::{Vec, VecView};
 
-use super::curve::{CURVE_KNOTS, Curve, Knot, Side, merge};
+use super::curve::{CURVE_KNOTS, Curve, Knot, Side, merged};
 use super::error::DamperError;
 use super::series::Gains;
 
@@ -120,13 +121,20 @@ impl Body {
     /// Joins hydraulic and dry force under the given factors, in place.
     fn join(&mut self, parts: &Parts, factors: &Factors) {
         let Factors { velocity_gain, force_gain, preload_n, slack, .. } = *factors;
-        let mut hydraulic = parts.hydraulic.without_knots();
-        hydraulic.copy_scaled(&parts.hydraulic, velocity_gain, force_gain, preload_n);
-        if let Some(side) = slack {
-            hydraulic.slacken(side);
-        }
+        let scale = |scaled: &mut Curve| {
+            scaled.copy_scaled(&parts.hydraulic, velocity_gain, force_gain, preload_n);
+            if let Some(side) = slack {
+                scaled.slacken(side);
+            }
+        };
         let velocity = &mut self.velocity;
-        hydraulic.plus_into(&parts.dry, velocity);
+        if parts.dry.is_zero() {
+            scale(velocity);
+        } else {
+            let mut hydraulic = parts.hydraulic.without_knots();
+            scale(&mut hydraulic);
+            hydraulic.plus_into(&parts.dry, velocity);
+        }
         let (breakaway_from, breakaway_to) = velocity.cut_to_rising();
         let at_rest = |knot: &&Knot| knot.x == 0.0;
         let rest_from = velocity.knots().iter().find(at_rest).map_or(0.0, |knot| knot.y);
@@ -134,6 +142,13 @@ impl Body {
         velocity.invert();
         self.breakaway_n = [breakaway_from, breakaway_to];
         self.rest_n = [rest_from, rest_to];
+    }
+
+    /// True when the piston has a law of its own at rest.
+    fn breaks_away(&self) -> bool {
+        let ([breakaway_from, breakaway_to], [rest_from, rest_to]) =
+            (self.breakaway_n, self.rest_n);
+        breakaway_from < rest_from || breakaway_to > rest_to
     }
 }
 
@@ -215,34 +230,18 @@ impl Law {
     /// Joins the parts under the given factors, in place; `nominal` is their body without any. Bounded by
     /// the number of knots.
     pub fn join(&mut self, parts: &Parts, nominal: &Body, factors: &Factors) {
-        let (mut changed_body, mut changed_attachment);
-        let body = if factors.change_body() {
-            let velocity = parts.hydraulic.without_knots();
-            changed_body = Body { velocity, ..*nominal };
-            changed_body.join(parts, factors);
-            &changed_body
-        } else {
-            nominal
-        };
-        let attachment = if factors.change_attachment() {
-            changed_attachment = parts.attachment.without_knots();
-            attachment_under(&parts.attachment, factors, &mut changed_attachment);
-            &changed_attachment
-        } else {
-            &parts.attachment
-        };
-        let ([breakaway_from, breakaway_to], [rest_from, rest_to]) =
-            (body.breakaway_n, body.rest_n);
-        self.step_s = 0.0;
-        join_into(&mut self.sliding, &body.velocity, attachment);
-        self.resting.clear();
-        if breakaway_from < rest_from || breakaway_to > rest_to {
-            let ends = [Knot { x: breakaway_from, y: 0.0 }, Knot { x: breakaway_to, y: 0.0 }];
-            let stuck = Curve::through(&ends, f64::INFINITY, f64::INFINITY);
-            join_into(&mut self.resting, &stuck, attachment);
-            self.rest_from_m = outer(attachment, rest_from);
-            self.rest_to_m = outer(attachment, rest_to);
-        }
+        under(parts, nominal, factors, |body, attachment| {
+            self.step_s = 0.0;
+            join_into(&mut self.sliding, &body.velocity, attachment);
+            self.resting.clear();
+            if body.breaks_away() {
+                let stuck_between = body.breakaway_n.map(|x| Knot { x, y: 0.0 });
+                let stuck = Curve::through(&stuck_between, f64::INFINITY, f64::INFINITY);
+                join_into(&mut self.resting, &stuck, attachment);
+                [self.rest_from_m, self.rest_to_m] =
+                    body.rest_n.map(|at_n| outer(attachment, at_n));
+            }
+        });
     }
 
     /// Computes the gains of every segment for one length of step.
@@ -325,51 +324,148 @@ fn outer(attachment: &Curve, force_n: f64) -> f64 {
     far.unwrap_or_else(|| attachment.at(force_n))
 }
 
+/// The segment of the joined law that holds a deflection, without the rest of the law: a step that stays on
+/// it needs no other. Nothing where the deflection is on a knot or the piston has a law of its own at rest.
+pub fn segment_around(
+    parts: &Parts,
+    nominal: &Body,
+    factors: &Factors,
+    deflection_m: f64,
+) -> Option<Segment> {
+    under(parts, nominal, factors, |body, attachment| {
+        if body.breaks_away() {
+            return None;
+        }
+        let mut found = None;
+        let _ = walk(&body.velocity, attachment, |stretch| {
+            if deflection_m >= stretch.to_m() {
+                return ControlFlow::Continue(());
+            }
+            found = stretch.segment(&body.velocity, attachment);
+            ControlFlow::Break(())
+        });
+        found.filter(|segment| deflection_m > segment.from_m)
+    })
+}
+
+/// Body and attachment as the factors leave them.
+#[inline]
+fn under<T>(
+    parts: &Parts,
+    nominal: &Body,
+    factors: &Factors,
+    then: impl FnOnce(&Body, &Curve) -> T,
+) -> T {
+    let (mut changed_body, mut changed_attachment);
+    let body = if factors.change_body() {
+        let velocity = parts.hydraulic.without_knots();
+        changed_body = Body { velocity, ..*nominal };
+        changed_body.join(parts, factors);
+        &changed_body
+    } else {
+        nominal
+    };
+    let attachment = if factors.change_attachment() {
+        changed_attachment = parts.attachment.without_knots();
+        attachment_under(&parts.attachment, factors, &mut changed_attachment);
+        &changed_attachment
+    } else {
+        &parts.attachment
+    };
+    then(body, attachment)
+}
+
 /// Joins a body, velocity over force, with an attachment, deflection over force.
 fn join_into(segments: &mut VecView<Segment>, body: &Curve, attachment: &Curve) {
     segments.clear();
+    let _ = walk(body, attachment, |stretch| {
+        if let Some(segment) = stretch.segment(body, attachment) {
+            // Never full: `Law::check` has counted the knots.
+            let _ = segments.push(segment);
+        }
+        ControlFlow::Continue(())
+    });
+}
+
+/// Walks the joined law of a body and an attachment, rising, until `take` has had enough.
+#[inline]
+fn walk(
+    body: &Curve,
+    attachment: &Curve,
+    mut take: impl FnMut(Stretch) -> ControlFlow<()>,
+) -> ControlFlow<()> {
     let mut last: Option<Point> = None;
-    merge(body, attachment, |force_n, velocity, deflection| {
+    for (force_n, velocity, deflection) in merged(body, attachment) {
         let mut visit = |deflection_m: f64, velocity_m_per_s: f64| {
             let point = Point { deflection_m, force_n, velocity_m_per_s };
             if velocity_m_per_s == f64::NEG_INFINITY {
-                return;
+                return ControlFlow::Continue(());
             }
-            match last {
-                None => push_end(segments, &point, body, attachment, -1.0),
+            match last.replace(point) {
+                None => take(Stretch::Before(point)),
                 Some(from) if deflection_m > from.deflection_m => {
-                    push_between(segments, from, point);
+                    take(Stretch::Between(from, point))
                 }
-                Some(_) => {}
+                Some(_) => ControlFlow::Continue(()),
             }
-            last = Some(point);
         };
         if velocity.0 == f64::INFINITY {
-            return;
+            continue;
         }
-        visit(deflection.0, velocity.0);
+        visit(deflection.0, velocity.0)?;
         if deflection.1 > deflection.0 && velocity.1 > velocity.0 {
             // Both free at once: the joint moves through its clearance, the piston waits.
             let waiting = 0.0_f64.max(velocity.0).min(velocity.1);
-            visit(deflection.0, waiting);
-            visit(deflection.1, waiting);
+            visit(deflection.0, waiting)?;
+            visit(deflection.1, waiting)?;
         }
         if velocity.1 < f64::INFINITY {
-            visit(deflection.1, velocity.1);
+            visit(deflection.1, velocity.1)?;
         }
-    });
-    if let Some(end) = last {
-        push_end(segments, &end, body, attachment, 1.0);
+    }
+    last.map_or(ControlFlow::Continue(()), |end| take(Stretch::Beyond(end)))
+}
+
+/// A stretch of the law whose slopes nobody has asked for yet.
+enum Stretch {
+    /// Everything before the first point.
+    Before(Point),
+    /// From one point to the next.
+    Between(Point, Point),
+    /// Everything beyond the last point.
+    Beyond(Point),
+}
+
+impl Stretch {
+    /// Where it ends, m.
+    #[inline]
+    fn to_m(&self) -> f64 {
+        match self {
+            Self::Before(to) | Self::Between(_, to) => to.deflection_m,
+            Self::Beyond(_) => f64::INFINITY,
+        }
+    }
+
+    /// Its segment; none beyond a cap of the force.
+    #[inline]
+    fn segment(&self, body: &Curve, attachment: &Curve) -> Option<Segment> {
+        match *self {
+            Self::Before(to) => {
+                segment_at_end(to, body.slope_before(), attachment.slope_before(), -1.0)
+            }
+            Self::Between(from, to) => Some(segment_between(from, to)),
+            Self::Beyond(from) => {
+                segment_at_end(from, body.slope_after(), attachment.slope_after(), 1.0)
+            }
+        }
     }
 }
 
-/// The segment between two points.
 #[inline]
-fn push_between(segments: &mut VecView<Segment>, from: Point, to: Point) {
+fn segment_between(from: Point, to: Point) -> Segment {
     let length = to.deflection_m - from.deflection_m;
     let anchor = if from.deflection_m.abs() <= to.deflection_m.abs() { from } else { to };
-    // Never full: `Law::check` has counted the knots.
-    let _ = segments.push(Segment {
+    Segment {
         from_m: from.deflection_m,
         to_m: to.deflection_m,
         velocity_from: from.velocity_m_per_s,
@@ -378,24 +474,13 @@ fn push_between(segments: &mut VecView<Segment>, from: Point, to: Point) {
         stiffness_n_per_m: (to.force_n - from.force_n) / length,
         anchor,
         gains: Gains::NONE,
-    });
+    }
 }
 
 /// The segment beyond the first or the last point, unless the force is capped there.
-fn push_end(
-    segments: &mut VecView<Segment>,
-    at: &Point,
-    body: &Curve,
-    attachment: &Curve,
-    side: f64,
-) {
-    let (slope, compliance) = if side < 0.0 {
-        (body.slope_before(), attachment.slope_before())
-    } else {
-        (body.slope_after(), attachment.slope_after())
-    };
+fn segment_at_end(at: Point, slope: f64, compliance: f64, side: f64) -> Option<Segment> {
     if slope.is_infinite() {
-        return;
+        return None;
     }
     let far = side * f64::INFINITY;
     let far_velocity = if slope > 0.0 { far } else { at.velocity_m_per_s };
@@ -403,16 +488,16 @@ fn push_end(
     let ordered = |inner: f64, outer: f64| if side < 0.0 { (outer, inner) } else { (inner, outer) };
     let (from_m, to_m) = ordered(e, far);
     let (velocity_from, velocity_to) = ordered(v, far_velocity);
-    let _ = segments.push(Segment {
+    Some(Segment {
         from_m,
         to_m,
         velocity_from,
         velocity_to,
         rate_per_s: slope / compliance,
         stiffness_n_per_m: 1.0 / compliance,
-        anchor: *at,
+        anchor: at,
         gains: Gains::NONE,
-    });
+    })
 }
 
 #[cfg(test)]

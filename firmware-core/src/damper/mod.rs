@@ -14,7 +14,8 @@
 //! - Attachment and body are joined into one rising piecewise-linear law ([`law`]), which is
 //!   followed exactly from knot to knot ([`series`]): clearance, relief, sticking, hard caps.
 //! - Factors from slow states (position, temperature, wear) are frozen in each step, at mid-step or,
-//!   where the chain answers faster than the step, towards its end ([`series::weight_of_step`]).
+//!   where the chain answers faster than the step, towards its end ([`series::weight_of_step`]). Of the
+//!   law under them a piece of a step usually needs one segment (`piece`).
 //! - Attachments with a fast memory (rubber) are solved together with the chain by a bracketed,
 //!   second-order, L-stable step ([`implicit`]).
 //! - A step is cut where an effect switches (a void opens, a gap closes) and where a late sensor
@@ -46,6 +47,7 @@ pub mod error;
 pub mod implicit;
 pub mod law;
 pub mod nominal;
+mod piece;
 pub mod sampling;
 pub mod series;
 mod step;

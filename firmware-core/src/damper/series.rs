@@ -103,18 +103,25 @@ pub fn advance(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
     if let Some(segment) = segments.iter().find(|segment| e < segment.to_m)
         && e > segment.from_m
         && let Some(arrival) =
-            within(law, segment, Stand { deflection_m: e, resting }, drive, step_s)
+            within(law.step_s, segment, Stand { deflection_m: e, resting }, drive, step_s)
     {
         return arrival;
     }
     across(law, Stand { deflection_m: e, resting }, drive, step_s)
 }
 
-/// The whole step on one segment, or nothing if it leaves the segment.
+/// The whole step on one segment, or nothing if it leaves the segment. The gains of the segment hold for
+/// `prepared_s`.
 #[inline]
-fn within(law: &Law, on: &Segment, stand: Stand, drive: Drive, time_s: f64) -> Option<Arrival> {
+pub fn within(
+    prepared_s: f64,
+    on: &Segment,
+    stand: Stand,
+    drive: Drive,
+    time_s: f64,
+) -> Option<Arrival> {
     let e = stand.deflection_m;
-    let gains = gains_over(law, on, time_s);
+    let gains = gains_over(prepared_s, on, time_s);
     let excess = drive.velocity_m_per_s - on.velocity(e);
     let end = e + gains.velocity_s * excess + gains.acceleration_s2 * drive.acceleration_m_per_s2;
     if !(end < on.to_m && end > on.from_m) {
@@ -140,13 +147,13 @@ pub fn weight_of_step(law: &Law, stand: Stand, step_s: f64) -> f64 {
     let Some(on) = law.sliding.iter().find(|segment| e < segment.to_m && e > segment.from_m) else {
         return step_s;
     };
-    let gains = gains_over(law, on, step_s);
+    let gains = gains_over(law.step_s, on, step_s);
     gains.acceleration_s2 / gains.velocity_s
 }
 
 #[inline]
-fn gains_over(law: &Law, segment: &Segment, time_s: f64) -> Gains {
-    if time_s == law.step_s { segment.gains } else { Gains::over(segment.rate_per_s, time_s) }
+fn gains_over(prepared_s: f64, segment: &Segment, time_s: f64) -> Gains {
+    if time_s == prepared_s { segment.gains } else { Gains::over(segment.rate_per_s, time_s) }
 }
 
 #[inline]
@@ -231,10 +238,10 @@ fn across(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
                 }
             }
         };
-        if let Some(arrival) = within(law, on, stand, drive, left_s) {
+        if let Some(arrival) = within(law.step_s, on, stand, drive, left_s) {
             return arrival;
         }
-        let gains = gains_over(law, on, left_s);
+        let gains = gains_over(law.step_s, on, left_s);
         let excess = velocity - on.velocity(e);
         let end = e + gains.velocity_s * excess + gains.acceleration_s2 * acceleration;
         let target = if end >= on.to_m { on.to_m } else { on.from_m };

@@ -5,13 +5,13 @@
 //!   trying pieces of other lengths, which changes nothing;
 //! - where a late sensor will look in a later step.
 //!
-//! Every piece is a whole step of the chain, so creep, slow factors and memories need not know. A
-//! step that is not cut is one piece.
+//! Every piece is a whole step of the chain ([`super::piece`]), so creep, slow factors and memories need
+//! not know. A step that is not cut is one piece.
 
 use super::delay::DelayLine;
-use super::implicit::{self, Creep};
-use super::law::{self, Factors, Law};
-use super::series::{self, Arrival, Drive, Stand};
+use super::implicit::Creep;
+use super::piece::Piece;
+use super::series::{Arrival, Drive, Stand};
 use super::{Damper, DamperState, Done, Instant, Motion, without_tiny};
 
 /// Most pieces between two cuts of the sensor; the last one goes to the end in any case.
@@ -167,13 +167,13 @@ impl Damper {
         let stand = Stand { deflection_m: state.deflection_m, resting: state.resting };
         let creep = self.creep(state, start_force_n, step_s);
         let mut half_clearance_m = 0.5 * self.nominal.clearance_2a_m;
+        let piece = Piece { stand, drive, step_s, creep, start_force_n };
         let mut arrival = if self.in_step.slow {
-            let (added_m, arrival) =
-                self.solve_slow(state, stand, drive, step_s, creep, start_force_n);
+            let (added_m, arrival) = self.solve_slow(state, piece);
             half_clearance_m += added_m;
             arrival
         } else {
-            self.solve(&self.law, stand, drive, step_s, creep, start_force_n)
+            self.solve(&self.law, piece)
         };
         let creep_m =
             if self.in_step.creeps { creep.end_m(arrival.force_n) } else { state.creep_m };
@@ -227,49 +227,6 @@ impl Damper {
         force_n
     }
 
-    /// Solves a piece under the factors of its slow effects: the half clearance that they add, m, and
-    /// where the piece ends. Apart from the rest for the sake of its large frame: it holds a law of its own.
-    #[inline(never)]
-    fn solve_slow(
-        &self,
-        state: &DamperState,
-        stand: Stand,
-        drive: Drive,
-        step_s: f64,
-        creep: Creep,
-        start_force_n: f64,
-    ) -> (f64, Arrival) {
-        let at = self.instant(state, stand, drive, step_s);
-        let factors = self.factors(state, &at);
-        let mut joined;
-        let law = if factors == Factors::NONE {
-            &self.law
-        } else {
-            joined = Law::empty();
-            joined.join(&self.parts, &self.body, &factors);
-            &joined
-        };
-        let arrival = self.solve(law, stand, drive, step_s, creep, start_force_n);
-        (factors.added_half_clearance_m, arrival)
-    }
-
-    #[inline]
-    fn solve(
-        &self,
-        law: &Law,
-        stand: Stand,
-        drive: Drive,
-        step_s: f64,
-        creep: Creep,
-        start_force_n: f64,
-    ) -> Arrival {
-        if self.in_step.creeps {
-            implicit::advance_with_creep(law, stand, drive, step_s, creep, start_force_n)
-        } else {
-            series::advance(law, stand, drive, step_s)
-        }
-    }
-
     fn creep(&self, state: &DamperState, start_force_n: f64, step_s: f64) -> Creep {
         let mut creep = Creep::NONE;
         if self.in_step.creeps {
@@ -278,43 +235,6 @@ impl Damper {
             }
         }
         creep
-    }
-
-    /// The instant that stands for the piece: its middle where the chain is slow, its end where the
-    /// chain has forgotten the beginning by then.
-    fn instant(&self, state: &DamperState, stand: Stand, drive: Drive, step_s: f64) -> Instant {
-        let time_s = series::weight_of_step(&self.law, stand, step_s);
-        let Drive { velocity_m_per_s: velocity, acceleration_m_per_s2: acceleration } = drive;
-        Instant {
-            motion: Motion {
-                displacement_m: state.motion.displacement_m
-                    + time_s * (velocity + 0.5 * acceleration * time_s),
-                velocity_m_per_s: velocity + acceleration * time_s,
-            },
-            piston_m: state.piston_m() + time_s * state.piston_velocity_m_per_s,
-            piston_velocity_m_per_s: state.piston_velocity_m_per_s,
-            since_s: time_s,
-            piston_travel_m: time_s * state.piston_velocity_m_per_s,
-            temperature_degc: state.temperature_degc,
-        }
-    }
-
-    fn factors(&self, state: &DamperState, at: &Instant) -> Factors {
-        let mut factors = Factors::NONE;
-        for (effect, memory) in self.effects.iter().zip(&state.memory) {
-            effect.slow(at, memory, &mut factors);
-        }
-        factors
-    }
-
-    /// Reads the force with the attachment as it is at the end of the piece: with the frozen one, a
-    /// stiffness that changes would leave the force half a step behind.
-    fn read_attachment(&self, state: &DamperState, arrival: &mut Arrival, at: &Instant) {
-        let factors = self.factors(state, at);
-        if factors.change_attachment() {
-            let deflection_m = arrival.stand.deflection_m;
-            arrival.force_n = law::attachment_force_n(&self.parts, &factors, deflection_m);
-        }
     }
 }
 
