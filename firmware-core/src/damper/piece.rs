@@ -65,6 +65,7 @@ impl Damper {
         self.solve(&joined, piece)
     }
 
+    /// The piece on a given law.
     #[inline]
     pub(super) fn solve(&self, law: &Law, piece: Piece) -> Arrival {
         let Piece { stand, drive, step_s, creep, start_force_n } = piece;
