@@ -43,8 +43,18 @@ pub struct LeftOut {
 impl LeftOut {
     /// Leaves out every piece in turn.
     pub fn of(standing: &Standing, tests: &TestsAtHand) -> Option<Self> {
-        let folds: Option<Vec<(Vec<f64>, f64, f64)>> =
-            (0..tests.pieces.len()).into_par_iter().map(|out| fold(standing, out, tests)).collect();
+        let grams: Vec<Gram> = tests
+            .pieces
+            .par_iter()
+            .map(|piece| {
+                let residual = residual(&standing.fit.force_n, piece, tests);
+                Gram::over(&columns(standing, piece), &residual)
+            })
+            .collect();
+        let folds: Option<Vec<(Vec<f64>, f64, f64)>> = (0..tests.pieces.len())
+            .into_par_iter()
+            .map(|out| fold(standing, &grams, out, tests))
+            .collect();
         let folds = folds?;
         let mut result =
             Self { force_n: Vec::new(), squares_n2: Vec::new(), seen_squares_n2: Vec::new() };
@@ -76,18 +86,23 @@ impl LeftOut {
     }
 }
 
-/// Force on the left-out piece, its squared error, and that of the others.
-fn fold(standing: &Standing, out: usize, tests: &TestsAtHand) -> Option<(Vec<f64>, f64, f64)> {
+/// Force on the left-out piece, its squared error, and that of the others. `grams` are those of the fit,
+/// one a piece.
+fn fold(
+    standing: &Standing,
+    grams: &[Gram],
+    out: usize,
+    tests: &TestsAtHand,
+) -> Option<(Vec<f64>, f64, f64)> {
     let fit = &standing.fit;
     let seen: Vec<&Piece> =
         tests.pieces.iter().enumerate().filter(|(k, _)| *k != out).map(|(_, p)| p).collect();
     let mut force_n = fit.force_n.clone();
     let mut squares: f64 = seen.iter().map(|piece| squares_on(&force_n, piece, tests)).sum();
     let mut free = DVector::from_vec(fit.model.free(&fit.values));
-    let mut gram_now = Gram::sum(
-        seen.iter().map(|piece| gram(standing, &force_n, piece, tests)).collect::<Vec<_>>().iter(),
-    )?;
-    gram_now.columns += gram(standing, &force_n, &tests.pieces[out], tests).columns * RESTRAINT;
+    let others = grams.iter().enumerate().filter(|(k, _)| *k != out).map(|(_, gram)| gram);
+    let mut gram_now = Gram::sum(others)?;
+    gram_now.columns += &grams[out].columns * RESTRAINT;
     let mut damping = 1e-6;
     for _ in 0..STEPS {
         let mut step = gram_now.damped(damping).solve();
@@ -145,11 +160,6 @@ fn residual(force_n: &[Vec<f64>], piece: &Piece, tests: &TestsAtHand) -> Vec<f64
     let range = piece.samples.clone();
     let measured = &tests.tests[piece.test].record.force_n[range.clone()];
     measured.iter().zip(&force_n[piece.test][range]).map(|(y, f)| y - f).collect()
-}
-
-/// Sensitivities of the fit over a piece, with the residual of the given forces.
-fn gram(standing: &Standing, force_n: &[Vec<f64>], piece: &Piece, tests: &TestsAtHand) -> Gram {
-    Gram::over(&columns(standing, piece), &residual(force_n, piece, tests))
 }
 
 /// Share of the change that a richer model makes which falls on each piece.

@@ -17,17 +17,26 @@ pub struct Gram {
 impl Gram {
     /// Over equally long columns and residual.
     pub fn over(columns: &[&[f64]], residual: &[f64]) -> Self {
-        let count = columns.len();
-        let mut products = DMatrix::zeros(count, count);
-        for row in 0..count {
+        let squares = dot(residual, residual);
+        let none = Self { columns: DMatrix::zeros(0, 0), residual: DVector::zeros(0), squares };
+        none.extended(columns, residual)
+    }
+
+    /// Over more columns and the same residual, of which the products of the first columns are known.
+    #[must_use]
+    pub fn extended(&self, columns: &[&[f64]], residual: &[f64]) -> Self {
+        let (known, count) = (self.columns.nrows(), columns.len());
+        let mut products = self.columns.clone().resize(count, count, 0.0);
+        for row in known..count {
             for column in 0..=row {
                 let value = dot(columns[row], columns[column]);
                 products[(row, column)] = value;
                 products[(column, row)] = value;
             }
         }
-        let toward = Self::toward(columns, residual);
-        Self { columns: products, residual: toward, squares: dot(residual, residual) }
+        let mut toward = self.residual.clone().resize_vertically(count, 0.0);
+        toward.rows_mut(known, count - known).copy_from(&Self::toward(&columns[known..], residual));
+        Self { columns: products, residual: toward, squares: self.squares }
     }
 
     /// Columns times a residual alone.
@@ -128,6 +137,13 @@ mod tests {
         let slope_only = gram.without_first(1);
         assert!((slope_only.solve()[0] - 2.0).abs() < 1e-12);
         assert!((slope_only.squares - 9.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn extended_by_a_column_is_over_all_of_them() {
+        let (ones, x, y) = ([1.0, 1.0, 1.0], [0.1, 1.7, 2.3], [1.5, 2.0, 5.5]);
+        let all = Gram::over(&[&ones, &x], &y);
+        assert_eq!(Gram::over(&[&ones], &y).extended(&[&ones, &x], &y), all);
     }
 
     #[test]

@@ -16,7 +16,7 @@ use super::colour::Colour;
 use super::fit::{Fit, slopes};
 use super::gram::Gram;
 use super::simulation::simulate;
-use super::tests_at_hand::TestsAtHand;
+use super::tests_at_hand::{Piece, TestsAtHand};
 use rayon::prelude::*;
 
 /// The standing model, ready to be compared with candidates.
@@ -104,35 +104,65 @@ pub fn screen(standing: &Standing, candidates: &[Candidate], tests: &TestsAtHand
         .enumerate()
         .flat_map(|(index, candidate)| (0..candidate.starts.len()).map(move |s| (index, s)))
         .collect();
-    let white_own: Vec<Vec<Vec<f64>>> = (0..standing.slopes.len())
-        .into_par_iter()
-        .map(|parameter| {
-            let by_test = standing.slopes[parameter].iter().zip(&standing.colours);
-            by_test.map(|(slope, colour)| colour.whitened(slope)).collect()
-        })
-        .collect();
-    let white_residual: Vec<Vec<f64>> = standing
-        .residual_n
-        .iter()
-        .zip(&standing.colours)
-        .map(|(residual, colour)| colour.whitened(residual))
-        .collect();
+    let plain = Ground::new(standing.slopes.clone(), standing.residual_n.clone(), tests);
+    let white = Ground::new(
+        standing.slopes.par_iter().map(|slope| whitened(slope, standing)).collect(),
+        whitened(&standing.residual_n, standing),
+        tests,
+    );
     jobs.par_iter()
         .filter_map(|&(candidate, start)| {
-            screen_one(
-                standing,
-                (&white_own, &white_residual),
-                &candidates[candidate],
-                (candidate, start),
-                tests,
-            )
+            let tried = &candidates[candidate];
+            screen_one(standing, (&plain, &white), tried, (candidate, start), tests)
         })
         .collect()
 }
 
+fn whitened(by_test: &[Vec<f64>], standing: &Standing) -> Vec<Vec<f64>> {
+    by_test.iter().zip(&standing.colours).map(|(values, colour)| colour.whitened(values)).collect()
+}
+
+/// What every candidate is held against: the sensitivities of the standing model, its residual, and their
+/// normal equations.
+struct Ground {
+    /// By parameter, test, sample.
+    slopes: Vec<Vec<Vec<f64>>>,
+    /// By test, sample.
+    residual: Vec<Vec<f64>>,
+    /// By piece.
+    grams: Vec<Gram>,
+}
+
+impl Ground {
+    fn new(slopes: Vec<Vec<Vec<f64>>>, residual: Vec<Vec<f64>>, tests: &TestsAtHand) -> Self {
+        let mut ground = Self { slopes, residual, grams: Vec::new() };
+        ground.grams = tests
+            .pieces
+            .par_iter()
+            .map(|piece| {
+                Gram::over(&ground.own(piece), &ground.residual[piece.test][piece.samples.clone()])
+            })
+            .collect();
+        ground
+    }
+
+    /// Sensitivities over a piece.
+    fn own(&self, piece: &Piece) -> Vec<&[f64]> {
+        self.slopes.iter().map(|slope| &slope[piece.test][piece.samples.clone()]).collect()
+    }
+
+    /// Normal equations of a piece with the columns of an effect, over the whole test, behind its own.
+    fn with(&self, at: usize, piece: &Piece, effect: &[Vec<f64>]) -> Gram {
+        let range = piece.samples.clone();
+        let mut columns = self.own(piece);
+        columns.extend(effect.iter().map(|column| &column[range.clone()]));
+        self.grams[at].extended(&columns, &self.residual[piece.test][range])
+    }
+}
+
 fn screen_one(
     standing: &Standing,
-    (white_own, white_residual): (&[Vec<Vec<f64>>], &[Vec<f64>]),
+    (plain_ground, white_ground): (&Ground, &Ground),
     candidate: &Candidate,
     (index, start): (usize, usize),
     tests: &TestsAtHand,
@@ -160,18 +190,10 @@ fn screen_one(
         let colour = &standing.colours[t];
         let white_effect: Vec<Vec<f64>> =
             effect.iter().map(|column| colour.whitened(column)).collect();
-        for piece in tests.pieces.iter().filter(|piece| piece.test == t) {
-            let range = piece.samples.clone();
-            let of = |own: &[Vec<Vec<f64>>], effect: &[Vec<f64>], residual: &[f64]| {
-                let columns: Vec<&[f64]> = own
-                    .iter()
-                    .map(|slope| &slope[t][range.clone()])
-                    .chain(effect.iter().map(|column| &column[range.clone()]))
-                    .collect();
-                Gram::over(&columns, &residual[range.clone()])
-            };
-            plain.push(of(&standing.slopes, &effect, &standing.residual_n[t]));
-            white.push(of(white_own, &white_effect, &white_residual[t]));
+        let of_test = tests.pieces.iter().enumerate().filter(|(_, piece)| piece.test == t);
+        for (at, piece) in of_test {
+            plain.push(plain_ground.with(at, piece, &effect));
+            white.push(white_ground.with(at, piece, &white_effect));
         }
     }
     Some(Screened { candidate: index, start, plain, white, own })
