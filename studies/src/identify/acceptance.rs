@@ -36,7 +36,7 @@ pub fn choose(
     let alike: Vec<usize> = fit_for_it
         .iter()
         .copied()
-        .filter(|index| !told_apart(&trials[best], &trials[*index], tests))
+        .filter(|index| !told_apart(&trials[best].judged, &trials[*index].judged, tests))
         .collect();
     // Among equals one that leaves the damper the size it has, then the one with fewest parameters.
     let parameters = |index: &usize| tried[trials[*index].candidate].effect.parameters.len();
@@ -57,14 +57,14 @@ pub fn choose(
     let rivals = (0..trials.len()).filter(|index| {
         *index != winner
             && no_gain(standing, &trials[*index], tried.len()).is_none()
-            && !told_apart(&trials[best], &trials[*index], tests)
+            && !told_apart(&trials[best].judged, &trials[*index].judged, tests)
     });
     Some((winner, rivals.collect()))
 }
 
 /// True when a trial needs another damper altogether: damping, stiffness or relief force of another
 /// size. A valve stage on a hundredfold Ce does the same as dry friction.
-fn remakes(standing: &Judged, trial: &Trial) -> bool {
+pub(super) fn remakes(standing: &Judged, trial: &Trial) -> bool {
     let before = &standing.standing.fit.values;
     let after = &trial.judged.standing.fit.values;
     [CE, KE, RELIEF].into_iter().any(|place| {
@@ -80,8 +80,9 @@ pub fn objection(
     candidates: usize,
     tests: &TestsAtHand,
 ) -> Option<String> {
-    no_gain(standing, trial, candidates)
-        .or_else(|| at_a_bound(trial, tests).map(|name| format!("{name} runs to its bound")))
+    no_gain(standing, trial, candidates).or_else(|| {
+        at_a_bound(standing, trial, tests).map(|name| format!("{name} runs to its bound"))
+    })
 }
 
 /// Why a trial does not predict better than the standing model, if it does not.
@@ -114,16 +115,16 @@ pub(super) fn too_seldom(improved: f64) -> Option<String> {
     })
 }
 
-/// The first parameter of the newest effect that ends on a bound that only the impossible lies
-/// beyond, and whose value matters there.
-fn at_a_bound(trial: &Trial, tests: &TestsAtHand) -> Option<&'static str> {
+/// The first parameter of a new effect that ends on a bound that only the impossible lies beyond, and
+/// whose value matters there.
+fn at_a_bound(standing: &Judged, trial: &Trial, tests: &TestsAtHand) -> Option<&'static str> {
     let fit = &trial.judged.standing.fit;
-    let effect = fit.model.effects.len() - 1;
-    let range = fit.model.range_of(effect);
-    let rows = fit.model.effects[effect].parameters;
+    let known = standing.standing.fit.model.effects.len();
+    let of_effect =
+        |effect: usize| fit.model.effects[effect].parameters.iter().zip(fit.model.range_of(effect));
     let free = fit.model.free(&fit.values);
     let error_n = fit.rms_n(tests);
-    rows.iter().zip(range).find_map(|(row, index)| {
+    (known..fit.model.effects.len()).flat_map(of_effect).find_map(|(row, index)| {
         let (lower, upper) = row.bounds(&tests.scale);
         let span = upper - lower;
         let value = fit.values[index];
@@ -136,16 +137,13 @@ fn at_a_bound(trial: &Trial, tests: &TestsAtHand) -> Option<&'static str> {
     })
 }
 
-/// True when the second trial is worse on left-out blocks by more than its scatter.
-fn told_apart(best: &Trial, rival: &Trial, tests: &TestsAtHand) -> bool {
-    if best.candidate == rival.candidate {
-        return false;
-    }
-    let ours = best.judged.left_out.block_squares(tests);
-    let theirs = rival.judged.left_out.block_squares(tests);
+/// True when the second model is worse on left-out blocks by more than its scatter.
+pub(super) fn told_apart(best: &Judged, rival: &Judged, tests: &TestsAtHand) -> bool {
+    let ours = best.left_out.block_squares(tests);
+    let theirs = rival.left_out.block_squares(tests);
     let differences: Vec<f64> = ours.iter().zip(&theirs).map(|(a, b)| b - a).collect();
     let sum: f64 = differences.iter().sum();
     let scatter = differences.iter().map(|d| d * d).sum::<f64>().sqrt();
-    let relevant = sum > LEAST_GAIN * best.judged.left_out.total_n2();
+    let relevant = sum > LEAST_GAIN * best.left_out.total_n2();
     relevant && sum > MARGIN * scatter
 }

@@ -117,6 +117,13 @@ pub fn identify(
     notes.extend(other_unit(on_train.datasheet.as_ref(), &train));
     notes.extend(extrapolations(&train, &holdout));
     notes.extend(on_bounds(with_effects, &train));
+    notes.extend(found.accepted.iter().filter_map(|first| {
+        let second = found.accepted.iter().find(|other| Some(other.name) == first.together_with)?;
+        Some(format!(
+            "{} and {} were accepted together, neither of them alone: the evidence of {} is that of both",
+            first.name, second.name, first.name
+        ))
+    }));
     let left = |fit: &Fit| LeftOver::of(fit, &train).ok_or(IdentifyError::NoFit);
     let (left_before, left_after) = (left(refitted)?, left(with_effects)?);
     let tried = wanted.then(|| {

@@ -7,33 +7,29 @@
 //!    with the number of candidates counted in, parameters off their bounds, and the same choice
 //!    made again without each piece.
 //! 4. Name the rivals that the records cannot tell from it. Start again, up to four effects.
+//! 5. Where no candidate is accepted and more is left than noise, look for two at once
+//!    ([`super::pair`]).
 //!
 //! What an earlier effect stood in for may have been found since: after every acceptance each
 //! earlier one is dropped if the model predicts as well without it.
 
 use super::acceptance::{choose, objection};
-use super::candidate::{Candidate, candidates};
+use super::candidate::Candidate;
 use super::canonical::canonical;
 use super::fit::{Effort, fit};
 use super::grey_box::GreyBox;
-use super::left_over::repeat::repeat;
-use super::screening::{Screened, screen};
+use super::pair::pair;
+use super::round::{Round, above_noise};
+use super::screening::Screened;
 use super::settling::settled;
-use super::short_list::{hidden, rehearsals, short_list};
 use super::start::{BEGINNING_S, NominalFit};
 use super::tests_at_hand::TestsAtHand;
-use super::trial::{
-    Evidence, Judged, LEAST_GAIN, Trial, evidence, rehearse, starts, try_candidate,
-};
+use super::trial::{Evidence, Judged, LEAST_GAIN, Trial, evidence};
 
 /// Most effects that are accepted.
 pub const MOST_EFFECTS: usize = 4;
-/// Candidates fitted to the whole tests per round.
-const TRIED: usize = 5;
-/// A model is far off when its error is more than this share of the force.
-const FAR_OFF: f64 = 0.03;
-/// A residual is far above its noise from this multiple.
-const ABOVE_NOISE: f64 = 1.5;
+/// Most times that two are accepted at once.
+const MOST_PAIRS: usize = MOST_EFFECTS / 2;
 /// Share of the squared error by which another minimum of the standing model is better.
 pub(super) const BETTER_MINIMUM: f64 = 0.01;
 
@@ -49,6 +45,8 @@ pub struct Accepted {
     pub evidence: Evidence,
     /// Effects that the records cannot tell from it.
     pub alternatives: Vec<&'static str>,
+    /// The effect without which it was not accepted, and whose evidence this is too.
+    pub together_with: Option<&'static str>,
 }
 
 /// A candidate that was not accepted.
@@ -98,40 +96,11 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
     let mut standing = refitted.clone();
     let mut accepted: Vec<Accepted> = Vec::new();
     let mut outdone: Vec<Outdone> = Vec::new();
+    let mut pairs = 0;
     loop {
-        progress("screening");
-        let tried = candidates(&standing.standing.fit.model, tests);
-        let screened = screen(&standing.standing, &tried, tests);
-        let hidden = hidden(&tried, &screened);
-        // What a model that is far off cannot show may show when it is near.
-        let far = far_off(&standing, tests);
-        let coarse = far || above_noise(&standing, tests);
-        let shown: Vec<usize> = (0..tried.len())
-            .filter(|index| far || !hidden.iter().any(|(i, _)| i == index))
-            .collect();
-        let minima = if far { others.as_slice() } else { &[] };
-        let mut rehearsed =
-            rehearsals(&standing, &tried, &shown, &screened, coarse, |index, which| {
-                progress(&format!("rehearsing {}", tried[index].effect.name));
-                let starts = starts(&standing, &tried[index], which, minima);
-                rehearse(&standing, &tried[index], &starts, &beginnings)
-            });
-        rehearsed.sort_by(|a, b| a.1.total_n2().total_cmp(&b.1.total_n2()).then(a.0.cmp(&b.0)));
-        let tops = short_list(&screened, &shown, 0);
-        let mut place = 0;
-        // The best rehearsals, and the two that screening would have taken.
-        rehearsed.retain(|(index, _)| {
-            place += 1;
-            place <= TRIED || tops.iter().take(2).any(|top| top == index)
-        });
-        let mut trials: Vec<Trial> = Vec::new();
-        for (index, fit) in &rehearsed {
-            progress(&format!("fitting {}", tried[*index].effect.name));
-            trials.extend(try_candidate(&standing, &tried[*index], (*index, &fit.values), tests));
-        }
-        trials
-            .sort_by(|a, b| a.judged.left_out.total_n2().total_cmp(&b.judged.left_out.total_n2()));
-        if let Some(better) = fairer(&standing, &trials, tests) {
+        let round = Round::of(&standing, &others, &beginnings, tests, progress);
+        let Round { tried, screened, hidden, shown, trials } = &round;
+        if let Some(better) = fairer(&standing, trials, tests) {
             if accepted.is_empty() {
                 refitted = better.clone();
             }
@@ -139,10 +108,25 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
             continue;
         }
         let winner = if accepted.len() < MOST_EFFECTS {
-            choose(&standing, &trials, &tried, tests)
+            choose(&standing, trials, tried, tests)
         } else {
             None
         };
+        let room = accepted.len() + 2 <= MOST_EFFECTS && pairs < MOST_PAIRS;
+        if winner.is_none()
+            && room
+            && above_noise(&standing, tests)
+            && let Some(pair) = pair(&standing, &round, &beginnings, tests, progress)
+        {
+            let [first, second] = pair.accepted.each_ref().map(|effect| effect.name);
+            progress(&format!("settling {first} and {second}"));
+            let settled = settled(&pair.fit, &pair.second, tests)?;
+            pairs += 1;
+            accepted.extend(pair.accepted);
+            standing = Judged::new(canonical(settled, tests), tests)?;
+            standing = drop_idle(standing, &mut accepted, tests, progress);
+            continue;
+        }
         let Some((winner, alternatives)) = winner else {
             let open: Vec<usize> = (0..tried.len())
                 .filter(|index| {
@@ -150,16 +134,15 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
                     fitted || !hidden.iter().any(|(i, _)| i == index)
                 })
                 .collect();
-            let rejected =
-                rejections(&standing, &trials, &tried, (&open, &outdone), &screened, tests);
-            let unseen = hidden.into_iter().filter(|(index, _)| !open.contains(index));
+            let rejected = rejections(&standing, trials, tried, (&open, &outdone), screened, tests);
+            let unseen = hidden.iter().filter(|(index, _)| !open.contains(index));
             let accepted_count = accepted.len();
             return Some(Found {
                 refitted,
                 with_effects: standing,
                 accepted,
                 rejected,
-                not_testable: unseen.map(|(_, hidden)| hidden).collect(),
+                not_testable: unseen.map(|(_, hidden)| hidden.clone()).collect(),
                 screened: tried.len() + accepted_count,
             });
         };
@@ -171,6 +154,7 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
                 .iter()
                 .map(|i| tried[trials[*i].candidate].effect.name)
                 .collect(),
+            together_with: None,
         });
         let name = |trial: &Trial| tried[trial.candidate].effect.name;
         outdone.extend(trials.iter().filter(|other| other.candidate != trial.candidate).map(
@@ -200,7 +184,7 @@ fn fairer(standing: &Judged, trials: &[Trial], tests: &TestsAtHand) -> Option<Ju
     if better { Judged::new(again, tests) } else { None }
 }
 
-fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {
+pub(super) fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {
     Evidence { p_value: (evidence.p_value * candidates as f64).min(1.0), ..*evidence }
 }
 
@@ -210,18 +194,6 @@ struct Outdone {
     gain: f64,
     by: &'static str,
     gain_of_other: f64,
-}
-
-/// True when the standing model is so far off that first-order screening says little.
-fn far_off(standing: &Judged, tests: &TestsAtHand) -> bool {
-    standing.standing.fit.rms_n(tests) > FAR_OFF * tests.rms_force_n()
-}
-
-/// True when the residual is so far above its noise that a part of it must be due to large effects:
-/// what they do to first order, with all other parameters as they are, says little.
-fn above_noise(standing: &Judged, tests: &TestsAtHand) -> bool {
-    let floor_n = repeat(&standing.standing.residual_n, tests).noise_floor_n;
-    floor_n.is_some_and(|floor_n| standing.standing.fit.rms_n(tests) > ABOVE_NOISE * floor_n)
 }
 
 /// Drops earlier effects that the newest one has made idle.
