@@ -16,7 +16,7 @@
 use super::acceptance::{choose, objection};
 use super::candidate::Candidate;
 use super::canonical::canonical;
-use super::fit::{Effort, fit};
+use super::fit::{Effort, Fit, fit};
 use super::grey_box::GreyBox;
 use super::pair::pair;
 use super::round::{Round, above_noise};
@@ -120,11 +120,9 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
         {
             let [first, second] = pair.accepted.each_ref().map(|effect| effect.name);
             progress(&format!("settling {first} and {second}"));
-            let settled = settled(&pair.fit, &pair.second, tests)?;
             pairs += 1;
             accepted.extend(pair.accepted);
-            standing = Judged::new(canonical(settled, tests), tests)?;
-            standing = drop_idle(standing, &mut accepted, tests, progress);
+            standing = taken(&pair.fit, &pair.second, &mut accepted, tests, progress)?;
             continue;
         }
         let Some((winner, alternatives)) = winner else {
@@ -166,10 +164,22 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
             },
         ));
         progress(&format!("settling {}", tried[trial.candidate].effect.name));
-        let settled = settled(&trial.judged.standing.fit, &tried[trial.candidate], tests)?;
-        standing = Judged::new(canonical(settled, tests), tests)?;
-        standing = drop_idle(standing, &mut accepted, tests, progress);
+        let (fit, candidate) = (&trial.judged.standing.fit, &tried[trial.candidate]);
+        standing = taken(fit, candidate, &mut accepted, tests, progress)?;
     }
+}
+
+/// A model whose newest effects are accepted, at its bottom, without what they have made idle.
+fn taken(
+    fit: &Fit,
+    candidate: &Candidate,
+    accepted: &mut Vec<Accepted>,
+    tests: &TestsAtHand,
+    progress: Progress<'_>,
+) -> Option<Judged> {
+    let settled = settled(fit, candidate, tests)?;
+    let standing = Judged::new(canonical(settled, tests), tests)?;
+    Some(drop_idle(standing, accepted, tests, progress))
 }
 
 /// The standing model from where the best trial has led its parameters, if it is better there: what
