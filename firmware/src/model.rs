@@ -10,7 +10,7 @@ use core::hint::black_box;
 
 use firmware_core::damper::curve::Curve;
 use firmware_core::damper::effects::CATALOGUE;
-use firmware_core::damper::law::{Factors, Parts, attachment_force_n};
+use firmware_core::damper::parts::{Factors, Parts, attachment_force_n};
 use firmware_core::damper::{
     Damper, DamperState, Effect, EmpiricalMap, MapCoordinate, MapKnot, Motion, Nominal,
 };

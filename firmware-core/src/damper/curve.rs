@@ -226,18 +226,12 @@ impl Curve {
         let _ = self.knots.push(knot);
     }
 
-    /// The line from the knot before `next` to it, through the one nearer to zero.
-    fn line_to(&self, next: usize) -> Line {
-        let left = next.checked_sub(1).and_then(|i| self.knots.get(i));
-        match (left, self.knots.get(next)) {
-            (None, None) => Line { through: Knot { x: 0.0, y: 0.0 }, slope: 0.0 },
-            (None, Some(b)) => Line { through: *b, slope: self.slope_before },
-            (Some(a), None) => Line { through: *a, slope: self.slope_after },
-            (Some(a), Some(b)) => {
-                let through = if a.x.abs() <= b.x.abs() { *a } else { *b };
-                Line { through, slope: (b.y - a.y) / (b.x - a.x) }
-            }
-        }
+    /// The line from the knot before `next` to it.
+    #[inline]
+    pub(super) fn line_to(&self, next: usize) -> Line {
+        let left = next.checked_sub(1).and_then(|i| self.knots.get(i)).copied();
+        let right = self.knots.get(next).copied();
+        Line::between(left, right, (self.slope_before, self.slope_after))
     }
 }
 
@@ -279,9 +273,32 @@ struct Reader<'a> {
 
 /// A straight line through a knot.
 #[derive(Clone, Copy)]
-struct Line {
+pub(super) struct Line {
     through: Knot,
     slope: f64,
+}
+
+impl Line {
+    /// Through the one of two neighbours that is nearer to zero; `ends` are the slopes beyond the first and
+    /// the last knot.
+    #[inline]
+    pub(super) fn between(left: Option<Knot>, right: Option<Knot>, ends: (f64, f64)) -> Self {
+        match (left, right) {
+            (None, None) => Self { through: Knot { x: 0.0, y: 0.0 }, slope: 0.0 },
+            (None, Some(b)) => Self { through: b, slope: ends.0 },
+            (Some(a), None) => Self { through: a, slope: ends.1 },
+            (Some(a), Some(b)) => {
+                let through = if a.x.abs() <= b.x.abs() { a } else { b };
+                Self { through, slope: (b.y - a.y) / (b.x - a.x) }
+            }
+        }
+    }
+
+    /// The value at `x`.
+    #[inline]
+    pub(super) fn at(self, x: f64) -> f64 {
+        self.through.y + self.slope * (x - self.through.x)
+    }
 }
 
 impl<'a> Reader<'a> {
@@ -299,9 +316,8 @@ impl<'a> Reader<'a> {
     #[inline]
     fn limits(&mut self, x: f64) -> Limits {
         let Some(here) = self.knot().filter(|knot| knot.x == x) else {
-            let Line { through, slope } =
-                *self.line.get_or_insert_with(|| self.curve.line_to(self.next));
-            let value = through.y + slope * (x - through.x);
+            let line = *self.line.get_or_insert_with(|| self.curve.line_to(self.next));
+            let value = line.at(x);
             return (value, value);
         };
         let mut after = here.y;

@@ -19,7 +19,7 @@
 //! (Illinois) otherwise. Second order, and for a fast creep d1 is F1 times its compliance with no
 //! memory left: L-stable. Knots of the law stay exact.
 
-use super::law::Segment;
+use super::segment::Segment;
 use super::series::{Arrival, Drive};
 
 /// Most evaluations of the chain in one coupled step.
@@ -140,8 +140,9 @@ struct Guess {
 mod tests {
     use super::*;
     use crate::damper::curve::Curve;
-    use crate::damper::law::{Body, Factors, Law, Parts};
+    use crate::damper::law::Law;
     use crate::damper::nominal::Nominal;
+    use crate::damper::parts::{Body, Factors, Parts};
     use crate::damper::series::{Stand, advance};
     use core::convert::Infallible;
 

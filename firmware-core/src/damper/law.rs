@@ -14,11 +14,12 @@
 //! A body whose force falls after breakaway has two laws, one for the piston at rest and one for
 //! the sliding piston. Both rise; which one holds is a memory of the piston.
 
-use core::ops::ControlFlow;
 use heapless::{Vec, VecView};
 
 use super::curve::{CURVE_KNOTS, Curve, Knot, Side, merged};
 use super::error::DamperError;
+use super::parts::{Body, Factors, Parts};
+use super::segment::{Point, Segment};
 use super::series::Gains;
 
 /// Most knots of hydraulic and dry law together.
@@ -33,170 +34,6 @@ pub const LAW_SEGMENTS: usize = BODY_KNOTS + ATTACHMENT_KNOTS + 4;
 
 /// How many segments the law of a piston at rest holds.
 pub const RESTING_SEGMENTS: usize = ATTACHMENT_KNOTS + 6;
-
-/// The parts of a chain at nominal state, and what effects have made of them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Parts {
-    /// Hydraulic force over piston velocity; slow factors scale it.
-    pub hydraulic: Curve,
-    /// Dry force over piston velocity, parallel to the hydraulic one.
-    pub dry: Curve,
-    /// Deflection of the attachment over force, without its creep.
-    pub attachment: Curve,
-}
-
-impl Parts {
-    /// Scales the elastic deflection of the attachment; its clearance stays.
-    pub(super) fn scale_compliance(&mut self, gain: f64) {
-        let scaled = Factors { compliance_gain: gain, ..Factors::NONE };
-        if scaled.change_attachment() {
-            let nominal = self.attachment.clone();
-            attachment_under(&nominal, &scaled, &mut self.attachment);
-        }
-    }
-}
-
-/// What slow states do to the parts, frozen for one step. All gains are above zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Factors {
-    /// Hydraulic force at equal velocity.
-    pub force_gain: f64,
-    /// Velocity at equal hydraulic force: a thinner oil has a higher one, its relief force stays.
-    pub velocity_gain: f64,
-    /// Force that stands on the piston at rest, N, positive in tension.
-    pub preload_n: f64,
-    /// Deflection of the attachment at equal force, without the clearance.
-    pub compliance_gain: f64,
-    /// Half clearance that wear has added, m.
-    pub added_half_clearance_m: f64,
-    /// The side on which the hydraulic part carries nothing: a void has to close first.
-    pub slack: Option<Side>,
-}
-
-impl Factors {
-    /// Nothing changed.
-    pub const NONE: Self = Self {
-        force_gain: 1.0,
-        velocity_gain: 1.0,
-        preload_n: 0.0,
-        compliance_gain: 1.0,
-        added_half_clearance_m: 0.0,
-        slack: None,
-    };
-
-    /// True where the attachment is not the nominal one.
-    pub(super) fn change_attachment(&self) -> bool {
-        self.compliance_gain != 1.0 || self.added_half_clearance_m != 0.0
-    }
-
-    /// True where the body is not the nominal one.
-    fn change_body(&self) -> bool {
-        self.force_gain != 1.0
-            || self.velocity_gain != 1.0
-            || self.preload_n != 0.0
-            || self.slack.is_some()
-    }
-}
-
-/// Hydraulic and dry force of a piston as one law that never falls.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Body {
-    /// Velocity of the piston over force.
-    velocity: Curve,
-    /// Forces between which a resting piston stays.
-    breakaway_n: [f64; 2],
-    /// Forces between which a sliding piston comes to rest.
-    rest_n: [f64; 2],
-}
-
-impl Body {
-    /// The body of nominal parts.
-    pub(super) fn nominal(parts: &Parts) -> Self {
-        let velocity = parts.hydraulic.without_knots();
-        let mut body = Self { velocity, breakaway_n: [0.0; 2], rest_n: [0.0; 2] };
-        body.join(parts, &Factors::NONE);
-        body
-    }
-
-    /// Joins hydraulic and dry force under the given factors, in place.
-    fn join(&mut self, parts: &Parts, factors: &Factors) {
-        let Factors { velocity_gain, force_gain, preload_n, slack, .. } = *factors;
-        let scale = |scaled: &mut Curve| {
-            scaled.copy_scaled(&parts.hydraulic, velocity_gain, force_gain, preload_n);
-            if let Some(side) = slack {
-                scaled.slacken(side);
-            }
-        };
-        let velocity = &mut self.velocity;
-        if parts.dry.is_zero() {
-            scale(velocity);
-        } else {
-            let mut hydraulic = parts.hydraulic.without_knots();
-            scale(&mut hydraulic);
-            hydraulic.plus_into(&parts.dry, velocity);
-        }
-        let (breakaway_from, breakaway_to) = velocity.cut_to_rising();
-        let at_rest = |knot: &&Knot| knot.x == 0.0;
-        let rest_from = velocity.knots().iter().find(at_rest).map_or(0.0, |knot| knot.y);
-        let rest_to = velocity.knots().iter().rfind(at_rest).map_or(0.0, |knot| knot.y);
-        velocity.invert();
-        self.breakaway_n = [breakaway_from, breakaway_to];
-        self.rest_n = [rest_from, rest_to];
-    }
-
-    /// True when the piston has a law of its own at rest.
-    fn breaks_away(&self) -> bool {
-        let ([breakaway_from, breakaway_to], [rest_from, rest_to]) =
-            (self.breakaway_n, self.rest_n);
-        breakaway_from < rest_from || breakaway_to > rest_to
-    }
-}
-
-/// A stretch of the law between two deflections.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment {
-    /// Where it begins, m; minus infinity for the first.
-    pub from_m: f64,
-    /// Where it ends, m.
-    pub to_m: f64,
-    /// Piston velocity at its beginning, m/s.
-    pub velocity_from: f64,
-    /// Piston velocity at its end, m/s.
-    pub velocity_to: f64,
-    /// Rate dv/de, 1/s.
-    pub rate_per_s: f64,
-    /// Stiffness dF/de, N/m.
-    pub stiffness_n_per_m: f64,
-    /// The end nearer to zero: deflection, force, velocity.
-    pub anchor: Point,
-    /// Response over the step the damper was prepared for.
-    pub gains: Gains,
-}
-
-/// A point of the law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
-    /// Deflection of the attachment, m.
-    pub deflection_m: f64,
-    /// Force, N.
-    pub force_n: f64,
-    /// Piston velocity, m/s.
-    pub velocity_m_per_s: f64,
-}
-
-impl Segment {
-    /// Piston velocity at a deflection.
-    #[inline]
-    pub fn velocity(&self, deflection_m: f64) -> f64 {
-        self.anchor.velocity_m_per_s + self.rate_per_s * (deflection_m - self.anchor.deflection_m)
-    }
-
-    /// Force at a deflection.
-    #[inline]
-    pub fn force(&self, deflection_m: f64) -> f64 {
-        self.anchor.force_n + self.stiffness_n_per_m * (deflection_m - self.anchor.deflection_m)
-    }
-}
 
 /// The joined law of a chain.
 #[derive(Debug, Clone, PartialEq)]
@@ -230,10 +67,17 @@ impl Law {
     /// Joins the parts under the given factors, in place; `nominal` is their body without any. Bounded by
     /// the number of knots.
     pub fn join(&mut self, parts: &Parts, nominal: &Body, factors: &Factors) {
-        under(parts, nominal, factors, |body, attachment| {
-            self.step_s = 0.0;
+        let changed;
+        let body = if factors.change_body() {
+            changed = nominal.under(parts, factors);
+            &changed
+        } else {
+            nominal
+        };
+        self.step_s = 0.0;
+        self.resting.clear();
+        parts.with_attachment(factors, |attachment| {
             join_into(&mut self.sliding, &body.velocity, attachment);
-            self.resting.clear();
             if body.breaks_away() {
                 let stuck_between = body.breakaway_n.map(|x| Knot { x, y: 0.0 });
                 let stuck = Curve::through(&stuck_between, f64::INFINITY, f64::INFINITY);
@@ -282,39 +126,6 @@ impl Law {
     }
 }
 
-/// Force of the attachment at a deflection under the given factors.
-pub fn attachment_force_n(parts: &Parts, factors: &Factors, deflection_m: f64) -> f64 {
-    let mut curve = parts.attachment.without_knots();
-    attachment_under(&parts.attachment, factors, &mut curve);
-    curve.invert();
-    curve.at(deflection_m)
-}
-
-/// Writes the attachment with its compliance scaled and its clearance widened.
-fn attachment_under(nominal: &Curve, factors: &Factors, changed: &mut Curve) {
-    let outer_end = |side: f64| {
-        let knots = nominal.knots().iter().filter(|knot| knot.x == 0.0);
-        knots.map(|knot| side * knot.y).fold(0.0, f64::max)
-    };
-    let (below, above) = (outer_end(-1.0), outer_end(1.0));
-    let added = factors.added_half_clearance_m;
-    let gain = factors.compliance_gain;
-    let positive = |y: f64| above + added + gain * (y - above);
-    let negative = |y: f64| -(below + added + gain * (-y - below));
-    let split = nominal.knots().iter().filter(|knot| knot.x == 0.0).count() == 1;
-    changed.clear(gain * nominal.slope_before(), gain * nominal.slope_after());
-    for knot in nominal.knots() {
-        if knot.x == 0.0 && split && added > 0.0 {
-            changed.push(Knot { x: 0.0, y: negative(knot.y) });
-            changed.push(Knot { x: 0.0, y: positive(knot.y) });
-            continue;
-        }
-        let below_zero = knot.x < 0.0 || (knot.x == 0.0 && knot.y < 0.0);
-        let y = if below_zero { negative(knot.y) } else { positive(knot.y) };
-        changed.push(Knot { x: knot.x, y });
-    }
-}
-
 /// Deflection at a force, on the far side of a step.
 fn outer(attachment: &Curve, force_n: f64) -> f64 {
     let knots = attachment.knots().iter().filter(|knot| knot.x == force_n);
@@ -324,184 +135,56 @@ fn outer(attachment: &Curve, force_n: f64) -> f64 {
     far.unwrap_or_else(|| attachment.at(force_n))
 }
 
-/// The segment of the joined law that holds a deflection, without the rest of the law: a step that stays on
-/// it needs no other. Nothing where the deflection is on a knot or the piston has a law of its own at rest.
-pub fn segment_around(
-    parts: &Parts,
-    nominal: &Body,
-    factors: &Factors,
-    deflection_m: f64,
-) -> Option<Segment> {
-    under(parts, nominal, factors, |body, attachment| {
-        if body.breaks_away() {
-            return None;
-        }
-        let mut found = None;
-        let _ = walk(&body.velocity, attachment, |stretch| {
-            if deflection_m >= stretch.to_m() {
-                return ControlFlow::Continue(());
-            }
-            found = stretch.segment(&body.velocity, attachment);
-            ControlFlow::Break(())
-        });
-        found.filter(|segment| deflection_m > segment.from_m)
-    })
-}
-
-/// Body and attachment as the factors leave them.
-#[inline]
-fn under<T>(
-    parts: &Parts,
-    nominal: &Body,
-    factors: &Factors,
-    then: impl FnOnce(&Body, &Curve) -> T,
-) -> T {
-    let (mut changed_body, mut changed_attachment);
-    let body = if factors.change_body() {
-        let velocity = parts.hydraulic.without_knots();
-        changed_body = Body { velocity, ..*nominal };
-        changed_body.join(parts, factors);
-        &changed_body
-    } else {
-        nominal
-    };
-    let attachment = if factors.change_attachment() {
-        changed_attachment = parts.attachment.without_knots();
-        attachment_under(&parts.attachment, factors, &mut changed_attachment);
-        &changed_attachment
-    } else {
-        &parts.attachment
-    };
-    then(body, attachment)
-}
-
 /// Joins a body, velocity over force, with an attachment, deflection over force.
 fn join_into(segments: &mut VecView<Segment>, body: &Curve, attachment: &Curve) {
     segments.clear();
-    let _ = walk(body, attachment, |stretch| {
-        if let Some(segment) = stretch.segment(body, attachment) {
-            // Never full: `Law::check` has counted the knots.
+    // Never full: `Law::check` has counted the knots.
+    let mut add = |segment: Option<Segment>| {
+        if let Some(segment) = segment {
             let _ = segments.push(segment);
         }
-        ControlFlow::Continue(())
-    });
-}
-
-/// Walks the joined law of a body and an attachment, rising, until `take` has had enough.
-#[inline]
-fn walk(
-    body: &Curve,
-    attachment: &Curve,
-    mut take: impl FnMut(Stretch) -> ControlFlow<()>,
-) -> ControlFlow<()> {
+    };
     let mut last: Option<Point> = None;
     for (force_n, velocity, deflection) in merged(body, attachment) {
         let mut visit = |deflection_m: f64, velocity_m_per_s: f64| {
-            let point = Point { deflection_m, force_n, velocity_m_per_s };
             if velocity_m_per_s == f64::NEG_INFINITY {
-                return ControlFlow::Continue(());
+                return;
             }
+            let point = Point { deflection_m, force_n, velocity_m_per_s };
             match last.replace(point) {
-                None => take(Stretch::Before(point)),
-                Some(from) if deflection_m > from.deflection_m => {
-                    take(Stretch::Between(from, point))
+                None => {
+                    let (slope, compliance) = (body.slope_before(), attachment.slope_before());
+                    add(Segment::beyond(Side::Negative, point, slope, compliance));
                 }
-                Some(_) => ControlFlow::Continue(()),
+                Some(from) if deflection_m > from.deflection_m => {
+                    add(Some(Segment::between(from, point)));
+                }
+                Some(_) => {}
             }
         };
         if velocity.0 == f64::INFINITY {
             continue;
         }
-        visit(deflection.0, velocity.0)?;
+        visit(deflection.0, velocity.0);
         if deflection.1 > deflection.0 && velocity.1 > velocity.0 {
             // Both free at once: the joint moves through its clearance, the piston waits.
             let waiting = 0.0_f64.max(velocity.0).min(velocity.1);
-            visit(deflection.0, waiting)?;
-            visit(deflection.1, waiting)?;
+            visit(deflection.0, waiting);
+            visit(deflection.1, waiting);
         }
         if velocity.1 < f64::INFINITY {
-            visit(deflection.1, velocity.1)?;
+            visit(deflection.1, velocity.1);
         }
     }
-    last.map_or(ControlFlow::Continue(()), |end| take(Stretch::Beyond(end)))
-}
-
-/// A stretch of the law whose slopes nobody has asked for yet.
-enum Stretch {
-    /// Everything before the first point.
-    Before(Point),
-    /// From one point to the next.
-    Between(Point, Point),
-    /// Everything beyond the last point.
-    Beyond(Point),
-}
-
-impl Stretch {
-    /// Where it ends, m.
-    #[inline]
-    fn to_m(&self) -> f64 {
-        match self {
-            Self::Before(to) | Self::Between(_, to) => to.deflection_m,
-            Self::Beyond(_) => f64::INFINITY,
-        }
+    if let Some(end) = last {
+        let (slope, compliance) = (body.slope_after(), attachment.slope_after());
+        add(Segment::beyond(Side::Positive, end, slope, compliance));
     }
-
-    /// Its segment; none beyond a cap of the force.
-    #[inline]
-    fn segment(&self, body: &Curve, attachment: &Curve) -> Option<Segment> {
-        match *self {
-            Self::Before(to) => {
-                segment_at_end(to, body.slope_before(), attachment.slope_before(), -1.0)
-            }
-            Self::Between(from, to) => Some(segment_between(from, to)),
-            Self::Beyond(from) => {
-                segment_at_end(from, body.slope_after(), attachment.slope_after(), 1.0)
-            }
-        }
-    }
-}
-
-#[inline]
-fn segment_between(from: Point, to: Point) -> Segment {
-    let length = to.deflection_m - from.deflection_m;
-    let anchor = if from.deflection_m.abs() <= to.deflection_m.abs() { from } else { to };
-    Segment {
-        from_m: from.deflection_m,
-        to_m: to.deflection_m,
-        velocity_from: from.velocity_m_per_s,
-        velocity_to: to.velocity_m_per_s,
-        rate_per_s: (to.velocity_m_per_s - from.velocity_m_per_s) / length,
-        stiffness_n_per_m: (to.force_n - from.force_n) / length,
-        anchor,
-        gains: Gains::NONE,
-    }
-}
-
-/// The segment beyond the first or the last point, unless the force is capped there.
-fn segment_at_end(at: Point, slope: f64, compliance: f64, side: f64) -> Option<Segment> {
-    if slope.is_infinite() {
-        return None;
-    }
-    let far = side * f64::INFINITY;
-    let far_velocity = if slope > 0.0 { far } else { at.velocity_m_per_s };
-    let (e, v) = (at.deflection_m, at.velocity_m_per_s);
-    let ordered = |inner: f64, outer: f64| if side < 0.0 { (outer, inner) } else { (inner, outer) };
-    let (from_m, to_m) = ordered(e, far);
-    let (velocity_from, velocity_to) = ordered(v, far_velocity);
-    Some(Segment {
-        from_m,
-        to_m,
-        velocity_from,
-        velocity_to,
-        rate_per_s: slope / compliance,
-        stiffness_n_per_m: 1.0 / compliance,
-        anchor: at,
-        gains: Gains::NONE,
-    })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::parts::attachment_force_n;
     use super::*;
     use crate::damper::nominal::Nominal;
 

@@ -46,9 +46,12 @@ pub mod empirical;
 pub mod error;
 pub mod implicit;
 pub mod law;
+mod near;
 pub mod nominal;
+pub mod parts;
 mod piece;
 pub mod sampling;
+pub mod segment;
 pub mod series;
 mod step;
 
@@ -61,9 +64,10 @@ pub use nominal::Nominal;
 
 use curve::Curve;
 use delay::DelayLine;
-use effects::Memory;
+use effects::{Memory, Slow};
 use empirical::Turned;
-use law::{Body, Factors, Law, Parts};
+use law::Law;
+use parts::{Body, Factors, Parts};
 use series::{Arrival, Drive, Stand};
 use step::Sample;
 
@@ -240,7 +244,7 @@ impl DamperState {
 /// What the effects of a damper ask for in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct InStep {
-    slow: bool,
+    slow: Slow,
     creeps: bool,
     switches: bool,
 }
@@ -290,7 +294,7 @@ impl Damper {
         law.join(&parts, &body, &Factors::NONE);
         let law_alone = ordered.iter().all(Effect::is_law_alone);
         let in_step = InStep {
-            slow: ordered.iter().any(Effect::is_slow),
+            slow: ordered.iter().map(Effect::slow_part).max().unwrap_or(Slow::Nothing),
             creeps: ordered.iter().any(Effect::creeps),
             switches: ordered.iter().any(Effect::switches),
         };

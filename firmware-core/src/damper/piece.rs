@@ -1,14 +1,16 @@
 //! A piece of a step, solved.
 //!
 //! Slow effects change the law from step to step, and most pieces begin and end on one segment of it. So
-//! the segment around the beginning is worked out first ([`law::segment_around`]); only a piece that
+//! the segment around the beginning is worked out first ([`super::near`]); only a piece that
 //! leaves it, or a piston with a law of its own at rest, has the whole law joined. Both give the same
 //! bits.
 
 use core::convert::Infallible;
 
 use super::implicit::{self, Creep};
-use super::law::{self, Factors, Law};
+use super::law::Law;
+use super::near::segment_around;
+use super::parts::{Factors, attachment_force_n};
 use super::series::{self, Arrival, Drive, Gains, Stand};
 use super::{Damper, DamperState, Instant, Motion};
 
@@ -45,7 +47,7 @@ impl Damper {
     fn solve_near(&self, factors: &Factors, piece: Piece) -> Option<Arrival> {
         let Piece { stand, drive, step_s, .. } = piece;
         let stand = Stand { resting: false, ..stand };
-        let mut near = law::segment_around(&self.parts, &self.body, factors, stand.deflection_m)?;
+        let mut near = segment_around(&self.parts, &self.body, factors, stand.deflection_m)?;
         near.gains = Gains::over(near.rate_per_s, step_s);
         let chain = |drive| series::within(step_s, &near, stand, drive, step_s);
         if self.in_step.creeps {
@@ -113,7 +115,7 @@ impl Damper {
         let factors = self.factors(state, at);
         if factors.change_attachment() {
             let deflection_m = arrival.stand.deflection_m;
-            arrival.force_n = law::attachment_force_n(&self.parts, &factors, deflection_m);
+            arrival.force_n = attachment_force_n(&self.parts, &factors, deflection_m);
         }
     }
 }
@@ -121,7 +123,7 @@ impl Damper {
 #[cfg(test)]
 mod tests {
     use super::super::Nominal;
-    use super::super::effects::{CATALOGUE, Effect, Values};
+    use super::super::effects::{CATALOGUE, Effect, Slow, Values};
     use super::*;
 
     /// A piece of 1 ms at the start of which a state stands.
@@ -148,11 +150,9 @@ mod tests {
             let usual: Values = info.parameters.iter().map(|row| row.usual(&scale)).collect();
             Effect::from_values(name, &usual).unwrap()
         };
-        let creeping = effect("rubber_hysteresis");
-        for info in CATALOGUE.iter().filter(|info| effect(info.name).is_slow()) {
-            for others in [&[][..], &[creeping]] {
-                let effects: heapless::Vec<Effect, 2> =
-                    core::iter::once(effect(info.name)).chain(others.iter().copied()).collect();
+        for info in CATALOGUE.iter().filter(|info| effect(info.name).slow_part() != Slow::Nothing) {
+            for other in CATALOGUE.iter().filter(|other| other.name != info.name) {
+                let effects = [effect(info.name), effect(other.name)];
                 let damper = Damper::new(Nominal::NEW, &effects).unwrap();
                 let mut state = DamperState::rest();
                 let mut near = 0;
@@ -163,12 +163,18 @@ mod tests {
                     damper.advance(&mut state, motion, 1e-3);
                     let piece = piece(&damper, &state, motion.velocity_m_per_s);
                     let factors = damper.factors(&state, &damper.instant(&state, piece));
+                    assert!(
+                        damper.in_step.slow == Slow::Attachment || !factors.change_attachment()
+                    );
                     let joined = damper.solve_joined(&factors, piece);
                     let alone = damper.solve_near(&factors, piece);
-                    assert!(alone.is_none_or(|alone| alone == joined), "{} at {t} s", info.name);
+                    let names = [info.name, other.name];
+                    assert!(alone.is_none_or(|alone| alone == joined), "{names:?} at {t} s");
                     near += u32::from(alone.is_some());
                 }
-                assert!(near > 700, "{}: {near} of 1000 pieces", info.name);
+                // A piston with a law of its own at rest always has the whole law.
+                let least = if other.name == "seal_friction" { 0 } else { 600 };
+                assert!(near >= least, "{} and {}: {near} pieces", info.name, other.name);
             }
         }
     }

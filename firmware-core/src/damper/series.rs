@@ -18,7 +18,8 @@
 //! out; it is smaller than A h^2 / 8.
 
 use super::implicit::backward_euler;
-use super::law::{Law, Segment};
+use super::law::Law;
+use super::segment::Segment;
 
 /// Most pieces of one step before the fallback: a quick stroke of a stiff damper runs through all the
 /// knots of a sampled law.
@@ -354,8 +355,8 @@ fn crossing_time(
 mod tests {
     use super::*;
     use crate::damper::curve::Curve;
-    use crate::damper::law::{Body, Factors, Parts};
     use crate::damper::nominal::Nominal;
+    use crate::damper::parts::{Body, Factors, Parts};
 
     fn law_of(nominal: &Nominal) -> Law {
         let (hydraulic, attachment) = (nominal.hydraulic(), nominal.attachment());

@@ -9,6 +9,7 @@
 //! not know. A step that is not cut is one piece.
 
 use super::delay::DelayLine;
+use super::effects::Slow;
 use super::implicit::Creep;
 use super::piece::Piece;
 use super::series::{Arrival, Drive, Stand};
@@ -168,19 +169,19 @@ impl Damper {
         let creep = self.creep(state, start_force_n, step_s);
         let mut half_clearance_m = 0.5 * self.nominal.clearance_2a_m;
         let piece = Piece { stand, drive, step_s, creep, start_force_n };
-        let mut arrival = if self.in_step.slow {
+        let mut arrival = if self.in_step.slow == Slow::Nothing {
+            self.solve(&self.law, piece)
+        } else {
             let (added_m, arrival) = self.solve_slow(state, piece);
             half_clearance_m += added_m;
             arrival
-        } else {
-            self.solve(&self.law, piece)
         };
         let creep_m =
             if self.in_step.creeps { creep.end_m(arrival.force_n) } else { state.creep_m };
         let deflection_m = arrival.stand.deflection_m;
         let piston_m = motion.displacement_m - deflection_m - creep_m;
         let piston_travel_m = piston_m - state.piston_m();
-        if self.in_step.slow {
+        if self.in_step.slow == Slow::Attachment {
             let at = Instant {
                 motion,
                 piston_m,

@@ -16,8 +16,8 @@
 //! the creep of rubber is not scaled. Source: an empirical law of first order with the known signs.
 
 use super::parameter::effect_parameters;
-use super::{DamperEffect, Memory, Place};
-use crate::damper::law::Factors;
+use super::{DamperEffect, Memory, Place, Slow};
+use crate::damper::parts::Factors;
 use crate::damper::nominal::Nominal;
 use crate::damper::{Done, Instant};
 
@@ -60,7 +60,7 @@ impl DamperEffect for AerationMemory {
     const SHOWN_BY: &'static str =
         "A long sine after a long rest, a rest of some minutes, and the same sine again.";
     const STARTS: &'static [&'static [f64]] = &[&[0.2, 10.0, 3.0], &[0.2, 1000.0, 300.0]];
-    const SLOW: bool = true;
+    const SLOW: Slow = Slow::Attachment;
 
     fn slow(&self, at: &Instant, memory: &Memory, factors: &mut Factors) {
         let [share, ..] = *memory;

@@ -10,7 +10,7 @@
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::curve::Side;
-use crate::damper::law::Parts;
+use crate::damper::parts::Parts;
 use crate::damper::nominal::Nominal;
 
 effect_parameters! {

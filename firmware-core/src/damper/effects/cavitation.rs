@@ -18,9 +18,9 @@
 //! neither compresses gas nor dissolves it.
 
 use super::parameter::effect_parameters;
-use super::{DamperEffect, Memory, Place};
+use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::curve::Side;
-use crate::damper::law::Factors;
+use crate::damper::parts::Factors;
 use crate::damper::nominal::Nominal;
 use crate::damper::{Done, Instant};
 
@@ -53,7 +53,7 @@ impl DamperEffect for Cavitation {
     const EQUATION: &'static str = "L' = s v_p - V >= 0, F_h = 0 while L > 0 and s v_p < 0";
     const SHOWN_BY: &'static str = "Fast large sines and their repetition slower or with more gas pressure, direction declared.";
     const DIRECTIONAL: bool = true;
-    const SLOW: bool = true;
+    const SLOW: Slow = Slow::Body;
     const SWITCHES: bool = true;
     const STARTS: &'static [&'static [f64]] = &[&[-0.3], &[0.05], &[-0.05]];
 

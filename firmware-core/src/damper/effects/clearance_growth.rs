@@ -12,8 +12,8 @@
 //! law with force and hardness in one number.
 
 use super::parameter::effect_parameters;
-use super::{DamperEffect, Memory, Place};
-use crate::damper::law::Factors;
+use super::{DamperEffect, Memory, Place, Slow};
+use crate::damper::parts::Factors;
 use crate::damper::nominal::Nominal;
 use crate::damper::{Done, Instant};
 
@@ -30,7 +30,7 @@ impl DamperEffect for ClearanceGrowth {
     const PLACE: Place = Place::Attachment;
     const EQUATION: &'static str = "2a = 2a_0 + g integral |v_p| dt";
     const SHOWN_BY: &'static str = "The same slow sine at the beginning and the end of the test.";
-    const SLOW: bool = true;
+    const SLOW: Slow = Slow::Attachment;
 
     fn slow(&self, at: &Instant, memory: &Memory, factors: &mut Factors) {
         let [travelled_m, ..] = *memory;

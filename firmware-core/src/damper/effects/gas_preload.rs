@@ -15,9 +15,9 @@
 //! Limits: constant rate, no cooling of the gas. Source: gas law for small changes of volume.
 
 use super::parameter::effect_parameters;
-use super::{DamperEffect, Memory, Place};
+use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::Instant;
-use crate::damper::law::Factors;
+use crate::damper::parts::Factors;
 
 effect_parameters! {
     /// A force and a spring rate on the piston.
@@ -35,7 +35,7 @@ impl DamperEffect for GasPreload {
     const EQUATION: &'static str = "F = f(v_p) - F_0 + k x_p";
     const SHOWN_BY: &'static str =
         "Static holds at three positions, each approached from both sides.";
-    const SLOW: bool = true;
+    const SLOW: Slow = Slow::Body;
     const DIRECTIONAL: bool = true;
 
     fn slow(&self, at: &Instant, _memory: &Memory, factors: &mut Factors) {

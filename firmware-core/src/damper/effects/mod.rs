@@ -27,8 +27,8 @@ pub use parameter::{Parameter, Scale, Unit};
 
 use super::error::DamperError;
 use super::implicit::Creep;
-use super::law::{Factors, Parts};
 use super::nominal::Nominal;
+use super::parts::{Factors, Parts};
 use super::{Done, Instant};
 
 /// Most parameters of one effect.
@@ -77,6 +77,17 @@ pub trait Table: Sized {
     fn values(&self) -> Values;
 }
 
+/// What the factors of a slow state change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Slow {
+    /// There are none.
+    Nothing,
+    /// The body alone.
+    Body,
+    /// The attachment, perhaps the body too.
+    Attachment,
+}
+
 /// How an effect enters the chain. Frozen configuration in `self`, memory outside.
 pub trait DamperEffect: Table + Copy {
     /// Its name in scenarios and results.
@@ -85,8 +96,8 @@ pub trait DamperEffect: Table + Copy {
     const PLACE: Place;
     /// Its equation, one line.
     const EQUATION: &'static str;
-    /// It has [`slow`](Self::slow) factors.
-    const SLOW: bool = false;
+    /// What its [`slow`](Self::slow) factors change.
+    const SLOW: Slow = Slow::Nothing;
     /// It has [`creep`](Self::creep).
     const CREEPS: bool = false;
     /// It has a [`margin`](Self::margin).
@@ -251,7 +262,7 @@ macro_rules! effects {
                 match self { $(Self::$effect(effect) => effect.values(),)+ }
             }
 
-            pub(super) fn is_slow(&self) -> bool {
+            pub(super) fn slow_part(&self) -> Slow {
                 match self { $(Self::$effect(_) => $effect::SLOW,)+ }
             }
 
@@ -266,7 +277,7 @@ macro_rules! effects {
             /// True where [`shape`](DamperEffect::shape) says all of it.
             pub(super) fn is_law_alone(&self) -> bool {
                 let inside = matches!(self.place(), Place::Inboard | Place::Attachment);
-                inside && !(self.is_slow() || self.creeps() || self.switches())
+                inside && !(self.slow_part() != Slow::Nothing || self.creeps() || self.switches())
             }
 
             pub(super) fn margin(&self, memory: &Memory, done: &Done) -> f64 {

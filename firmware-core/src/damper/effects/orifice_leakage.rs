@@ -18,7 +18,7 @@
 
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
-use crate::damper::law::Parts;
+use crate::damper::parts::Parts;
 use crate::damper::nominal::Nominal;
 use crate::damper::sampling;
 

@@ -9,9 +9,9 @@
 //! rises wherever the piston goes.
 
 use super::parameter::effect_parameters;
-use super::{DamperEffect, Memory, Place};
+use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::Instant;
-use crate::damper::law::Factors;
+use crate::damper::parts::Factors;
 
 effect_parameters! {
     /// A hydraulic force that depends on the position of the piston.
@@ -44,7 +44,7 @@ impl DamperEffect for PositionDependentDamping {
     const EQUATION: &'static str = "F_h -> F_h (1 + b x_d + q x_d^2)";
     const SHOWN_BY: &'static str =
         "The same sine at three mean positions, mid-stroke and 40 mm to either side.";
-    const SLOW: bool = true;
+    const SLOW: Slow = Slow::Body;
     // Far from mid-stroke a curvature of the usual size is too much to begin with.
     const STARTS: &'static [&'static [f64]] = &[&[0.05, 0.0], &[-0.05, 0.0]];
 

@@ -14,7 +14,7 @@
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::curve::{CURVE_KNOTS, Curve, Knot};
-use crate::damper::law::Parts;
+use crate::damper::parts::Parts;
 use crate::damper::nominal::Nominal;
 use heapless::Vec;
 

@@ -12,9 +12,9 @@
 //! bulk modulus of a column of oil, K = beta A^2/V.
 
 use super::parameter::effect_parameters;
-use super::{DamperEffect, Memory, Place};
+use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::Instant;
-use crate::damper::law::Factors;
+use crate::damper::parts::Factors;
 
 effect_parameters! {
     /// An attachment whose stiffness depends on the position of the piston.
@@ -47,7 +47,7 @@ impl DamperEffect for StrokeDependentStiffness {
     const EQUATION: &'static str = "K -> K (1 + b x_p + q x_p^2)";
     const SHOWN_BY: &'static str =
         "The same small, quick sine at three mean positions, mid-stroke and 40 mm to either side.";
-    const SLOW: bool = true;
+    const SLOW: Slow = Slow::Attachment;
     // Far from mid-stroke a curvature of the usual size is too much to begin with.
     const STARTS: &'static [&'static [f64]] = &[&[0.05, 0.0], &[-0.05, 0.0]];
 

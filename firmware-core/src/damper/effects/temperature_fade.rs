@@ -17,8 +17,8 @@
 //! exponential law of viscosity.
 
 use super::parameter::effect_parameters;
-use super::{DamperEffect, Memory, Place};
-use crate::damper::law::Factors;
+use super::{DamperEffect, Memory, Place, Slow};
+use crate::damper::parts::Factors;
 use crate::damper::nominal::Nominal;
 use crate::damper::series::Gains;
 use crate::damper::{Done, Instant};
@@ -67,7 +67,7 @@ impl DamperEffect for TemperatureFade {
     const SHOWN_BY: &'static str =
         "The same sine at the beginning and the end of a long test, with the temperature logged.";
     const STARTS: &'static [&'static [f64]] = &[&[0.02, 50.0, 0.015], &[0.02, 750.0, 1.0]];
-    const SLOW: bool = true;
+    const SLOW: Slow = Slow::Body;
 
     fn slow(&self, at: &Instant, memory: &Memory, factors: &mut Factors) {
         let [warmth_k, ..] = *memory;
