@@ -70,6 +70,7 @@ fn the_page_tells_what_was_found_and_shows_every_held_out_test() {
         holdout: records(&[asymmetry], &holdout),
         datasheet: Some(Nominal { ce_n_s_per_m: 1.2e6, f_relief_n: 16e3, ..NOMINAL }),
         empirical: false,
+        thorough: false,
         notes: vec!["a note <that is told>".to_owned()],
     };
     let found = identify(question, &|_| ()).unwrap();
@@ -120,6 +121,7 @@ fn a_page_of_one_test_without_datasheet_and_holdout_says_so() {
         holdout: Vec::new(),
         datasheet: None,
         empirical: false,
+        thorough: false,
         notes: Vec::new(),
     };
     let found = identify(question, &|_| ()).unwrap();
@@ -152,7 +154,14 @@ fn a_map_that_was_asked_for_comes_last_and_is_called_no_physics() {
         })
         .collect();
     let holdout = train.split_off(5);
-    let question = Question { train, holdout, datasheet: None, empirical: true, notes: Vec::new() };
+    let question = Question {
+        train,
+        holdout,
+        datasheet: None,
+        empirical: true,
+        thorough: false,
+        notes: Vec::new(),
+    };
     let found = identify(question, &|_| ()).unwrap();
     assert!(found.empirical.as_ref().unwrap().kept, "{:?}", found.result.empirical);
     let text = opened(&found, "identify-empirical.html");

@@ -36,6 +36,7 @@ const WITH_MAP: &str = "model-empirical.toml";
 
 /// What `identify` is told.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub struct IdentifyArgs {
     /// The maker's numbers; without them there is no datasheet error.
     #[arg(long, value_name = "FILE")]
@@ -54,6 +55,10 @@ pub struct IdentifyArgs {
     /// physics, kept only if it gains on tests left out.
     #[arg(long, conflicts_with_all = ["campaign", "merge"])]
     empirical: bool,
+    /// Go on past the usual limit of work where two effects at once are looked for: minutes where it is half a
+    /// minute.
+    #[arg(long, conflicts_with_all = ["campaign", "merge"])]
+    thorough: bool,
     /// Folder for the files [default: runs/identify-N, of a campaign runs/campaign-SEED].
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
@@ -278,7 +283,14 @@ fn question(args: &IdentifyArgs) -> anyhow::Result<Question> {
         eprintln!("warning: datasheet: {warning}");
     }
     let datasheet = datasheet.map(|sheet| sheet.nominal);
-    Ok(Question { train, holdout, datasheet, empirical: args.empirical, notes })
+    Ok(Question {
+        train,
+        holdout,
+        datasheet,
+        empirical: args.empirical,
+        thorough: args.thorough,
+        notes,
+    })
 }
 
 /// Refuses a record that is there twice, under whatever name: held out beside itself in training it

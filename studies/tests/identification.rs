@@ -5,6 +5,7 @@
 
 use firmware_core::damper::effects::{AsymmetricDamping, SensorDelay};
 use firmware_core::damper::{Damper, Effect, Nominal};
+use std::sync::Mutex;
 use studies::bench_visit::excitation::Excitation;
 use studies::bench_visit::protocol::Test;
 use studies::bench_visit::sensors::{Coloured, Sensors};
@@ -12,7 +13,9 @@ use studies::bench_visit::{Modelled, NullGenerator, Specimen, record};
 use studies::identify::empirical::empirical;
 use studies::identify::fit::Fit;
 use studies::identify::result::{Errors, Verdict};
+use studies::identify::search::search;
 use studies::identify::simulation::{simulate, start_deflection_m};
+use studies::identify::start::nominal_fit;
 use studies::identify::tests_at_hand::TestsAtHand;
 use studies::identify::{Identification, Question, identify};
 use studies::series_model::SeriesModel;
@@ -64,8 +67,14 @@ fn investigate_with(
         })
         .collect();
     let holdout = vec![records.pop().unwrap()];
-    let question =
-        Question { train: records, holdout, datasheet: None, empirical: true, notes: Vec::new() };
+    let question = Question {
+        train: records,
+        holdout,
+        datasheet: None,
+        empirical: true,
+        thorough: false,
+        notes: Vec::new(),
+    };
     identify(question, &|_| {}).unwrap()
 }
 
@@ -149,6 +158,17 @@ fn a_worn_bore_gets_a_map_over_displacement_that_is_no_physics() {
     // What it is stays unknown, however well a map describes it.
     assert_eq!(found.result.verdict, Verdict::Unexplained, "{:?}", found.result.effects);
     assert_eq!(found.result.unexplained.as_ref().unwrap().coordinate, "displacement");
+
+    // More than noise is left, so pairs are tried; past the limit of work none is, and that is told.
+    let told = Mutex::new(Vec::new());
+    let progress = |what: &str| told.lock().unwrap().push(what.to_owned());
+    assert!(found.train.passes() > 1000.0, "{} passes", found.train.passes());
+    let nominal = nominal_fit(&found.train, None).unwrap();
+    assert!(search(nominal, &found.train, 1.0, &progress).unwrap().cut_short);
+    let told = told.into_inner().unwrap();
+    assert!(told.contains(&"screening".to_owned()));
+    assert!(!told.iter().any(|what| what.starts_with("with ")), "{told:?}");
+
     let part = found.result.empirical.as_ref().unwrap();
     assert!(part.kept && part.coordinate == Some("displacement"), "{part:?}");
     assert!(part.holdout_gain.unwrap() > 0.5 && part.tests_improved == Some(1.0), "{part:?}");

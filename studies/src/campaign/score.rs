@@ -168,6 +168,7 @@ impl Line {
             holdout,
             datasheet: case.datasheet,
             empirical: false,
+            thorough: false,
             notes: Vec::new(),
         };
         let without = case.datasheet.is_some().then(|| {

@@ -9,7 +9,7 @@ use super::result::{
     EffectFound, EffectNotTestable, EffectRejected, EmpiricalPart, Errors, EvidenceFound,
     IdentifyResult, Models, NominalValue, ParameterValue, PerTest, UnexplainedPart, Verdict,
 };
-use super::search::{Found, Progress, search};
+use super::search::{Found, MOST_PASSES, Progress, search};
 use super::start::nominal_fit;
 use super::tests_at_hand::{Test, TestsAtHand};
 use super::uncertainty::uncertainty;
@@ -28,6 +28,8 @@ pub struct Question {
     pub datasheet: Option<Nominal>,
     /// A smooth map, which is no physics, is wanted on what is left.
     pub empirical: bool,
+    /// The search goes on past its usual limit of work.
+    pub thorough: bool,
     /// What the reader should know of all this.
     pub notes: Vec<String>,
 }
@@ -83,7 +85,7 @@ pub fn identify(
     question: Question,
     progress: Progress<'_>,
 ) -> Result<Identification, IdentifyError> {
-    let Question { train, holdout, datasheet, empirical: wanted, mut notes } = question;
+    let Question { train, holdout, datasheet, empirical: wanted, thorough, mut notes } = question;
     let train = TestsAtHand::new(train);
     let holdout = TestsAtHand::new(holdout);
     if train.counted_samples() < 2 {
@@ -99,7 +101,14 @@ pub fn identify(
     progress("the nominal damper");
     let given = datasheet.as_ref().map(vector_of);
     let nominal = nominal_fit(&train, given.as_deref()).ok_or(IdentifyError::NoFit)?;
-    let found = search(nominal, &train, progress).ok_or(IdentifyError::NoFit)?;
+    let most_passes = if thorough { f64::INFINITY } else { MOST_PASSES };
+    let found = search(nominal, &train, most_passes, progress).ok_or(IdentifyError::NoFit)?;
+    if found.cut_short {
+        notes.push(format!(
+            "the search ended at its limit of work, {MOST_PASSES} passes of a model over the training tests: \
+             --thorough goes on"
+        ));
+    }
     progress("what is left");
     let (refitted, with_effects) = (&found.refitted.standing.fit, &found.with_effects.standing.fit);
     let sheet =

@@ -10,7 +10,8 @@
 //!   candidates counted against the significance;
 //! - both together take away at least half of the squared error on left-out pieces.
 //!
-//! Pairs that predict equally well are told as alternatives, one effect at a time.
+//! Pairs that predict equally well are told as alternatives, one effect at a time. No further first is taken on
+//! trial past a limit of work.
 
 use super::acceptance::{choose, objection, remakes, told_apart};
 use super::candidate::Candidate;
@@ -43,17 +44,19 @@ struct Found {
     joint: Trial,
 }
 
-/// The pair to accept, if there is one. `progress` is told what is being done.
+/// The pair to accept, if there is one. No first is tried where the work is `done`; `progress` is told what is
+/// being done.
 pub fn pair(
     standing: &Judged,
     round: &Round,
-    beginnings: &TestsAtHand,
-    tests: &TestsAtHand,
+    (beginnings, tests): (&TestsAtHand, &TestsAtHand),
+    done: &mut dyn FnMut() -> bool,
     progress: Progress<'_>,
 ) -> Option<Pair> {
     let firsts = round.trials.iter().filter(|trial| trial.evidence.holdout_gain >= LEAST_GAIN);
     let mut found: Vec<Found> = firsts
         .take(FIRSTS)
+        .take_while(|_| !done())
         .filter_map(|first| {
             let name = round.tried[first.candidate].effect.name;
             let told = |what: &str| progress(&format!("with {name}: {what}"));

@@ -27,6 +27,9 @@ pub struct Round {
     pub shown: Vec<usize>,
     /// Those that were fitted, by their error on pieces left out.
     pub trials: Vec<Trial>,
+    /// The residual is so far above its noise that a part of it must be due to large effects: what they do to
+    /// first order, with all other parameters as they are, says little.
+    pub above_noise: bool,
 }
 
 impl Round {
@@ -39,24 +42,18 @@ impl Round {
         progress: Progress<'_>,
     ) -> Self {
         progress("screening");
-        let tried = candidates(&standing.standing.fit.model, tests);
-        let screened = screen(&standing.standing, &tried, tests);
-        let hidden = hidden(&tried, &screened);
-        // What a model that is far off cannot show may show when it is near.
+        let mut round = Self::screened(standing, tests);
+        let Self { tried, screened, shown, .. } = &round;
         let far = far_off(standing, tests);
-        let coarse = far || above_noise(standing, tests);
-        let shown: Vec<usize> = (0..tried.len())
-            .filter(|index| far || !hidden.iter().any(|(i, _)| i == index))
-            .collect();
+        let coarse = far || round.above_noise;
         let minima = if far { others } else { &[] };
-        let mut rehearsed =
-            rehearsals(standing, &tried, &shown, &screened, coarse, |index, which| {
-                progress(&format!("rehearsing {}", tried[index].effect.name));
-                let starts = starts(standing, &tried[index], which, minima);
-                rehearse(standing, &tried[index], &starts, beginnings)
-            });
+        let mut rehearsed = rehearsals(standing, tried, shown, screened, coarse, |index, which| {
+            progress(&format!("rehearsing {}", tried[index].effect.name));
+            let starts = starts(standing, &tried[index], which, minima);
+            rehearse(standing, &tried[index], &starts, beginnings)
+        });
         rehearsed.sort_by(|a, b| a.1.total_n2().total_cmp(&b.1.total_n2()).then(a.0.cmp(&b.0)));
-        let tops = short_list(&screened, &shown, 0);
+        let tops = short_list(screened, shown, 0);
         let mut place = 0;
         // The best rehearsals, and the two that screening would have taken.
         rehearsed.retain(|(index, _)| {
@@ -70,7 +67,22 @@ impl Round {
         }
         trials
             .sort_by(|a, b| a.judged.left_out.total_n2().total_cmp(&b.judged.left_out.total_n2()));
-        Self { tried, screened, hidden, shown, trials }
+        round.trials = trials;
+        round
+    }
+
+    /// Screens only.
+    pub fn screened(standing: &Judged, tests: &TestsAtHand) -> Self {
+        let tried = candidates(&standing.standing.fit.model, tests);
+        let screened = screen(&standing.standing, &tried, tests);
+        let hidden = hidden(&tried, &screened);
+        // What a model that is far off cannot show may show when it is near.
+        let far = far_off(standing, tests);
+        let shown: Vec<usize> = (0..tried.len())
+            .filter(|index| far || !hidden.iter().any(|(i, _)| i == index))
+            .collect();
+        let above_noise = above_noise(standing, tests);
+        Self { tried, screened, hidden, shown, trials: Vec::new(), above_noise }
     }
 }
 
@@ -79,9 +91,7 @@ fn far_off(standing: &Judged, tests: &TestsAtHand) -> bool {
     standing.standing.fit.rms_n(tests) > FAR_OFF * tests.rms_force_n()
 }
 
-/// True when the residual is so far above its noise that a part of it must be due to large effects:
-/// what they do to first order, with all other parameters as they are, says little.
-pub fn above_noise(standing: &Judged, tests: &TestsAtHand) -> bool {
+fn above_noise(standing: &Judged, tests: &TestsAtHand) -> bool {
     let floor_n = repeat(&standing.standing.residual_n, tests).noise_floor_n;
     floor_n.is_some_and(|floor_n| standing.standing.fit.rms_n(tests) > ABOVE_NOISE * floor_n)
 }

@@ -10,6 +10,9 @@
 //! 5. Where no candidate is accepted and more is left than noise, look for two at once
 //!    ([`super::pair`]).
 //!
+//! Pairs cost many fits. Past a limit of work no more of them are tried, and after one has been accepted nothing
+//! else is; that is told.
+//!
 //! What an earlier effect stood in for may have been found since: after every acceptance each
 //! earlier one is dropped if the model predicts as well without it.
 
@@ -19,7 +22,7 @@ use super::canonical::canonical;
 use super::fit::{Effort, Fit, fit};
 use super::grey_box::GreyBox;
 use super::pair::pair;
-use super::round::{Round, above_noise};
+use super::round::Round;
 use super::screening::Screened;
 use super::settling::settled;
 use super::start::{BEGINNING_S, NominalFit};
@@ -30,6 +33,9 @@ use super::trial::{Evidence, Judged, LEAST_GAIN, Trial, evidence};
 pub const MOST_EFFECTS: usize = 4;
 /// Most times that two are accepted at once.
 const MOST_PAIRS: usize = MOST_EFFECTS / 2;
+/// Work, in passes of a model over all tests, past which no pair is tried. Ten tests of ten seconds at 1 kHz take
+/// two cores about half a minute.
+pub const MOST_PASSES: f64 = 7000.0;
 /// Share of the squared error by which another minimum of the standing model is better.
 pub(super) const BETTER_MINIMUM: f64 = 0.01;
 
@@ -86,10 +92,18 @@ pub struct Found {
     pub not_testable: Vec<NotTestable>,
     /// Candidates that were screened in the first round.
     pub screened: usize,
+    /// The search ended at its limit of work.
+    pub cut_short: bool,
 }
 
-/// Searches from a fitted nominal model. `progress` is told what is being done.
-pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) -> Option<Found> {
+/// Searches from a fitted nominal model, for pairs up to `most_passes` over all tests. `progress` is told what is
+/// being done.
+pub fn search(
+    nominal: NominalFit,
+    tests: &TestsAtHand,
+    most_passes: f64,
+    progress: Progress<'_>,
+) -> Option<Found> {
     let NominalFit { fit, others } = nominal;
     let mut refitted = Judged::new(fit, tests)?;
     let beginnings = tests.beginnings(BEGINNING_S);
@@ -97,9 +111,18 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
     let mut accepted: Vec<Accepted> = Vec::new();
     let mut outdone: Vec<Outdone> = Vec::new();
     let mut pairs = 0;
+    let mut cut_short = false;
+    let mut at_the_limit = || {
+        cut_short |= tests.passes() > most_passes;
+        cut_short
+    };
     loop {
-        let round = Round::of(&standing, &others, &beginnings, tests, progress);
-        let Round { tried, screened, hidden, shown, trials } = &round;
+        let round = if pairs > 0 && at_the_limit() {
+            Round::screened(&standing, tests)
+        } else {
+            Round::of(&standing, &others, &beginnings, tests, progress)
+        };
+        let Round { tried, screened, hidden, shown, trials, above_noise } = &round;
         if let Some(better) = fairer(&standing, trials, tests) {
             if accepted.is_empty() {
                 refitted = better.clone();
@@ -115,8 +138,9 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
         let room = accepted.len() + 2 <= MOST_EFFECTS && pairs < MOST_PAIRS;
         if winner.is_none()
             && room
-            && above_noise(&standing, tests)
-            && let Some(pair) = pair(&standing, &round, &beginnings, tests, progress)
+            && *above_noise
+            && let Some(pair) =
+                pair(&standing, &round, (&beginnings, tests), &mut at_the_limit, progress)
         {
             let [first, second] = pair.accepted.each_ref().map(|effect| effect.name);
             progress(&format!("settling {first} and {second}"));
@@ -142,6 +166,7 @@ pub fn search(nominal: NominalFit, tests: &TestsAtHand, progress: Progress<'_>) 
                 rejected,
                 not_testable: unseen.map(|(_, hidden)| hidden.clone()).collect(),
                 screened: tried.len() + accepted_count,
+                cut_short,
             });
         };
         let trial = &trials[winner];

@@ -45,6 +45,7 @@ pub fn walk(
     samples: usize,
     mut at_sample: impl FnMut(f64, &DamperState),
 ) {
+    test.simulated(samples);
     let record = &test.record;
     let step_s = test.model_step_s();
     let damper = damper.clone().prepared(step_s);

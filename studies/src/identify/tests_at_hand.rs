@@ -10,6 +10,8 @@
 use crate::measurement::Measurement;
 use firmware_core::damper::effects::Scale;
 use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Longest step of a model between two samples, s.
 const LONGEST_STEP_S: f64 = 1e-3;
@@ -46,6 +48,8 @@ pub struct Test {
     pub substeps: usize,
     /// Blocks, in order of time.
     pub blocks: Vec<Range<usize>>,
+    /// Steps that models have made on the tests at hand and their beginnings, all together.
+    steps_made: Arc<AtomicU64>,
 }
 
 /// A stretch of a test that is left out as a whole.
@@ -61,11 +65,12 @@ impl TestsAtHand {
     /// Prepares records.
     pub fn new(records: Vec<Measurement>) -> Self {
         let scale = scale_of(&records);
-        Self::with_scale(records, scale)
+        Self::with_scale(records, scale, &Arc::default())
     }
 
-    fn with_scale(records: Vec<Measurement>, scale: Scale) -> Self {
-        let tests: Vec<Test> = records.into_iter().map(Test::new).collect();
+    fn with_scale(records: Vec<Measurement>, scale: Scale, steps_made: &Arc<AtomicU64>) -> Self {
+        let tests: Vec<Test> =
+            records.into_iter().map(|record| Test::new(record, steps_made.clone())).collect();
         let whole_tests = tests.len() >= FEWEST_WHOLE_TESTS;
         let mut pieces = Vec::new();
         for (index, test) in tests.iter().enumerate() {
@@ -94,6 +99,13 @@ impl TestsAtHand {
     /// Samples in all pieces.
     pub fn counted_samples(&self) -> usize {
         self.pieces.iter().map(|piece| piece.samples.len()).sum()
+    }
+
+    /// What models have been simulated so far, in passes over all tests.
+    pub fn passes(&self) -> f64 {
+        let steps: usize = self.tests.iter().map(|test| test.record.len() * test.substeps).sum();
+        let made = self.tests.first().map_or(0, |test| test.steps_made.load(Ordering::Relaxed));
+        made as f64 / steps.max(1) as f64
     }
 
     /// rms of the measured force over all pieces, N.
@@ -135,7 +147,8 @@ impl TestsAtHand {
             let thinner = (ROUGH_SAMPLING_S / record.step_s + 1e-6) as usize;
             record.until(record.run_in.saturating_add(samples.max(20))).thinned(thinner)
         });
-        let mut beginnings = Self::with_scale(records.collect(), self.scale);
+        let steps_made = self.tests.first().map(|test| test.steps_made.clone()).unwrap_or_default();
+        let mut beginnings = Self::with_scale(records.collect(), self.scale, &steps_made);
         for test in &mut beginnings.tests {
             test.substeps = substeps(test.record.step_s, LONGEST_ROUGH_STEP_S);
         }
@@ -144,10 +157,15 @@ impl TestsAtHand {
 }
 
 impl Test {
-    fn new(record: Measurement) -> Self {
+    fn new(record: Measurement, steps_made: Arc<AtomicU64>) -> Self {
         let substeps = substeps(record.step_s, LONGEST_STEP_S);
         let blocks = blocks_of(&record);
-        Self { record, substeps, blocks }
+        Self { record, substeps, blocks, steps_made }
+    }
+
+    /// Notes that a model has been simulated over so many samples.
+    pub fn simulated(&self, samples: usize) {
+        self.steps_made.fetch_add((samples * self.substeps) as u64, Ordering::Relaxed);
     }
 
     /// Step of the model, s.
