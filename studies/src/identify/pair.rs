@@ -44,19 +44,19 @@ struct Found {
     joint: Trial,
 }
 
-/// The pair to accept, if there is one. No first is tried where the work is `done`; `progress` is told what is
+/// The pair to accept, if there is one. No first is tried `at_the_limit` of work; `progress` is told what is
 /// being done.
 pub fn pair(
     standing: &Judged,
     round: &Round,
     (beginnings, tests): (&TestsAtHand, &TestsAtHand),
-    done: &mut dyn FnMut() -> bool,
+    at_the_limit: &mut dyn FnMut() -> bool,
     progress: Progress<'_>,
 ) -> Option<Pair> {
     let firsts = round.trials.iter().filter(|trial| trial.evidence.holdout_gain >= LEAST_GAIN);
     let mut found: Vec<Found> = firsts
         .take(FIRSTS)
-        .take_while(|_| !done())
+        .take_while(|_| !at_the_limit())
         .filter_map(|first| {
             let name = round.tried[first.candidate].effect.name;
             let told = |what: &str| progress(&format!("with {name}: {what}"));

@@ -27,6 +27,8 @@ pub struct Round {
     pub shown: Vec<usize>,
     /// Those that were fitted, by their error on pieces left out.
     pub trials: Vec<Trial>,
+    /// The standing model is so far off that first-order screening says little.
+    pub far_off: bool,
     /// The residual is so far above its noise that a part of it must be due to large effects: what they do to
     /// first order, with all other parameters as they are, says little.
     pub above_noise: bool,
@@ -44,9 +46,8 @@ impl Round {
         progress("screening");
         let mut round = Self::screened(standing, tests);
         let Self { tried, screened, shown, .. } = &round;
-        let far = far_off(standing, tests);
-        let coarse = far || round.above_noise;
-        let minima = if far { others } else { &[] };
+        let coarse = round.far_off || round.above_noise;
+        let minima = if round.far_off { others } else { &[] };
         let mut rehearsed = rehearsals(standing, tried, shown, screened, coarse, |index, which| {
             progress(&format!("rehearsing {}", tried[index].effect.name));
             let starts = starts(standing, &tried[index], which, minima);
@@ -77,16 +78,15 @@ impl Round {
         let screened = screen(&standing.standing, &tried, tests);
         let hidden = hidden(&tried, &screened);
         // What a model that is far off cannot show may show when it is near.
-        let far = far_off(standing, tests);
+        let far_off = far_off(standing, tests);
         let shown: Vec<usize> = (0..tried.len())
-            .filter(|index| far || !hidden.iter().any(|(i, _)| i == index))
+            .filter(|index| far_off || !hidden.iter().any(|(i, _)| i == index))
             .collect();
         let above_noise = above_noise(standing, tests);
-        Self { tried, screened, hidden, shown, trials: Vec::new(), above_noise }
+        Self { tried, screened, hidden, shown, trials: Vec::new(), far_off, above_noise }
     }
 }
 
-/// True when the standing model is so far off that first-order screening says little.
 fn far_off(standing: &Judged, tests: &TestsAtHand) -> bool {
     standing.standing.fit.rms_n(tests) > FAR_OFF * tests.rms_force_n()
 }

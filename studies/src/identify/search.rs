@@ -122,7 +122,7 @@ pub fn search(
         } else {
             Round::of(&standing, &others, &beginnings, tests, progress)
         };
-        let Round { tried, screened, hidden, shown, trials, above_noise } = &round;
+        let Round { tried, screened, hidden, shown, trials, above_noise, .. } = &round;
         if let Some(better) = fairer(&standing, trials, tests) {
             if accepted.is_empty() {
                 refitted = better.clone();
