@@ -10,8 +10,8 @@
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::curve::Side;
-use crate::damper::parts::Parts;
 use crate::damper::nominal::Nominal;
+use crate::damper::parts::Parts;
 
 effect_parameters! {
     /// Different damping in extension and compression.

@@ -20,8 +20,8 @@
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::curve::Side;
-use crate::damper::parts::Factors;
 use crate::damper::nominal::Nominal;
+use crate::damper::parts::Factors;
 use crate::damper::{Done, Instant};
 
 effect_parameters! {

@@ -13,8 +13,8 @@
 
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place, Slow};
-use crate::damper::parts::Factors;
 use crate::damper::nominal::Nominal;
+use crate::damper::parts::Factors;
 use crate::damper::{Done, Instant};
 
 effect_parameters! {

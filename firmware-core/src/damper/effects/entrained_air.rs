@@ -17,8 +17,8 @@
 
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
-use crate::damper::parts::Parts;
 use crate::damper::nominal::Nominal;
+use crate::damper::parts::Parts;
 use crate::damper::sampling;
 
 /// Exponent of a quick change of air, between 1 (isothermal) and 1.4 (adiabatic).

@@ -19,8 +19,8 @@ use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place};
 use crate::damper::Done;
 use crate::damper::implicit::Creep;
-use crate::damper::parts::Parts;
 use crate::damper::nominal::Nominal;
+use crate::damper::parts::Parts;
 use crate::damper::series::Gains;
 
 effect_parameters! {

@@ -16,8 +16,8 @@
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::curve::{Curve, Knot};
-use crate::damper::parts::Parts;
 use crate::damper::nominal::Nominal;
+use crate::damper::parts::Parts;
 
 effect_parameters! {
     /// Coulomb friction with breakaway.

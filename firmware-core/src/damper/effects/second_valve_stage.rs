@@ -14,8 +14,8 @@
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::curve::{CURVE_KNOTS, Curve, Knot};
-use crate::damper::parts::Parts;
 use crate::damper::nominal::Nominal;
+use crate::damper::parts::Parts;
 use heapless::Vec;
 
 effect_parameters! {

@@ -15,8 +15,8 @@
 
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
-use crate::damper::parts::Parts;
 use crate::damper::nominal::Nominal;
+use crate::damper::parts::Parts;
 use crate::damper::sampling;
 
 effect_parameters! {
