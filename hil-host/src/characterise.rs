@@ -20,10 +20,10 @@ use studies::bench_visit::protocol::{self, Test};
 use studies::bench_visit::random::Random;
 use studies::bench_visit::sensors::Sensors;
 use studies::bench_visit::test_list::TestList;
-use studies::bench_visit::{self, LABORATORY_DEGC, Modelled, RawRecord, Specimen};
+use studies::bench_visit::{self, LABORATORY_DEGC, Modelled, RawRecord, Specimen, measurements};
 use studies::hydraulic::HydraulicDamper;
 use studies::laboratory::{Laboratory, Limit};
-use studies::measurement::{self, Measurement};
+use studies::measurement;
 
 /// What `characterise` is told.
 #[derive(Debug, Args)]
@@ -138,8 +138,7 @@ pub fn command(args: &CharacteriseArgs) -> anyhow::Result<()> {
             "warning: {name}: {count} steps of the simulation were not solved as they should"
         );
     }
-    let tests: Vec<Measurement> =
-        records.iter().map(RawRecord::measurement).collect::<Result<_, _>>()?;
+    let tests = measurements(&records)?;
     let file = LaboratoryFile {
         format: 1,
         source,

@@ -241,7 +241,7 @@ fn motions(
     }
     layout.force = vec![layout.displacement.clone()];
     let tests = series::tests_of(&table, &layout)?;
-    tests.into_iter().map(Measurement::from_series).collect::<Result<_, _>>().map(Some)
+    Measurement::from_visit(tests).map(Some)
 }
 
 /// Reads everything that is asked about.

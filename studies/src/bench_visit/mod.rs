@@ -142,16 +142,28 @@ pub fn visit(
     records
 }
 
+/// The records of a visit as measurements, as if they had been written and read again together.
+///
+/// # Errors
+/// What makes a record unfit, such as too few samples.
+pub fn measurements(visit: &[RawRecord]) -> Result<Vec<Measurement>, MeasurementError> {
+    Measurement::from_visit(visit.iter().map(RawRecord::series))
+}
+
 impl RawRecord {
-    /// The record as a measurement, ready for a model: as if it had been written and read again.
+    /// The record alone as a measurement, ready for a model: as if it had been written and read again.
     ///
     /// # Errors
     /// What makes a record unfit, such as too few samples.
     pub fn measurement(&self) -> Result<Measurement, MeasurementError> {
+        Measurement::from_series(self.series())
+    }
+
+    fn series(&self) -> Series {
         let (x, force) = (self.displacement_m.clone(), self.force_n.clone());
         let mut series = Series::sampled(&self.name, self.rate_hz, x, force);
         series.temperature_degc.clone_from(&self.temperature_degc);
-        Measurement::from_series(series)
+        series
     }
 
     /// Writes the record as the project's CSV.

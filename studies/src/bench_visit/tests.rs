@@ -1,4 +1,5 @@
 use super::*;
+use crate::campaign::motion;
 use crate::series_model::SeriesModel;
 use crate::statistics::rms;
 use firmware_core::damper::effects::CATALOGUE;
@@ -104,6 +105,20 @@ fn every_effect_of_the_catalogue_can_be_visited() {
         assert_eq!(record.doubtful_steps, 0, "{}", info.name);
         assert_eq!(record.measurement().err(), None, "{}", info.name);
     }
+}
+
+#[test]
+fn a_quick_test_of_a_virtual_visit_with_a_late_sensor_was_turned_alone() {
+    let late = Effect::from_values("sensor_delay", &[0.01]).unwrap();
+    let damper = Modelled { damper: Damper::new(Nominal::NEW, &[late]).unwrap() };
+    let visit = visit(&damper, &motion::brief(1.0), &Sensors::of_range(50e3, 0.1), 4);
+    let quick = visit.iter().position(|record| record.name == "sine-quick").unwrap();
+    let together = measurements(&visit).unwrap();
+    for (record, test) in visit.iter().zip(&together) {
+        assert_eq!(record.force_n, test.force_n, "{}", record.name);
+    }
+    assert!(together[quick].repairs.iter().any(|told| told.contains("comes late?")));
+    assert!(visit[quick].measurement().unwrap().force_n != together[quick].force_n);
 }
 
 #[test]

@@ -161,7 +161,13 @@ impl Line {
         self.sizes = mounted.sizes.iter().map(|sized| sized.size).collect();
         self.reached = mounted.sizes.iter().all(|sized| sized.reached);
         self.parameters = mounted.damper.as_ref().map(true_parameters).unwrap_or_default();
-        let (train, holdout) = records(case, &*mounted.specimen, &case.sensors);
+        let (train, holdout) = match records(case, &*mounted.specimen, &case.sensors) {
+            Ok(records) => records,
+            Err(why) => {
+                self.failure = Some(why.to_string());
+                return;
+            }
+        };
         let (fitted, judged) = (TestsAtHand::new(train.clone()), TestsAtHand::new(holdout.clone()));
         let question = Question {
             train,

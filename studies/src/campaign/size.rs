@@ -4,19 +4,20 @@
 //! size = rms over all training tests of (force without noise - nominal damper refitted to it) / rms of the noise
 //! ```
 //!
-//! What the nominal damper can absorb does not count. The search over strengths fits from the true
+//! What the nominal damper can absorb does not count, and neither does a triangle where its force without
+//! noise is so flat that it would be refused as clipped. The search over strengths fits from the true
 //! numbers and simulates in longer steps; the size that is told is that in steps as short as they
 //! should be, after the same many-start fit with which `identify` begins.
 
 use super::case::Case;
 use crate::bench_visit::sensors::{Channel, Sensors};
 use crate::bench_visit::specimen::{Load, Response};
-use crate::bench_visit::{RawRecord, Specimen, visit};
+use crate::bench_visit::{Specimen, measurements, visit};
 use crate::identify::fit::{Effort, fit};
 use crate::identify::grey_box::{GreyBox, vector_of};
 use crate::identify::start::nominal_fit;
 use crate::identify::tests_at_hand::TestsAtHand;
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, MeasurementError};
 
 /// Strengths that are tried, at most.
 const TRIES: usize = 14;
@@ -133,8 +134,9 @@ fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
     let rough = Rough { specimen };
     let specimen = if thorough { specimen } else { &rough };
     let fitted: Vec<_> = case.tests.iter().filter(|test| !test.test_only).cloned().collect();
-    let visited = visit(specimen, &fitted, &silent(&case.sensors), case.seed);
-    let tests = TestsAtHand::new(visited.iter().flat_map(RawRecord::measurement).collect());
+    let mut visited = visit(specimen, &fitted, &silent(&case.sensors), case.seed);
+    visited.retain(|record| record.measurement().is_ok());
+    let tests = TestsAtHand::new(measurements(&visited).ok()?);
     let truth = vector_of(&case.nominal);
     let mut best = fit(&GreyBox::nominal(&tests.scale), &truth, &tests, Effort::FULL)?;
     if thorough {
@@ -162,17 +164,21 @@ impl Specimen for Rough<'_> {
 }
 
 /// The records of a case: those to fit and those to judge by.
+///
+/// # Errors
+/// What makes a record unfit.
 pub fn records(
     case: &Case,
     specimen: &dyn Specimen,
     sensors: &Sensors,
-) -> (Vec<Measurement>, Vec<Measurement>) {
+) -> Result<(Vec<Measurement>, Vec<Measurement>), MeasurementError> {
+    let visited = visit(specimen, &case.tests, sensors, case.seed);
     let (mut train, mut holdout) = (Vec::new(), Vec::new());
-    for record in visit(specimen, &case.tests, sensors, case.seed) {
+    for (record, test) in visited.iter().zip(measurements(&visited)?) {
         let to = if record.test_only { &mut holdout } else { &mut train };
-        to.extend(record.measurement());
+        to.push(test);
     }
-    (train, holdout)
+    Ok((train, holdout))
 }
 
 /// The same chain without noise.
@@ -201,7 +207,8 @@ mod tests {
             let case = Case::of_kind(Kind::Effect { effect, size }, 5, 0, true);
             let mounted = mount(&case).unwrap();
             // By a way of its own: noisy records, of which the noise is taken away in squares.
-            let tests = TestsAtHand::new(records(&case, &*mounted.specimen, &case.sensors).0);
+            let tests =
+                TestsAtHand::new(records(&case, &*mounted.specimen, &case.sensors).unwrap().0);
             let fit = nominal_fit(&tests, None).unwrap().fit;
             let square = fit.total_n2() / tests.counted_samples() as f64;
             let noise_n = case.noise_n();

@@ -14,7 +14,7 @@ const DAMPER: SeriesModel = SeriesModel {
 fn visit(model: SeriesModel, sensors: &Sensors) -> Vec<Measurement> {
     let damper = NullGenerator { model, outside: Vec::new() };
     let records = bench_visit::visit(&damper, &protocol::short(), sensors, 3);
-    records.iter().map(|record| record.measurement().unwrap()).collect()
+    bench_visit::measurements(&records).unwrap()
 }
 
 #[test]

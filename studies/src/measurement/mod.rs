@@ -97,6 +97,21 @@ impl Measurement {
         Ok(alone)
     }
 
+    /// The tests of one visit, wired alike: all of them together decide about their signs.
+    ///
+    /// # Errors
+    /// The first thing that does not fit.
+    pub fn from_visit(
+        visit: impl IntoIterator<Item = Series>,
+    ) -> Result<Vec<Self>, MeasurementError> {
+        let mut tests = visit
+            .into_iter()
+            .map(Self::as_recorded)
+            .collect::<Result<Vec<_>, MeasurementError>>()?;
+        settle_sign(&mut tests.iter_mut().collect::<Vec<_>>());
+        Ok(tests)
+    }
+
     /// The same, the force not yet turned.
     fn as_recorded(mut series: Series) -> Result<Self, MeasurementError> {
         checks::size(&series)?;

@@ -11,12 +11,11 @@
 use super::Basis;
 use super::row::{Figure, Row};
 use crate::bench_visit::sensors::Sensors;
-use crate::bench_visit::{protocol, record_from};
+use crate::bench_visit::{RawRecord, measurements, protocol, record_from};
 use crate::critical_speed::ascent::Ascent;
 use crate::hydraulic::HydraulicDamper;
 use crate::identify::start::nominal_fit;
 use crate::identify::tests_at_hand::TestsAtHand;
-use crate::measurement::Measurement;
 use firmware_core::damper::Nominal;
 use rayon::prelude::*;
 use report::Plot;
@@ -90,15 +89,10 @@ fn estimated(basis: &Basis<'_>, degc: f64, air_share: f64) -> Result<Estimated, 
     damper.oil.air_share = air_share;
     let sensors = Sensors::exact(RATE_HZ);
     let tests = protocol::short();
-    let records: Result<Vec<Measurement>, String> = tests
-        .iter()
-        .filter(|test| !test.test_only)
-        .map(|test| {
-            let record = record_from(&damper, test, &sensors, SEED, degc);
-            record.measurement().map_err(|why| why.to_string())
-        })
-        .collect();
-    let tests = TestsAtHand::new(records?);
+    let fitted = tests.iter().filter(|test| !test.test_only);
+    let records: Vec<RawRecord> =
+        fitted.map(|test| record_from(&damper, test, &sensors, SEED, degc)).collect();
+    let tests = TestsAtHand::new(measurements(&records).map_err(|why| why.to_string())?);
     let fit = nominal_fit(&tests, None).ok_or("no damper follows the physical one")?.fit;
     let fitted = fit.model.damper(&fit.values).ok_or("no damper has the fitted values")?;
     let nominal = *fitted.nominal();
