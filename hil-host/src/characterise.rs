@@ -175,19 +175,12 @@ fn specimen<'a>(
     Ok(("model", path, Box::new(Modelled { damper })))
 }
 
-/// Sensors whose ranges fit: found on the fastest test and the one that goes farthest.
+/// Sensors whose ranges fit: found by running every test once without noise.
 fn sensors(specimen: &dyn Specimen, list: &TestList) -> Sensors {
     let exact = Sensors { temperature_noise_k: Some(0.0), ..Sensors::exact(1000.0) };
-    let speed = |test: &&Test| test.excitation.reach().0;
-    let way = |test: &&Test| test.excitation.reach().1 + test.mean_m.abs();
-    let fastest = list.tests.iter().max_by(|a, b| speed(a).total_cmp(&speed(b)));
-    let farthest = list.tests.iter().max_by(|a, b| way(a).total_cmp(&way(b)));
-    let mut peak_force_n = 0.0f64;
-    for test in [fastest, farthest].into_iter().flatten() {
-        let record = bench_visit::record(specimen, test, &exact, 0);
-        peak_force_n =
-            record.force_n.iter().fold(peak_force_n, |most, force| most.max(force.abs()));
-    }
+    let visited = records(specimen, &list.tests, &exact, 0);
+    let forces = visited.iter().flat_map(|record| &record.force_n);
+    let peak_force_n = forces.fold(0.0, |most: f64, force| most.max(force.abs()));
     list.sensors.sensors(peak_force_n, protocol::reach(&list.tests).1)
 }
 

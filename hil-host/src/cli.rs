@@ -240,7 +240,7 @@ fn one_line(told: &str) -> String {
     let lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
     let ours =
         lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
-    ours.collect::<Vec<_>>().join("; ")
+    ours.collect::<Vec<_>>().join("; ").replace(":; ", ": ")
 }
 
 /// Set by Ctrl-C or a termination signal.

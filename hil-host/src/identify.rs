@@ -398,7 +398,17 @@ fn told(identification: &Identification, datasheet_given: bool) -> Result<String
     let mut out = String::new();
     let result = &identification.result;
     writeln!(out, "{}", sentence(result))?;
-    writeln!(out, "\n{:<14}{:>14}{:>9}{:>14}{:>9}", "rms error", "train N", "", "hold-out N", "")?;
+    if let Some(times) = result.not_followed() {
+        writeln!(
+            out,
+            "but the tests held out are missed by {times:.0} times as much as the fitted ones"
+        )?;
+    }
+    writeln!(
+        out,
+        "\n{:<14}{:>14}{:>10}{:>14}{:>10}",
+        "rms error", "train N", "", "hold-out N", ""
+    )?;
     let kept = result.empirical.as_ref().filter(|part| part.kept);
     let with_map = kept.and_then(|part| part.errors);
     let models = [
@@ -415,11 +425,11 @@ fn told(identification: &Identification, datasheet_given: bool) -> Result<String
             continue;
         };
         let held = match (errors.holdout_rmse_n, errors.holdout_nrmse) {
-            (Some(rmse), Some(share)) => format!("{rmse:>14.4}{:>8.2}%", 100.0 * share),
+            (Some(rmse), Some(share)) => format!("{rmse:>14.4}{:>9.2}%", 100.0 * share),
             _ => String::new(),
         };
         let share = 100.0 * errors.train_nrmse;
-        writeln!(out, "{name:<14}{:>14.4}{share:>8.2}%{held}", errors.train_rmse_n)?;
+        writeln!(out, "{name:<14}{:>14.4}{share:>9.2}%{held}", errors.train_rmse_n)?;
     }
     writeln!(out, "{:<14}{:>14.4}", "noise floor", result.noise_floor_n)?;
     writeln!(out, "\n{:<34}{:>14}{:>12}{:>14}", "parameter", "identified", "+-", "datasheet")?;

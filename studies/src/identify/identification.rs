@@ -1,6 +1,6 @@
 //! The whole identification: records in, three models and the story of what was found out.
 
-use super::cautions::{extrapolations, on_bounds, other_unit};
+use super::cautions::{extrapolations, not_followed, on_bounds, other_unit};
 use super::empirical::{Empirical, FittedMap, empirical};
 use super::fit::Fit;
 use super::grey_box::{GreyBox, NOMINAL, vector_of};
@@ -124,6 +124,11 @@ pub fn identify(
         with_effects: of(with_effects, &holdout),
     };
     notes.extend(other_unit(on_train.datasheet.as_ref(), &train));
+    notes.extend(not_followed(
+        on_holdout.with_effects.as_ref(),
+        &holdout,
+        with_effects.rms_n(&train),
+    ));
     notes.extend(extrapolations(&train, &holdout));
     notes.extend(on_bounds(with_effects, &train));
     notes.extend(found.accepted.iter().filter_map(|first| {
@@ -315,6 +320,7 @@ fn effects_found(
 ) -> Vec<EffectFound> {
     let standing = &found.with_effects.standing;
     let declared = train.tests.iter().all(|test| test.record.direction_declared);
+    let turned = train.tests.iter().any(|test| test.record.force_turned);
     found
         .accepted
         .iter()
@@ -328,10 +334,12 @@ fn effects_found(
                     (row.name, ParameterValue { value, std, unit: row.unit.symbol() })
                 })
                 .collect();
-            let direction = info.directional.then_some(if declared {
-                "positive is extension, as declared"
-            } else {
-                "not declared: positive is side A, negative side B"
+            let direction = info.directional.then_some(match (declared, turned) {
+                (true, false) => "positive is extension, as declared",
+                (true, true) => {
+                    "positive is extension if the displacement was right, to which the force was turned"
+                }
+                (false, _) => "not declared: positive is side A, negative side B",
             });
             EffectFound {
                 name: info.name,

@@ -163,6 +163,40 @@ pub fn refuse_clipped(series: &mut Series) -> Result<(), MeasurementError> {
     Ok(())
 }
 
+/// Samples of one equal force that noise does not make.
+const FROZEN: usize = 20;
+
+/// Refuses a force that stays the same to the last digit while the damper moves on, in a record with noise: a
+/// logger that hangs, a cable that is off.
+///
+/// # Errors
+/// There is such a stretch.
+pub fn refuse_frozen(series: &Series) -> Result<(), MeasurementError> {
+    let force = &series.force_n;
+    let moved = 0.01 * span(&series.displacement_m);
+    let mut frozen: Vec<usize> = Vec::new();
+    let mut start = 0;
+    for run in force.chunk_by(|a, b| a == b) {
+        let samples = start..start + run.len();
+        start = samples.end;
+        let inside = series.displacement_m.get(samples.clone()).unwrap_or_default();
+        if run.len() >= FROZEN && span(inside) > moved {
+            frozen.extend(samples);
+        }
+    }
+    let Some(value) = frozen.first().and_then(|sample| force.get(*sample)) else { return Ok(()) };
+    if !is_noisy(force) {
+        return Ok(());
+    }
+    let lines = listed(frozen.iter().map(|sample| series.line(*sample)));
+    let (name, count) = (&series.columns[2], frozen.len());
+    let found = format!(
+        "{name} {value} N to the last digit in {count} samples while the damper moves, lines {lines}"
+    );
+    let expected = "a force that goes on: a logger that hung, a cable that was off?";
+    Err(series.error(found, expected.to_owned()))
+}
+
 /// Third differences turn from sample to sample, as those of noise do and those of a smooth signal do
 /// not, and are larger than the last digit makes them.
 fn is_noisy(force_n: &[f64]) -> bool {
@@ -243,6 +277,28 @@ mod tests {
             x.extend(vec![to_m; (1e3 * hold_s) as usize]);
         }
         x
+    }
+
+    #[test]
+    fn a_force_that_froze_for_a_moment_was_taken_for_noise() {
+        let noise = |n: usize| ((n * 7919 + n * n * 104_729) % 997) as f64 - 498.0;
+        let phase = |n: usize| 0.0125 * n as f64;
+        let x: Vec<f64> = (0..3000).map(|n| 5e-3 * libm::sin(phase(n))).collect();
+        let clean = |n: usize| 1e4 * libm::cos(phase(n));
+        let noisy: Vec<f64> = (0..3000).map(|n| clean(n) + 0.1 * noise(n)).collect();
+        let judged = |force: &[f64]| {
+            let series = Series::sampled("a", 1e3, x.clone(), force.to_vec());
+            refuse_frozen(&series).map_err(|error| error.to_string())
+        };
+        assert_eq!(judged(&noisy), Ok(()));
+        let mut frozen = noisy.clone();
+        frozen[1400..1440].fill(noisy[1400]);
+        let told = judged(&frozen).unwrap_err();
+        assert!(told.contains("in 40 samples while the damper moves"), "{told}");
+        // In a clearance the force is nothing to the last digit where there is no noise.
+        let mut clean: Vec<f64> = (0..3000).map(clean).collect();
+        clean[1400..1440].fill(0.0);
+        assert_eq!(judged(&clean), Ok(()));
     }
 
     fn judged(x: &[f64]) -> Result<(), String> {

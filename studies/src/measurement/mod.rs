@@ -64,6 +64,8 @@ pub struct Measurement {
     pub run_in: usize,
     /// It is known which side is extension.
     pub direction_declared: bool,
+    /// The force disagreed with the displacement in sign and was turned: which of the two was right is not known.
+    pub force_turned: bool,
     /// What was mended, or looks odd, each a line.
     pub repairs: Vec<String>,
     /// Effects that the laboratory's processing has destroyed, by catalogue name, and how.
@@ -124,12 +126,13 @@ impl Measurement {
             }
         }
         checks::refuse_clipped(&mut series)?;
+        checks::refuse_frozen(&series)?;
         checks::mend_spikes(&mut series);
         let start_s = series.time_s.first().copied().unwrap_or(0.0);
         let step_s = clock::make_uniform(&mut series)?;
         checks::length(&series, step_s)?;
         let cycles = cycles::find(&series.displacement_m);
-        let agreement = Agreement::of(&series, &cycles)?;
+        let agreement = Agreement::of(&series, &cycles, step_s)?;
         let drive_m = smoothing::smoothed(&series.displacement_m);
         let (velocity_m_per_s, acceleration_m_per_s2) = interpolant::derivatives(&drive_m, step_s);
         checks::tell_velocity(&mut series, &velocity_m_per_s);
@@ -148,6 +151,7 @@ impl Measurement {
             cycles,
             run_in,
             direction_declared: series.extension != Extension::Unknown,
+            force_turned: false,
             repairs: series.repairs,
             destroyed: BTreeMap::new(),
             agreement,
@@ -244,14 +248,15 @@ pub fn read_tests(
     Ok(tests)
 }
 
-/// Turns the force of every test of a visit, or of none.
+/// Turns the force where it disagrees with the displacement.
 fn settle_sign(visit: &mut [&mut Measurement]) {
-    let turned = sign::disagree(visit.iter().map(|test| &test.agreement));
+    let disagree = sign::disagree(visit.iter().map(|test| &test.agreement));
     for test in visit {
-        if turned {
+        test.force_turned = test.agreement.turned(disagree);
+        if test.force_turned {
             test.force_n.iter_mut().for_each(|force| *force = -*force);
         }
-        test.repairs.extend(test.agreement.told(turned));
+        test.repairs.extend(test.agreement.told(disagree));
     }
 }
 

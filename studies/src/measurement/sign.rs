@@ -1,14 +1,15 @@
 //! Whether displacement and force agree in sign.
 //!
 //! A damper takes up work. Where a test seems to give some, one of its two signs is wrong; or its force
-//! comes so late that a stiff, quick test gives work although the signs are right. The wiring is the same
-//! in every test of a visit, so all of them together decide: the sum of
+//! comes so late that a stiff, quick test gives work although the signs are right. With
 //!
 //! ```text
-//! share = sum F dx / sum |F dx|        F without its mean, over whole cycles
+//! share(d) = sum F(t + d) dx(t) / sum |F(t + d) dx(t)|        F without its mean, over whole cycles
 //! ```
 //!
-//! over all tests in which it is larger than [`TOO_LITTLE`]. A sign that is wrong in both is not seen.
+//! a test is clear when its share has one sign, and more than [`TOO_LITTLE`], for every delay d from nothing
+//! to [`LATEST_S`]. A clear test decides for itself. The wiring is the same in every test of a visit, so the
+//! others follow the sum over the clear ones. A sign that is wrong in both is not seen.
 
 use super::error::MeasurementError;
 use super::series::Series;
@@ -16,6 +17,10 @@ use crate::statistics::{mean, rms};
 
 /// Share of work below which a test says nothing about its signs.
 const TOO_LITTLE: f64 = 0.02;
+/// Longest delay of a force, s: that of the effect `sensor_delay`.
+const LATEST_S: f64 = 0.02;
+/// Delays that are tried.
+const DELAYS: usize = 10;
 
 /// What a test says about its signs.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +31,8 @@ pub(super) struct Agreement {
     work_j: f64,
     /// That work over the sum of its absolute parts.
     share: f64,
+    /// That share, where no delay turns its sign.
+    clear: Option<f64>,
 }
 
 impl Agreement {
@@ -33,13 +40,27 @@ impl Agreement {
     ///
     /// # Errors
     /// Work is given and the "displacement" is three times as rough as the "force": swapped columns.
-    pub(super) fn of(series: &Series, cycles: &[usize]) -> Result<Self, MeasurementError> {
+    pub(super) fn of(
+        series: &Series,
+        cycles: &[usize],
+        step_s: f64,
+    ) -> Result<Self, MeasurementError> {
+        let whole = 0..series.force_n.len();
         let range = match (cycles.first(), cycles.last()) {
             (Some(first), Some(last)) => *first..*last,
-            _ => 0..series.force_n.len(),
+            _ => whole.clone(),
         };
-        let part = |values: &[f64]| values.get(range.clone()).unwrap_or(values).to_vec();
-        let (work_j, share) = work(&part(&series.displacement_m), &part(&series.force_n));
+        // The force of a later sample against the motion of this one.
+        let late = |samples: usize| {
+            let end = range.end.min(whole.end.saturating_sub(samples)).max(range.start);
+            let displacement_m = series.displacement_m.get(range.start..end);
+            let force_n = series.force_n.get(range.start + samples..end + samples);
+            work(displacement_m.unwrap_or_default(), force_n.unwrap_or_default())
+        };
+        let (work_j, share) = late(0);
+        let delays = (0..=DELAYS).map(|k| k as f64 / DELAYS as f64 * LATEST_S / step_s);
+        let shares = delays.map(|samples| late(samples.round() as usize).1 * share.signum());
+        let clear = (shares.fold(f64::INFINITY, f64::min) > TOO_LITTLE).then_some(share);
         let [_, displacement, force] = &series.columns;
         if share < -TOO_LITTLE {
             let (rough_x, rough_f) =
@@ -51,21 +72,38 @@ impl Agreement {
                 return Err(series.error(found, expected.to_owned()));
             }
         }
-        Ok(Self { columns: [displacement.clone(), force.clone()], work_j, share })
+        Ok(Self { columns: [displacement.clone(), force.clone()], work_j, share, clear })
     }
 
-    /// What is to be told of this test when its force is turned, or left as it is.
-    pub(super) fn told(&self, turned: bool) -> Option<String> {
-        let Self { columns: [displacement, force], work_j, share } = self;
-        let own = *share < -TOO_LITTLE;
-        match (turned, own) {
-            (true, true) => Some(format!("{force}: sign turned, the damper took up {work_j:.4} J")),
-            (true, false) => Some(format!(
+    /// True where the force of this test is to be turned, in a visit whose tests say `disagree` together.
+    pub(super) fn turned(&self, disagree: bool) -> bool {
+        self.clear.map_or(disagree, |share| share < 0.0)
+    }
+
+    /// What is to be told of this test, in a visit whose tests say `disagree` together.
+    pub(super) fn told(&self, disagree: bool) -> Option<String> {
+        let Self { columns: [displacement, force], work_j, share, clear } = self;
+        if displacement == force {
+            return None;
+        }
+        let turned = self.turned(disagree);
+        let alone = turned != disagree;
+        match (turned, alone) {
+            (true, true) => Some(format!(
+                "{force}: sign turned in this test alone, the damper took up {work_j:.4} J, which no delay up to \
+                 {LATEST_S} s explains"
+            )),
+            (true, false) if *share > TOO_LITTLE => Some(format!(
                 "{force}: sign turned as in the other tests, though the damper took up {work_j:.4} J"
             )),
+            (true, false) => {
+                Some(format!("{force}: sign turned, the damper took up {work_j:.4} J"))
+            }
             (false, true) => Some(format!(
-                "left as it is: {work_j:.4} J taken up, though {displacement} and {force} agree in sign in the \
-                 other tests; a force that comes late? another wiring?"
+                "{force}: sign left as it is in this test alone, the damper took up {work_j:.4} J"
+            )),
+            (false, false) if clear.is_none() && *share < -TOO_LITTLE => Some(format!(
+                "left as it is: {work_j:.4} J taken up, as by a damper whose {force} comes late"
             )),
             (false, false) if *share < TOO_LITTLE => Some(format!(
                 "left as it is: {work_j:.4} J taken up are too little to show that {displacement} and {force} \
@@ -76,10 +114,9 @@ impl Agreement {
     }
 }
 
-/// True where the tests of a visit say together that displacement and force disagree.
+/// True where the clear tests of a visit say together that displacement and force disagree.
 pub(super) fn disagree<'a>(visit: impl IntoIterator<Item = &'a Agreement>) -> bool {
-    let clear = visit.into_iter().map(|test| test.share).filter(|share| share.abs() > TOO_LITTLE);
-    clear.sum::<f64>() < 0.0
+    visit.into_iter().filter_map(|test| test.clear).sum::<f64>() < 0.0
 }
 
 /// Work that the damper took up (J), the mean force left out, and that work over the sum of its absolute
@@ -113,7 +150,7 @@ mod tests {
         let lead = lead_degree.to_radians();
         let x = (0..3000).map(|n| 1e-3 * libm::sin(phase(n))).collect();
         let force = (0..3000).map(|n| 1e4 * libm::sin(phase(n) + lead)).collect();
-        Agreement::of(&Series::sampled("a", 1e3, x, force), &[]).unwrap()
+        Agreement::of(&Series::sampled("a", 1e3, x, force), &[], 1e-3).unwrap()
     }
 
     #[test]
@@ -126,16 +163,25 @@ mod tests {
 
     #[test]
     fn a_late_force_in_a_stiff_test_was_turned_alone() {
-        let visit = [test(80.0), test(45.0), test(-15.0)];
-        assert!(!disagree(&visit));
-        assert!(visit[2].told(false).is_some_and(|told| told.contains("comes late?")));
+        // 20 ms are 14.4 degrees at 2 Hz.
+        let visit = [test(80.0), test(45.0), test(-10.0)];
+        assert!(!disagree(&visit) && !visit[2].turned(false));
+        assert!(visit[2].told(false).is_some_and(|told| told.contains("comes late")));
         assert_eq!(visit[0].told(false), None);
         // The same visit with the load cell wired the other way round.
-        let visit = [test(-100.0), test(-135.0), test(165.0)];
-        assert!(disagree(&visit));
+        let visit = [test(-100.0), test(-135.0), test(170.0)];
+        assert!(disagree(&visit) && visit.iter().all(|test| test.turned(true)));
         assert!(visit[2].told(true).is_some_and(|told| told.contains("as in the other tests")));
-        // Alone it is taken at its word, and what says nothing decides nothing.
-        assert!(disagree(&[test(-15.0)]) && !disagree(&[test(0.0)]));
+        // Alone a late test is left as it is, and what says nothing decides nothing.
+        assert!(!disagree(&[test(-10.0)]) && disagree(&[test(-30.0)]) && !disagree(&[test(0.0)]));
         assert!(test(0.0).told(false).is_some_and(|told| told.contains("too little")));
+    }
+
+    #[test]
+    fn a_force_reversed_in_one_test_was_left_as_a_late_one() {
+        let visit = [test(80.0), test(45.0), test(-127.0), test(60.0)];
+        assert!(!disagree(&visit));
+        assert_eq!(visit.each_ref().map(|test| test.turned(false)), [false, false, true, false]);
+        assert!(visit[2].told(false).is_some_and(|told| told.contains("in this test alone")));
     }
 }

@@ -3,13 +3,15 @@
 //! Three questions, each answered against chance with independent stretches of record:
 //! does the residual repeat from cycle to cycle ([`repeat`]); has it a shape over a coordinate that
 //! holds on tests left out ([`maps`]); has it lines in its spectrum ([`lines`])? What has none of
-//! these, above a quarter of the noise floor, is taken for noise. Two ten-thousandths of the force and
-//! less are what steps, interpolation and bounds of the models themselves leave.
+//! these, above a quarter of the noise floor, is taken for noise, unless a cycle is unlike all others
+//! ([`unlike`]). Two ten-thousandths of the force and less are what steps, interpolation and bounds of the
+//! models themselves leave.
 
 pub mod coordinates;
 pub mod lines;
 pub mod maps;
 pub mod repeat;
+pub mod unlike;
 
 use super::fit::Fit;
 use super::tests_at_hand::TestsAtHand;
@@ -19,6 +21,7 @@ use lines::Line;
 use maps::CoordinateMap;
 use rayon::prelude::*;
 use repeat::Repeat;
+use unlike::Unlike;
 
 /// Structure below this share of the noise floor is not worth a word.
 const LEAST_SHARE_OF_FLOOR: f64 = 0.25;
@@ -140,6 +143,9 @@ impl LeftOver {
                 ),
             });
         }
+        if let Some(event) = self.event(residual_n, tests) {
+            return Some(event);
+        }
         if let Some(map) = mapped {
             let repeated_n = if repeats { self.repeat.repeated_rms_n } else { 0.0 };
             return Some(Unexplained {
@@ -166,6 +172,41 @@ impl LeftOver {
             description: format!(
                 "{} N rms come again in every cycle, without one shape over any coordinate",
                 short(self.repeat.repeated_rms_n)
+            ),
+        })
+    }
+}
+
+impl LeftOver {
+    /// Cycles that are unlike all others, told by the largest of them.
+    fn event(&self, residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Option<Unexplained> {
+        let unlike = &self.repeat.unlike;
+        let largest = unlike.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n))?;
+        let record = &tests.tests[largest.test].record;
+        let ends = repeat::starts(&tests.tests[largest.test]);
+        let own = |one: &Unlike| {
+            let test = &tests.tests[one.test];
+            let cycles = repeat::cycles(test, &residual_n[one.test]);
+            cycles.get(one.cycle).map_or(0.0, |cycle| cycle.iter().map(|r| r * r).sum::<f64>())
+        };
+        let rms_n = (unlike.iter().map(own).sum::<f64>() / tests.counted_samples() as f64).sqrt();
+        let (from, to) = (ends.get(largest.cycle)?, ends.get(largest.cycle + 1)?);
+        Some(Unexplained {
+            rms_n: rms_n.min(self.rms_n),
+            coordinate: "time",
+            description: format!(
+                "something happens once in test {}, between {:.2} and {:.2} s: it differs from its neighbours by \
+                 {} N rms, cycles usually by {} N; {} such in all: a fault of the record?",
+                record.name,
+                record.time_s(*from),
+                record.time_s(*to),
+                short(largest.rms_n),
+                short(largest.usual_n),
+                if unlike.len() == 1 {
+                    "one cycle".to_owned()
+                } else {
+                    format!("{} cycles", unlike.len())
+                },
             ),
         })
     }

@@ -9,11 +9,12 @@
 //!
 //! whatever shape it has, slower than a few milliseconds (what is faster, a filter of the bench makes
 //! of every kink of the force, in a perfect model too), and half the mean square of `r_(i+1) - r_i` is the floor of noise, free of
-//! anything that repeats and of slow drift. Neighbouring cycles closer than the memory of ordinary
+//! anything that repeats and of slow drift, without cycles that are unlike all others ([`super::unlike`]). Neighbouring cycles closer than the memory of ordinary
 //! noise make no pair.
 
+use super::unlike::{Unlike, unlike};
 use crate::identify::chance::one_sided;
-use crate::identify::tests_at_hand::TestsAtHand;
+use crate::identify::tests_at_hand::{Test, TestsAtHand};
 
 /// Points of phase that a cycle is averaged into.
 const PHASES: usize = 256;
@@ -23,7 +24,7 @@ const SMOOTHED_S: f64 = 8e-3;
 const APART_S: f64 = 0.3;
 
 /// What a residual repeats, and what it does not.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Repeat {
     /// rms of what repeats, N, without what is faster than a few milliseconds.
     pub repeated_rms_n: f64,
@@ -35,18 +36,19 @@ pub struct Repeat {
     pub noise_floor_n: Option<f64>,
     /// Tests with cycles.
     pub tests: usize,
+    /// Cycles that are unlike all others.
+    pub unlike: Vec<Unlike>,
 }
 
 /// Compares cycles of all tests that have at least three.
 pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
     let (mut products, mut power, mut power_in_all, mut weight) = (Vec::new(), 0.0, 0.0, 0.0);
     let (mut scatter, mut scattered, mut with_cycles) = (0.0, 0usize, 0);
-    for (test, residual) in tests.tests.iter().zip(residual_n) {
+    let unlike = unlike(residual_n, tests);
+    for (index, (test, residual)) in tests.tests.iter().zip(residual_n).enumerate() {
         let record = &test.record;
-        let starts: Vec<usize> =
-            record.cycles.iter().copied().filter(|at| *at >= record.run_in).collect();
-        let cycles: Vec<&[f64]> =
-            starts.windows(2).filter_map(|pair| residual.get(pair[0]..pair[1])).collect();
+        let starts = starts(test);
+        let cycles = cycles(test, residual);
         if cycles.len() < 3 {
             continue;
         }
@@ -84,7 +86,11 @@ pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
             power_in_all += in_all * share;
             weight += samples as f64;
         }
-        for pair in cycles.windows(2) {
+        let odd = |cycle: usize| unlike.iter().any(|one| (one.test, one.cycle) == (index, cycle));
+        for (first, pair) in cycles.windows(2).enumerate() {
+            if odd(first) || odd(first + 1) {
+                continue;
+            }
             let length = pair[0].len().min(pair[1].len());
             scatter += pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
             scattered += length;
@@ -97,7 +103,19 @@ pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
         p_value: one_sided(&products),
         noise_floor_n: (scattered > 0).then(|| (0.5 * scatter / scattered as f64).sqrt()),
         tests: with_cycles,
+        unlike,
     }
+}
+
+/// The residual of a test, cycle by cycle, without its run-in.
+pub fn cycles<'a>(test: &Test, residual_n: &'a [f64]) -> Vec<&'a [f64]> {
+    starts(test).windows(2).filter_map(|pair| residual_n.get(pair[0]..pair[1])).collect()
+}
+
+/// First samples of those cycles, and the end of the last.
+pub fn starts(test: &Test) -> Vec<usize> {
+    let record = &test.record;
+    record.cycles.iter().copied().filter(|at| *at >= record.run_in).collect()
 }
 
 /// Mean over `half` samples to either side.

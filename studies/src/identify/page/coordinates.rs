@@ -40,7 +40,7 @@ pub(super) fn section(identification: &Identification) -> Section {
 /// The map that explains most, if it explains anything.
 pub(super) fn strongest(left: &LeftOver) -> Option<&CoordinateMap> {
     let questions = left.maps.len() as f64;
-    left.maps.first().filter(|map| map.share > LEAST_SHARE && map.p_value * questions < LARGEST_P)
+    left.maps.iter().find(|map| map.share > LEAST_SHARE && map.p_value * questions < LARGEST_P)
 }
 
 /// One plot per coordinate, the residual of an earlier model in grey behind it.

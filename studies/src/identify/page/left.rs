@@ -20,10 +20,11 @@ pub(super) fn section(identification: &Identification) -> Section {
     let mut section = Section::new("What is left");
     section = match &after.unexplained {
         None => section.text(&format!(
-            "{} rms, of which nothing repeats, follows a coordinate or stands out of the spectrum \
-             beyond a quarter of the noise floor of {}: this is taken for noise.",
+            "{} rms, of which over all tests nothing repeats, follows a coordinate or stands out of the \
+             spectrum beyond a quarter of the noise floor of {}: this is taken for noise{}.",
             quantity(after.rms_n, "N"),
-            quantity(after.noise_floor_n, "N")
+            quantity(after.noise_floor_n, "N"),
+            if after.lines.is_empty() { "" } else { ", the lines of single tests below with it" }
         )),
         Some(part) => section
             .warning(&format!(
