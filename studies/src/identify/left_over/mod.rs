@@ -21,7 +21,6 @@ use lines::Line;
 use maps::CoordinateMap;
 use rayon::prelude::*;
 use repeat::Repeat;
-use unlike::Unlike;
 
 /// Structure below this share of the noise floor is not worth a word.
 const LEAST_SHARE_OF_FLOOR: f64 = 0.25;
@@ -143,7 +142,7 @@ impl LeftOver {
                 ),
             });
         }
-        if let Some(event) = self.event(residual_n, tests) {
+        if let Some(event) = self.event(tests) {
             return Some(event);
         }
         if let Some(map) = mapped {
@@ -179,17 +178,13 @@ impl LeftOver {
 
 impl LeftOver {
     /// Cycles that are unlike all others, told by the largest of them.
-    fn event(&self, residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Option<Unexplained> {
+    fn event(&self, tests: &TestsAtHand) -> Option<Unexplained> {
         let unlike = &self.repeat.unlike;
         let largest = unlike.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n))?;
         let record = &tests.tests[largest.test].record;
         let ends = repeat::starts(&tests.tests[largest.test]);
-        let own = |one: &Unlike| {
-            let test = &tests.tests[one.test];
-            let cycles = repeat::cycles(test, &residual_n[one.test]);
-            cycles.get(one.cycle).map_or(0.0, |cycle| cycle.iter().map(|r| r * r).sum::<f64>())
-        };
-        let rms_n = (unlike.iter().map(own).sum::<f64>() / tests.counted_samples() as f64).sqrt();
+        let square_n2: f64 = unlike.iter().map(|one| one.square_n2).sum();
+        let rms_n = (square_n2 / tests.counted_samples() as f64).sqrt();
         let (from, to) = (ends.get(largest.cycle)?, ends.get(largest.cycle + 1)?);
         Some(Unexplained {
             rms_n: rms_n.min(self.rms_n),

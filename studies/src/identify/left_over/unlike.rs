@@ -2,7 +2,8 @@
 //!
 //! Noise of one bench is about as large in every cycle. A cycle whose residual differs from those of its
 //! neighbours many times as much as cycles usually do holds an event: a cable, a logger, a blow. It is no noise,
-//! and no effect of the catalogue comes once.
+//! and no effect of the catalogue comes once. Where such cycles hold less than half of the squared residual, the
+//! model is wrong elsewhere too and may make them itself; then they say nothing.
 
 use super::repeat::cycles;
 use crate::identify::tests_at_hand::TestsAtHand;
@@ -11,6 +12,8 @@ use crate::identify::tests_at_hand::TestsAtHand;
 const UNLIKE: f64 = 8.0;
 /// Differences below this share of the rms force are not worth a word.
 const LEAST_SHARE_OF_FORCE: f64 = 0.01;
+/// Share of the squared residual that they hold together.
+const LEAST_SHARE_OF_ALL: f64 = 0.5;
 /// Neighbours to either side that a cycle is compared with.
 const NEIGHBOURS: usize = 2;
 
@@ -25,6 +28,8 @@ pub struct Unlike {
     pub rms_n: f64,
     /// What is usual, N.
     pub usual_n: f64,
+    /// Sum of its squared residual, N2.
+    pub square_n2: f64,
 }
 
 /// Compares every cycle of tests that have at least three with its neighbours.
@@ -40,7 +45,9 @@ pub fn unlike(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Vec<Unlike> {
             let neighbours = cycles.iter().enumerate().skip(first).take(i - first + NEIGHBOURS + 1);
             let apart = neighbours.filter(|(j, _)| *j != i).map(|(_, other)| apart(cycle, other));
             let least = apart.fold(f64::INFINITY, f64::min);
-            all.push(Unlike { test: index, cycle: i, rms_n: (0.5 * least).sqrt(), usual_n: 0.0 });
+            let rms_n = (0.5 * least).sqrt();
+            let square_n2 = cycle.iter().map(|r| r * r).sum();
+            all.push(Unlike { test: index, cycle: i, rms_n, usual_n: 0.0, square_n2 });
         }
     }
     let mut sizes: Vec<f64> = all.iter().map(|cycle| cycle.rms_n).collect();
@@ -48,6 +55,11 @@ pub fn unlike(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Vec<Unlike> {
     let Some(usual_n) = sizes.get(sizes.len() / 2).copied() else { return Vec::new() };
     let least_n = (UNLIKE * usual_n).max(LEAST_SHARE_OF_FORCE * tests.rms_force_n());
     all.retain(|cycle| cycle.rms_n > least_n);
+    let counted = tests.tests.iter().zip(residual_n).map(|(test, r)| &r[test.counted()]);
+    let total: f64 = counted.flatten().map(|r| r * r).sum();
+    if all.iter().map(|cycle| cycle.square_n2).sum::<f64>() < LEAST_SHARE_OF_ALL * total {
+        return Vec::new();
+    }
     for cycle in &mut all {
         cycle.usual_n = usual_n;
     }
