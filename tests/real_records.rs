@@ -264,7 +264,7 @@ fn a_few_tests_of_other_laboratories_come_out_as_before() {
 }
 
 #[test]
-#[ignore = "a table of docs/identified-records.md; two minutes"]
+#[ignore = "a table of docs/identified-records.md; five minutes"]
 fn table_1_of_short_tests() {
     print_table([
         short_sines(4, "1.0"),
@@ -279,7 +279,7 @@ fn table_1_of_short_tests() {
 }
 
 #[test]
-#[ignore = "a table of docs/identified-records.md; half an hour"]
+#[ignore = "a table of docs/identified-records.md; twenty minutes"]
 fn table_2_of_all_tests_of_utfsm() {
     let mut visits = vec![
         Visit::utfsm("1.0", "1.0"),
@@ -292,7 +292,7 @@ fn table_2_of_all_tests_of_utfsm() {
 }
 
 #[test]
-#[ignore = "a table of docs/identified-records.md; twenty minutes"]
+#[ignore = "a table of docs/identified-records.md; a quarter of an hour"]
 fn table_3_of_all_tests_of_labcontrol() {
     print_table(["0", "0.871", "1.98", "3.212"].map(Visit::labcontrol));
 }

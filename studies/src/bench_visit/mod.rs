@@ -33,7 +33,7 @@ pub mod test_list;
 
 pub use specimen::{HeatBalance, Modelled, NullGenerator, Specimen};
 
-use crate::measurement::{Measurement, MeasurementError, Series};
+use crate::measurement::{Measurement, MeasurementError, Series, checks};
 use crate::series_model::Grid;
 use firmware_core::damper::effects::temperature_fade::AMBIENT_DEGC;
 use protocol::Test;
@@ -157,6 +157,11 @@ impl RawRecord {
     /// What makes a record unfit, such as too few samples.
     pub fn measurement(&self) -> Result<Measurement, MeasurementError> {
         Measurement::from_series(self.series())
+    }
+
+    /// Its force stays at its extreme while the damper moves ([`checks::is_flat_but_for_rounding`]).
+    pub fn is_flat_but_for_rounding(&self) -> bool {
+        checks::is_flat_but_for_rounding(&self.series())
     }
 
     fn series(&self) -> Series {

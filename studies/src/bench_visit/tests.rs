@@ -122,6 +122,18 @@ fn a_quick_test_of_a_virtual_visit_with_a_late_sensor_was_turned() {
 }
 
 #[test]
+fn a_triangle_of_a_simulation_in_full_digits_was_refused_as_clipped() {
+    let triangle =
+        motion::whole(1.0).into_iter().find(|test| test.name == "triangle-wide").unwrap();
+    let record = record(&null(), &triangle, &Sensors::exact(1000.0), 1);
+    assert!(record.is_flat_but_for_rounding());
+    let told = record.measurement().unwrap().repairs;
+    assert!(
+        told.iter().any(|told| told.starts_with("left as it is") && told.ends_with("clipped?"))
+    );
+}
+
+#[test]
 fn at_high_rates_the_filter_still_acts() {
     let test = &protocol::short()[6];
     for rate_hz in [10e3, 50e3] {

@@ -4,8 +4,8 @@
 //! size = rms over all training tests of (force without noise - nominal damper refitted to it) / rms of the noise
 //! ```
 //!
-//! What the nominal damper can absorb does not count, and neither does a triangle where its force without
-//! noise is so flat that it would be refused as clipped. The search over strengths fits from the true
+//! What the nominal damper can absorb does not count, and neither does a triangle whose force without noise
+//! is flat but for rounding. The search over strengths fits from the true
 //! numbers and simulates in longer steps; the size that is told is that in steps as short as they
 //! should be, after the same many-start fit with which `identify` begins.
 
@@ -135,7 +135,7 @@ fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
     let specimen = if thorough { specimen } else { &rough };
     let fitted: Vec<_> = case.tests.iter().filter(|test| !test.test_only).cloned().collect();
     let mut visited = visit(specimen, &fitted, &silent(&case.sensors), case.seed);
-    visited.retain(|record| record.measurement().is_ok());
+    visited.retain(|record| !record.is_flat_but_for_rounding() && record.measurement().is_ok());
     let tests = TestsAtHand::new(measurements(&visited).ok()?);
     let truth = vector_of(&case.nominal);
     let mut best = fit(&GreyBox::nominal(&tests.scale), &truth, &tests, Effort::FULL)?;

@@ -140,6 +140,12 @@ pub fn clipped(series: &Series) -> Option<(f64, Vec<usize>)> {
     at(first).map(|limit| (limit, found))
 }
 
+/// True where the force looks clipped, and only the arithmetic of a simulation tells its other samples from
+/// smooth ones.
+pub fn is_flat_but_for_rounding(series: &Series) -> bool {
+    clipped(series).is_some() && is_noisy(&series.force_n, 0.0)
+}
+
 /// Refuses a force that was clipped; tells of one that may have been.
 ///
 /// A damper may hold its greatest force too, but not to the last digit where the rest of the record has
@@ -155,7 +161,7 @@ pub fn refuse_clipped(series: &mut Series) -> Result<(), MeasurementError> {
         series.columns[2],
         samples.len()
     );
-    if is_noisy(&series.force_n) {
+    if is_noisy(&series.force_n, LEAST_NOISE) {
         let expected = "a force that was not clipped: measure again over a wider range";
         return Err(series.error(found, expected.to_owned()));
     }
@@ -166,28 +172,37 @@ pub fn refuse_clipped(series: &mut Series) -> Result<(), MeasurementError> {
 /// Samples of one equal force that noise does not make.
 const FROZEN: usize = 20;
 
-/// Refuses a force that stays the same to the last digit while the damper moves on, in a record with noise: a
-/// logger that hangs, a cable that is off.
+/// Refuses a force that stays the same to the last digit while the damper moves on and then leaps further than it
+/// does anywhere else, in a record with noise: a logger that hangs, a cable that is off. (A simulated force is
+/// nothing at all in a clearance, and leaves it without a leap.)
 ///
 /// # Errors
 /// There is such a stretch.
 pub fn refuse_frozen(series: &Series) -> Result<(), MeasurementError> {
     let force = &series.force_n;
     let moved = 0.01 * span(&series.displacement_m);
-    let mut frozen: Vec<usize> = Vec::new();
+    let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
     let mut start = 0;
     for run in force.chunk_by(|a, b| a == b) {
         let samples = start..start + run.len();
         start = samples.end;
         let inside = series.displacement_m.get(samples.clone()).unwrap_or_default();
         if run.len() >= FROZEN && span(inside) > moved {
-            frozen.extend(samples);
+            runs.push(samples);
         }
     }
-    let Some(value) = frozen.first().and_then(|sample| force.get(*sample)) else { return Ok(()) };
-    if !is_noisy(force) {
+    if runs.is_empty() || !is_noisy(force, LEAST_NOISE) {
         return Ok(());
     }
+    // The step from a sample to the next one.
+    let step = |at: usize| force.get(at..at + 2).map_or(0.0, |pair| (pair[1] - pair[0]).abs());
+    let ends = |run: &std::ops::Range<usize>| [run.start.saturating_sub(1), run.end - 1];
+    let beside: Vec<usize> = runs.iter().flat_map(ends).collect();
+    let elsewhere = (0..force.len()).filter(|at| !beside.contains(at)).map(step);
+    let largest = elsewhere.fold(0.0, f64::max);
+    runs.retain(|run| ends(run).into_iter().map(step).fold(0.0, f64::max) > largest);
+    let frozen: Vec<usize> = runs.into_iter().flatten().collect();
+    let Some(value) = frozen.first().and_then(|sample| force.get(*sample)) else { return Ok(()) };
     let lines = listed(frozen.iter().map(|sample| series.line(*sample)));
     let (name, count) = (&series.columns[2], frozen.len());
     let found = format!(
@@ -197,13 +212,17 @@ pub fn refuse_frozen(series: &Series) -> Result<(), MeasurementError> {
     Err(series.error(found, expected.to_owned()))
 }
 
+/// Noise of a sensor is at least this share of what it shows: less is the arithmetic of a simulation.
+const LEAST_NOISE: f64 = 1e-6;
+
 /// Third differences turn from sample to sample, as those of noise do and those of a smooth signal do
-/// not, and are larger than the last digit makes them.
-fn is_noisy(force_n: &[f64]) -> bool {
+/// not, and are larger than the last digit makes them and than a share of the whole span.
+fn is_noisy(force_n: &[f64], least_noise: f64) -> bool {
     let digit = smallest_change(force_n, 0.0);
     let thirds = force_n.windows(4).map(|f| f[3] - 3.0 * f[2] + 3.0 * f[1] - f[0]);
     // Rounding alone makes up to four digits.
-    let thirds: Vec<f64> = thirds.filter(|third| third.abs() > 8.0 * digit).collect();
+    let least = (8.0 * digit).max(least_noise * span(force_n));
+    let thirds: Vec<f64> = thirds.filter(|third| third.abs() > least).collect();
     let turns = thirds.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
     4 * thirds.len() > force_n.len() && 2 * turns > thirds.len()
 }

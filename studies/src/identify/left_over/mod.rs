@@ -170,7 +170,7 @@ impl LeftOver {
             coordinate: "phase",
             description: format!(
                 "{} N rms come again in every cycle, without one shape over any coordinate",
-                short(self.repeat.repeated_rms_n)
+                short(at_most(self.repeat.repeated_rms_n))
             ),
         })
     }
