@@ -398,12 +398,6 @@ fn told(identification: &Identification, datasheet_given: bool) -> Result<String
     let mut out = String::new();
     let result = &identification.result;
     writeln!(out, "{}", sentence(result))?;
-    if let Some(times) = result.not_followed() {
-        writeln!(
-            out,
-            "but the tests held out are missed by {times:.0} times as much as the fitted ones"
-        )?;
-    }
     writeln!(
         out,
         "\n{:<14}{:>14}{:>10}{:>14}{:>10}",

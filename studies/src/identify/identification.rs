@@ -124,11 +124,6 @@ pub fn identify(
         with_effects: of(with_effects, &holdout),
     };
     notes.extend(other_unit(on_train.datasheet.as_ref(), &train));
-    notes.extend(not_followed(
-        on_holdout.with_effects.as_ref(),
-        &holdout,
-        with_effects.rms_n(&train),
-    ));
     notes.extend(extrapolations(&train, &holdout));
     notes.extend(on_bounds(with_effects, &train));
     notes.extend(found.accepted.iter().filter_map(|first| {
@@ -139,7 +134,10 @@ pub fn identify(
         ))
     }));
     let left = |fit: &Fit| LeftOver::of(fit, &train).ok_or(IdentifyError::NoFit);
-    let (left_before, left_after) = (left(refitted)?, left(with_effects)?);
+    let (left_before, mut left_after) = (left(refitted)?, left(with_effects)?);
+    if left_after.unexplained.is_none() {
+        left_after.unexplained = not_followed(with_effects, &train, &holdout);
+    }
     let tried = wanted.then(|| {
         progress("an empirical map");
         let on_holdout = on_holdout.with_effects.as_ref();

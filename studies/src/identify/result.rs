@@ -1,6 +1,5 @@
 //! The result as it is written to `result.json`.
 
-use super::cautions::NOT_FOLLOWED;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -58,16 +57,6 @@ pub struct Models<T> {
     pub refitted: T,
     /// The same with the effects that were found.
     pub with_effects: T,
-}
-
-impl IdentifyResult {
-    /// Error of the tests held out in errors of the fitted ones, where it is so many that the verdict does not
-    /// hold for them ([`NOT_FOLLOWED`]).
-    pub fn not_followed(&self) -> Option<f64> {
-        let errors = self.errors.with_effects.as_ref()?;
-        let times = errors.holdout_rmse_n? / errors.train_rmse_n;
-        (times > NOT_FOLLOWED).then_some(times)
-    }
 }
 
 /// Errors of free-running simulation over all samples but the run-in.

@@ -76,12 +76,6 @@ pub(super) fn section(identification: &Identification) -> Section {
         }
     });
     let mut section = Section::new("In short").tiles(tiles).text(&story(identification, held_out));
-    if let Some(times) = result.not_followed() {
-        section = section.warning(&format!(
-            "The tests held out are missed by {times:.0} times as much as the fitted ones: what is said of these \
-             does not hold there."
-        ));
-    }
     if !held_out {
         section = section.note(
             "No test was held out: the errors are those of the fitted tests. What an effect gains was \

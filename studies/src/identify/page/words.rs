@@ -27,6 +27,7 @@ pub(super) fn lives(coordinate: &str) -> String {
     match coordinate {
         "phase" => "that come again in every cycle".to_owned(),
         "frequency" => "in lines of the spectrum".to_owned(),
+        "held_out_tests" => "in the tests held out".to_owned(),
         other => format!("over {}", spoken(other)),
     }
 }
