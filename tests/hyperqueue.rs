@@ -51,7 +51,10 @@ fn hyperqueue_runs_the_shards_of_a_sweep() {
         let (of, out) = (format!("--shard={shard}/2"), format!("--out={}/part", place.display()));
         [&[env!("CARGO_BIN_EXE_yawbench")][..], &sweep, &[&of, &out]].concat().join("|")
     };
-    let submitted = output(Command::new(&python).args(["-c", SUBMIT]).args([1, 2].map(line)));
+    // HyperQueue writes what its tasks print where they were submitted.
+    let mut submit = Command::new(&python);
+    submit.args(["-c", SUBMIT]).args([1, 2].map(line)).current_dir(&place);
+    let submitted = output(&mut submit);
     let errors = String::from_utf8_lossy(&submitted.stderr);
     assert!(submitted.status.success(), "{errors}");
     let parts: Vec<String> = [1, 2]

@@ -49,12 +49,10 @@ pub fn extrapolations(train: &TestsAtHand, holdout: &TestsAtHand) -> Vec<String>
 /// Tests held out that the model does not follow, where all of them together are missed by far more than the
 /// fitted ones: what is wrong there, no fitted test shows.
 pub fn not_followed(
-    with_effects: &Fit,
-    train: &TestsAtHand,
-    holdout: &TestsAtHand,
+    (on_train, train): (&Fit, &TestsAtHand),
+    (on_holdout, holdout): (&Fit, &TestsAtHand),
 ) -> Option<Unexplained> {
-    let on_holdout = Fit::of(&with_effects.model, &with_effects.values, holdout)?;
-    let (seen_n, held_n) = (with_effects.rms_n(train), holdout.rmse_n(&on_holdout.force_n)?);
+    let (seen_n, held_n) = (on_train.rms_n(train), holdout.rmse_n(&on_holdout.force_n)?);
     if held_n <= NOT_FOLLOWED * seen_n {
         return None;
     }
@@ -193,8 +191,9 @@ mod tests {
         let damper =
             Nominal { ke_n_per_m: 1e9, clearance_2a_m: 0.0, f_relief_n: 1e6, ..Nominal::NEW };
         let own_fit = Fit::of(&GreyBox::nominal(&own.scale), &vector_of(&damper), &own).unwrap();
-        assert_eq!(not_followed(&own_fit, &own, &own), None);
-        let left = not_followed(&own_fit, &own, &other).unwrap();
+        assert_eq!(not_followed((&own_fit, &own), (&own_fit, &own)), None);
+        let on_other = Fit::of(&own_fit.model, &own_fit.values, &other).unwrap();
+        let left = not_followed((&own_fit, &own), (&on_other, &other)).unwrap();
         assert_eq!(left.coordinate, "held_out_tests");
         assert!(left.description.contains(", a most with "), "{left:?}");
     }

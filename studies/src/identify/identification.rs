@@ -135,8 +135,10 @@ pub fn identify(
     }));
     let left = |fit: &Fit| LeftOver::of(fit, &train).ok_or(IdentifyError::NoFit);
     let (left_before, mut left_after) = (left(refitted)?, left(with_effects)?);
-    if left_after.unexplained.is_none() {
-        left_after.unexplained = not_followed(with_effects, &train, &holdout);
+    if left_after.unexplained.is_none()
+        && let Some(held_out) = &on_holdout.with_effects
+    {
+        left_after.unexplained = not_followed((with_effects, &train), (held_out, &holdout));
     }
     let tried = wanted.then(|| {
         progress("an empirical map");

@@ -9,7 +9,8 @@
 //!
 //! whatever shape it has, slower than a few milliseconds (what is faster, a filter of the bench makes
 //! of every kink of the force, in a perfect model too), and half the mean square of `r_(i+1) - r_i` is the floor of noise, free of
-//! anything that repeats and of slow drift, without cycles that are unlike all others ([`super::unlike`]). Neighbouring cycles closer than the memory of ordinary
+//! anything that repeats and of slow drift, without cycles that are unlike all others ([`super::unlike`]).
+//! Neighbouring cycles closer than the memory of ordinary
 //! noise make no pair.
 
 use super::unlike::{Unlike, unlike};
