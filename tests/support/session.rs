@@ -19,10 +19,10 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// A scenario of the repository, cut to a duration.
-pub(crate) fn scenario(name: &str, duration_s: f64) -> Run {
+/// A scenario of the repository, perhaps cut to a duration.
+pub(crate) fn scenario(name: &str, duration_s: impl Into<Option<f64>>) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name);
-    let overrides = Overrides { duration_s: Some(duration_s), speed_kmh: None };
+    let overrides = Overrides { duration_s: duration_s.into(), speed_kmh: None };
     Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
