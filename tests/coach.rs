@@ -1,6 +1,6 @@
 //! The Manchester coach from its data file: another vehicle without code of its own.
 //!
-//! It runs over irregular track; how it stands and vibrates is in `studies/src/validation/coach.rs`.
+//! It runs over irregular track; how it stands and vibrates is in `evidence/src/validation/coach.rs`.
 
 #![expect(clippy::unwrap_used, reason = "a test stops where it fails")]
 

@@ -5,17 +5,19 @@
 //! table with `YAWBENCH_PRINT_GOLDEN=1 cargo test golden -- --nocapture`, put it into the file, and
 //! say in the commit what changed.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
 #[path = "support/session.rs"]
 #[allow(dead_code, reason = "shared by several tests")]
 mod support;
 
 use firmware_core::damper::effects::CATALOGUE;
 use firmware_core::damper::{Damper, DamperState, Effect, Motion, Nominal};
+use firmware_core::fnv;
 use firmware_core::wheel_rail::creep::{ConicalPrescribed, CreepLaw, Creepage, Fastsim, Patch};
 use hil_host::control::End;
 use std::collections::BTreeMap;
 use std::path::Path;
-use studies::fnv;
 use support::{run_through, scenario};
 
 /// Groups of named hashes, as the file has them.

@@ -5,15 +5,15 @@
 
 use firmware_core::damper::effects::Effect;
 use firmware_core::damper::{Damper, Nominal};
+use identification::result::Verdict;
+use identification::{Identification, Question, identify, page};
+use measurement::{Measurement, Series};
 use std::path::PathBuf;
-use studies::bench_visit::excitation::Excitation;
-use studies::bench_visit::sensors::Sensors;
-use studies::bench_visit::{self, Modelled, NullGenerator, protocol};
-use studies::identify::result::Verdict;
-use studies::identify::{Identification, Question, identify, page};
-use studies::measurement::{Measurement, Series};
-use studies::series_model::SeriesModel;
-use studies::series_model::outside::Outside;
+use virtual_bench::bench_visit::excitation::Excitation;
+use virtual_bench::bench_visit::sensors::Sensors;
+use virtual_bench::bench_visit::{self, Modelled, NullGenerator, protocol};
+use virtual_bench::series_model::SeriesModel;
+use virtual_bench::series_model::outside::Outside;
 
 const NOMINAL: Nominal = Nominal {
     ce_n_s_per_m: 1e6,

@@ -8,7 +8,7 @@ mod support;
 
 use can_protocol::Node;
 use hil_host::record::measured::{read_bus_log, read_record};
-use studies::measurement::{Measurement, noise};
+use measurement::{Measurement, noise};
 use support::{folder, output, repository, yawbench};
 
 #[test]

@@ -15,10 +15,10 @@
 #[allow(dead_code, reason = "shared by several tests")]
 mod support;
 
+use measurement::read_tests;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use studies::measurement::read_tests;
 use support::{folder, output, repository, yawbench};
 
 const SINE: &str = "utfsm_mr_damper_sine.csv";

@@ -18,6 +18,7 @@
 
 pub mod compensation;
 pub mod damper;
+pub mod fnv;
 pub mod guard;
 pub mod lanes;
 pub mod line;

@@ -12,26 +12,13 @@
 //! process of its own.
 
 pub mod bus;
-pub mod campaign;
-pub mod characterise;
-pub mod cli;
 pub mod clock;
 pub mod columns;
 pub mod comparison;
 pub mod control;
-pub mod critical_speed;
-pub mod curve;
-pub mod identify;
-mod output;
 pub mod page;
-mod predictions;
-mod progress;
 pub mod realtime;
 pub mod record;
-pub mod reproduce;
-pub mod ride;
 pub mod rig;
 pub mod run;
-pub mod study;
 pub mod summary;
-mod validation;

@@ -5,7 +5,7 @@ use crate::summary::{DamperSummary, SEGMENT_S, Summary};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use report::{Cell, Plot, Report, Section, Table, Tile, logarithmic_bins};
 use scenario::run::{CYCLE_S, Run};
-use studies::spectrum::Spectrum;
+use signal::spectrum::Spectrum;
 
 /// The report of a run; with `compared`, also what stands beside it.
 pub fn page(

@@ -95,8 +95,6 @@ pub struct RunOptions {
     pub out: Option<PathBuf>,
     /// Name for the default folder.
     pub name: String,
-    /// Print the summary as JSON.
-    pub json: bool,
     /// Real-time set-up.
     pub realtime: RealtimeOptions,
 }

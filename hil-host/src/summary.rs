@@ -7,8 +7,8 @@ use crate::control::{End, SessionState, hash};
 use hdrhistogram::Histogram;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use serde::Serialize;
-use studies::spectrum::Spectrum;
-use studies::statistics;
+use signal::spectrum::Spectrum;
+use signal::statistics;
 
 /// The summary of a run. What does not apply is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]

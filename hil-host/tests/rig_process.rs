@@ -38,8 +38,7 @@ impl Bus for Script {
     }
 }
 
-const OPTIONS: Options =
-    Options { exit_after_run: true, json: false, realtime: RealtimeOptions::NONE };
+const OPTIONS: Options = Options { exit_after_run: true, realtime: RealtimeOptions::NONE };
 
 /// A lock-step run of 50 commands, one of them repeated and one spoilt, and its end.
 fn played() -> (Script, RigSummary) {

@@ -20,8 +20,7 @@ use std::time::Duration;
 use support::{Host, setup};
 
 const NODE: Node = Node::ALL[0];
-const OPTIONS: Options =
-    Options { exit_after_run: true, json: false, realtime: RealtimeOptions::NONE };
+const OPTIONS: Options = Options { exit_after_run: true, realtime: RealtimeOptions::NONE };
 
 /// Longer than anything here takes: only a failure waits for it.
 const PATIENCE: Duration = Duration::from_secs(20);

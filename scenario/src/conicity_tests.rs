@@ -1,5 +1,5 @@
 //! Rolling radius differences and conicities against published and closed-form numbers; those of UIC 519 are
-//! in `studies/src/validation/conicity.rs`.
+//! in `evidence/src/validation/conicity.rs`.
 
 use super::*;
 use crate::contact_geometry::Placement;

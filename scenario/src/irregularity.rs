@@ -8,7 +8,7 @@
 //! ```
 //! Each channel is a sum of 600 cosines with random phase, one per band of equal ratio between the
 //! longest and the shortest wavelength; a band's variance is the closed integral of the density,
-//! so the variance is exact whatever the number of bands (`studies/src/validation/irregularity.rs`). The four channels are independent, from
+//! so the variance is exact whatever the number of bands (`evidence/src/validation/irregularity.rs`). The four channels are independent, from
 //! one seed. Either kind grows out of perfect track, on which the vehicle starts in equilibrium.
 
 use crate::quantity::Quantity;

@@ -13,7 +13,7 @@ use firmware_core::vehicle::{LATERAL, Running, VERTICAL, VehicleState};
 use firmware_core::wheel_rail::creep::{CreepLaw, Fastsim};
 use scenario::equilibrium;
 use scenario::run::{CYCLE_S, Run};
-use studies::{guiding_force, statistics};
+use signal::{guiding_force, statistics};
 
 /// Bodies whose accelerations are compared: name, index.
 const BODIES: [(&str, usize); 3] = [("carbody", 0), ("front bogie", 1), ("wheelset 1", 3)];

@@ -1,7 +1,7 @@
 //! Directions: what is left, what is right, and what pushes where.
 //!
 //! x forward, y right, z down. Signs are easy to get wrong in pairs, so each is tested by what it
-//! must do to a vehicle. Left against right as a whole: `studies/src/validation/symmetry.rs`.
+//! must do to a vehicle. Left against right as a whole: `evidence/src/validation/symmetry.rs`.
 
 use crate::contact_sweep::under_load;
 use crate::locomotive::{

@@ -4,11 +4,11 @@ use firmware_core::damper::{Damper, Nominal};
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
 use std::path::Path;
-use studies::critical_speed::fold::Fold;
-use studies::critical_speed::linear::LinearSpeed;
-use studies::critical_speed::{Critical, Procedure};
-use studies::ride::{self, Ride};
-use studies::trip::Equipped;
+use vehicle_studies::critical_speed::fold::Fold;
+use vehicle_studies::critical_speed::linear::LinearSpeed;
+use vehicle_studies::critical_speed::{Critical, Procedure};
+use vehicle_studies::ride::{self, Ride};
+use vehicle_studies::trip::Equipped;
 
 fn locomotive(nominal: Nominal) -> Equipped {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/ss9-160kmh.toml");

@@ -23,8 +23,8 @@ use firmware_core::damper::Damper;
 use scenario::compare::CompareSetup;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use serde::Serialize;
+use signal::statistics;
 use std::collections::BTreeMap;
-use studies::statistics;
 
 /// A comparison as it stands in `summary.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]

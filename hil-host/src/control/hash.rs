@@ -1,11 +1,11 @@
 //! The trajectory hash: one number that two runs share only when every bit of them is the same.
 //!
-//! FNV-1a ([`studies::fnv`]) over 64-bit words instead of bytes. Words are the IEEE bits of the positions of all bodies and rails, then of the
+//! FNV-1a ([`firmware_core::fnv`]) over 64-bit words instead of bytes. Words are the IEEE bits of the positions of all bodies and rails, then of the
 //! forces in the damper slots, every cycle.
 
+use firmware_core::fnv;
 use firmware_core::line::LineState;
 use firmware_core::vehicle::Vehicle;
-use studies::fnv;
 
 /// Name of the algorithm in `summary.json`.
 pub const ALGORITHM: &str = "fnv1a-64 over little-endian f64 words";

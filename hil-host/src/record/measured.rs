@@ -14,11 +14,11 @@ use can_protocol::{
     RunState, Status, Sync,
 };
 use firmware_core::vehicle::DAMPER_SLOTS;
+use measurement::mapping::Extension;
+use measurement::{MeasurementError, Series};
 use socketcan::dump::{ParseError, Reader};
 use socketcan::{CanAnyFrame, EmbeddedFrame, Frame as _};
 use std::path::{Path, PathBuf};
-use studies::measurement::mapping::Extension;
-use studies::measurement::{MeasurementError, Series};
 
 /// Lost frames in a row that the receiver accepts; below half the 4-bit counter.
 const MAX_DELTA: u8 = 5;
@@ -295,8 +295,8 @@ mod tests {
     use super::*;
     use crate::bus::WireFrame;
     use crate::record::{BusEvent, BusLog, NpyWriter};
+    use measurement::Measurement as Test;
     use std::num::{NonZeroU8, NonZeroU16};
-    use studies::measurement::Measurement as Test;
 
     fn place(name: &str) -> PathBuf {
         std::env::temp_dir().join(format!("yawbench-{}-{name}", std::process::id()))

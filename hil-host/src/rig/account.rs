@@ -104,7 +104,7 @@ pub(super) fn print_statuses(mut statuses: Consumer<'_, Status>, done: &AtomicBo
 }
 
 /// The account of a rig in two lines.
-pub(super) fn summary_text(summary: &RigSummary) -> String {
+pub fn summary_text(summary: &RigSummary) -> String {
     let mut lines = Vec::new();
     let frames = &summary.frames;
     lines.push(format!(

@@ -7,18 +7,16 @@
 //! The clock-paced loop neither prints nor allocates: once per second it hands a small status to an
 //! ordinary thread, which prints it.
 
-pub use super::account::RigSummary;
+pub use super::account::{RigSummary, summary_text};
 
-use super::account::{Status, print_statuses, summary_text};
+use super::account::{Status, print_statuses};
 use super::{RigNode, Timing};
 use crate::bus::{Bus, Sent, SocketCanBus};
 use crate::clock::Pacer;
-use crate::output::print;
 use crate::realtime::{self, RealtimeOptions};
 use can_protocol::{MessageId, Node, Pace, Profile, RunState};
 use heapless::spsc::{Producer, Queue};
 use scenario::rig::RigSetup;
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -31,32 +29,27 @@ pub const LINGER: Duration = Duration::from_secs(2);
 /// Longest wait for a frame, so that a stop is seen.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// Exit code of a rig that ended in the safe state.
-const SAFE_STATE: u8 = 3;
-
 /// How a rig runs and ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
     /// End when the host has ended its run, or some time after going safe.
     pub exit_after_run: bool,
-    /// Print the summary as JSON, and nothing else on standard output.
-    pub json: bool,
     /// Real-time set-up.
     pub realtime: RealtimeOptions,
 }
 
-/// Runs a rig on a CAN interface until it is told to stop, and prints what it did.
+/// Runs a rig on a CAN interface until it is told to stop.
 ///
 /// # Errors
 /// The interface cannot be used, or real time is required and was not granted.
-pub fn command(
+pub fn run_on(
     setup: &RigSetup,
     interface: &str,
     node: Node,
     profile: Profile,
     options: &Options,
     stop: &AtomicBool,
-) -> anyhow::Result<ExitCode> {
+) -> anyhow::Result<RigSummary> {
     // Either profile: the host's sync says which one it speaks.
     let accept = [
         MessageId::Sync,
@@ -66,13 +59,7 @@ pub fn command(
     let mut bus = SocketCanBus::open(interface, &accept, profile)?;
     eprintln!("rig node {node}, {}, on {interface}: waiting for a host", setup.name);
     let mut rig = RigNode::new(setup, node, profile);
-    let summary = serve(&mut rig, &mut bus, options, stop)?;
-    if options.json {
-        print(&serde_json::to_string_pretty(&summary)?)?;
-    } else {
-        print(&summary_text(&summary))?;
-    }
-    Ok(if summary.is_safe() { ExitCode::from(SAFE_STATE) } else { ExitCode::SUCCESS })
+    serve(&mut rig, &mut bus, options, stop)
 }
 
 /// Serves a rig on a bus until `stop`, or until the run is over when asked to end with it.

@@ -1,0 +1,230 @@
+//! The strength at which an effect has the wanted size.
+//!
+//! ```text
+//! size = rms over all training tests of (force without noise - nominal damper refitted to it) / rms of the noise
+//! ```
+//!
+//! What the nominal damper can absorb does not count, and neither does a triangle whose force without noise
+//! is flat but for rounding. The search over strengths fits from the true
+//! numbers and simulates in longer steps; the size that is told is that in steps as short as they
+//! should be, after the same many-start fit with which `identify` begins.
+
+use super::case::Case;
+use identification::fit::{Effort, fit};
+use identification::grey_box::{GreyBox, vector_of};
+use identification::start::nominal_fit;
+use identification::tests_at_hand::TestsAtHand;
+use measurement::{Measurement, MeasurementError};
+use virtual_bench::bench_visit::sensors::{Channel, Sensors};
+use virtual_bench::bench_visit::specimen::{Load, Response};
+use virtual_bench::bench_visit::{Specimen, measurements, visit};
+
+/// Strengths that are tried, at most.
+const TRIES: usize = 14;
+/// Corrections by the many-start fit, at most.
+const CORRECTIONS: usize = 4;
+/// Strength over the one before, while climbing.
+const CLIMB: f64 = 4.0;
+/// How near is near enough.
+const NEAR: f64 = 0.04;
+/// Steps of a specimen while its strength is looked for, in those that it needs.
+const ROUGH: f64 = 5.0;
+
+/// A strength and the size that it gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sized {
+    /// The strength.
+    pub strength: f64,
+    /// rms after the refit, in multiples of the noise.
+    pub size: f64,
+    /// The size is the wanted one.
+    pub reached: bool,
+}
+
+/// Finds the least strength between two at which a specimen has the size that its case wants; the
+/// strongest where that is too weak. `None` where even the weakest cannot be simulated.
+///
+/// A size may fall again beyond some strength (a valve that does nothing but relieve, a delay of half
+/// a period), so the search climbs from below.
+pub fn sized(
+    case: &Case,
+    make: &dyn Fn(f64) -> Option<Box<dyn Specimen>>,
+    [weakest, strongest]: [f64; 2],
+) -> Option<Sized> {
+    let noise_n = case.noise_n();
+    let wanted = case.size();
+    let quick = |k: f64| Some(rms_n(case, &*make(k)?, false)? / noise_n);
+    let thorough = |k: f64| Some(rms_n(case, &*make(k)?, true)? / noise_n);
+    let mut target = wanted;
+    let mut from = weakest;
+    let mut best: Option<Sized> = None;
+    for _ in 0..CORRECTIONS {
+        let at = climb(&quick, target, from, strongest)?;
+        let size = thorough(at)?;
+        let off = |size: f64| (libm::log(size.max(1e-300) / wanted)).abs();
+        if best.is_none_or(|best| off(size) < off(best.size)) {
+            best = Some(Sized { strength: at, size, reached: off(size) < 2.0 * NEAR });
+        }
+        if off(size) < NEAR || (at == strongest && size < wanted) {
+            break;
+        }
+        // The many-start fit leaves less: aim higher by as much.
+        target *= wanted / size;
+        from = (at / (CLIMB * CLIMB)).max(weakest);
+    }
+    best
+}
+
+/// Climbs to the first strength that is too strong, and searches below it.
+fn climb(
+    quick: &dyn Fn(f64) -> Option<f64>,
+    target: f64,
+    from: f64,
+    strongest: f64,
+) -> Option<f64> {
+    let mut low = (from, quick(from)?);
+    while low.1 < target {
+        if low.0 >= strongest {
+            return Some(strongest);
+        }
+        let next = (CLIMB * low.0).min(strongest);
+        match quick(next) {
+            Some(size) if size < target => low = (next, size),
+            // A damper that cannot be is stronger than any.
+            high => return Some(between(quick, target, low, (next, high))),
+        }
+    }
+    Some(from)
+}
+
+/// False position in logarithms, halving the weight of an end that stays (Illinois).
+fn between(
+    quick: &dyn Fn(f64) -> Option<f64>,
+    target: f64,
+    mut low: (f64, f64),
+    mut high: (f64, Option<f64>),
+) -> f64 {
+    let off = |size: f64| libm::log(size.max(1e-12) / target);
+    let (mut below, mut above) = (off(low.1), high.1.map(off));
+    for _ in 0..TRIES {
+        let (from, to) = (libm::log(low.0), libm::log(high.0));
+        let share = above.map_or(0.5, |above| (below / (below - above)).clamp(0.05, 0.95));
+        let at = libm::exp(from + share * (to - from));
+        let Some(size) = quick(at) else {
+            (high, above) = ((at, None), None);
+            continue;
+        };
+        let error = off(size);
+        if error.abs() < 0.5 * NEAR {
+            return at;
+        }
+        if error < 0.0 {
+            (low, below) = ((at, size), error);
+            above = above.map(|above| 0.5 * above);
+        } else {
+            (high, above) = ((at, Some(size)), Some(error));
+            below *= 0.5;
+        }
+    }
+    low.0
+}
+
+/// What the nominal damper leaves of the force without noise, N.
+fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
+    let rough = Rough { specimen };
+    let specimen = if thorough { specimen } else { &rough };
+    let fitted: Vec<_> = case.tests.iter().filter(|test| !test.test_only).cloned().collect();
+    let mut visited = visit(specimen, &fitted, &silent(&case.sensors), case.seed);
+    visited.retain(|record| !record.is_flat_but_for_rounding() && record.measurement().is_ok());
+    let tests = TestsAtHand::new(measurements(&visited).ok()?);
+    let truth = vector_of(&case.nominal);
+    let mut best = fit(&GreyBox::nominal(&tests.scale), &truth, &tests, Effort::FULL)?;
+    if thorough {
+        let other = nominal_fit(&tests, None)?.fit;
+        if other.total_n2() < best.total_n2() {
+            best = other;
+        }
+    }
+    Some(best.rms_n(&tests))
+}
+
+/// A specimen in longer steps than it needs: enough to find about how strong an effect must be.
+struct Rough<'a> {
+    specimen: &'a dyn Specimen,
+}
+
+impl Specimen for Rough<'_> {
+    fn longest_step_s(&self) -> f64 {
+        ROUGH * self.specimen.longest_step_s()
+    }
+
+    fn respond(&self, load: &Load<'_>) -> Response {
+        self.specimen.respond(load)
+    }
+}
+
+/// The records of a case: those to fit and those to judge by.
+///
+/// # Errors
+/// What makes a record unfit.
+pub fn records(
+    case: &Case,
+    specimen: &dyn Specimen,
+    sensors: &Sensors,
+) -> Result<(Vec<Measurement>, Vec<Measurement>), MeasurementError> {
+    let visited = visit(specimen, &case.tests, sensors, case.seed);
+    let (mut train, mut holdout) = (Vec::new(), Vec::new());
+    for (record, test) in visited.iter().zip(measurements(&visited)?) {
+        let to = if record.test_only { &mut holdout } else { &mut train };
+        to.push(test);
+    }
+    Ok((train, holdout))
+}
+
+/// The same chain without noise.
+fn silent(sensors: &Sensors) -> Sensors {
+    let exact = Channel { range: f64::INFINITY, noise: 0.0, bits: 0 };
+    Sensors {
+        displacement: exact,
+        force: exact,
+        coloured: None,
+        temperature_noise_k: sensors.temperature_noise_k.map(|_| 0.0),
+        ..*sensors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::Kind;
+    use super::super::specimen::mount;
+    use super::*;
+    use firmware_core::damper::effects::CATALOGUE;
+
+    #[test]
+    fn sizes_reach_their_multiple() {
+        for (name, size) in [("seal_friction", 3.0), ("asymmetric_damping", 10.0)] {
+            let effect = CATALOGUE.iter().position(|info| info.name == name).unwrap();
+            let case = Case::of_kind(Kind::Effect { effect, size }, 5, 0, true);
+            let mounted = mount(&case).unwrap();
+            // By a way of its own: noisy records, of which the noise is taken away in squares.
+            let tests =
+                TestsAtHand::new(records(&case, &*mounted.specimen, &case.sensors).unwrap().0);
+            let fit = nominal_fit(&tests, None).unwrap().fit;
+            let square = fit.total_n2() / tests.counted_samples() as f64;
+            let noise_n = case.noise_n();
+            let found = (square - noise_n * noise_n).sqrt() / noise_n;
+            println!("{name}: {size} wanted, {found:.3} found, {:?}", mounted.sizes);
+            assert!(mounted.sizes[0].reached, "{:?}", mounted.sizes);
+            assert!((found / size - 1.0).abs() < 0.1, "{name}: {found} {:?}", mounted.sizes);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_reached_is_said() {
+        // A spring in series is a lower Ke: nothing is ever left of it.
+        let effect = CATALOGUE.iter().position(|info| info.name == "fixture_compliance").unwrap();
+        let case = Case::of_kind(Kind::Effect { effect, size: 10.0 }, 5, 1, true);
+        let sizes = mount(&case).unwrap().sizes;
+        assert!(!sizes[0].reached && sizes[0].size < 1.0, "{sizes:?}");
+    }
+}

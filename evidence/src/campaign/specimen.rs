@@ -1,0 +1,133 @@
+//! What is mounted in the bench for a case, with its effects at the size that they shall have.
+
+use super::case::Case;
+use super::plan::{HYDRAULIC, Kind};
+use super::size::{Sized, sized};
+use super::strength::Strength;
+use firmware_core::damper::effects::CATALOGUE;
+use firmware_core::damper::{Damper, Effect};
+use scenario::source::Source;
+use std::path::Path;
+use virtual_bench::bench_visit::excitation::Excitation;
+use virtual_bench::bench_visit::random::Random;
+use virtual_bench::bench_visit::{Modelled, NullGenerator, Specimen};
+use virtual_bench::hydraulic::HydraulicDamper;
+use virtual_bench::series_model::outside::Outside;
+
+/// Strength at which a search begins, as a share of the strongest.
+const WEAKEST: f64 = 1e-5;
+/// Strongest disturbance, as a share of the force.
+const STRONGEST_OUTSIDE: f64 = 0.6;
+
+/// A specimen and what is true of it.
+pub struct Mounted {
+    /// The specimen.
+    pub specimen: Box<dyn Specimen>,
+    /// Names of what is missing in the nominal damper, where somebody knows.
+    pub truth: Vec<&'static str>,
+    /// Its damper in the terms of the core, where it is one.
+    pub damper: Option<Damper>,
+    /// The sizes that were reached, one for each name.
+    pub sizes: Vec<Sized>,
+}
+
+/// Mounts the specimen of a case.
+///
+/// # Errors
+/// In words, where there is no such damper.
+pub fn mount(case: &Case) -> Result<Mounted, String> {
+    let mut random = Random::new(case.seed, 7);
+    match case.kind {
+        Kind::Hydraulic { which } => {
+            let specimen = Box::new(hydraulic(which, &mut random)?);
+            Ok(Mounted { specimen, truth: Vec::new(), damper: None, sizes: Vec::new() })
+        }
+        Kind::Outside { which, .. } => outside(case, which, &mut random),
+        _ if case.effects.is_empty() => Ok(Mounted {
+            specimen: Box::new(NullGenerator { model: case.series_model(), outside: Vec::new() }),
+            truth: Vec::new(),
+            damper: Damper::new(case.nominal, &[]).ok(),
+            sizes: Vec::new(),
+        }),
+        _ => catalogue(case, &mut random),
+    }
+}
+
+fn catalogue(case: &Case, random: &mut Random) -> Result<Mounted, String> {
+    let (mut effects, mut sizes): (Vec<Effect>, Vec<Sized>) = (Vec::new(), Vec::new());
+    for &effect in &case.effects {
+        let strength = Strength::draw(effect, case.nominal, case.scale, random);
+        let strongest = strength.strongest();
+        let make = |k: f64| -> Option<Box<dyn Specimen>> {
+            let damper = Damper::new(case.nominal, &[strength.at(k)?]).ok()?;
+            Some(Box::new(Modelled { damper }))
+        };
+        let found = sized(case, &make, [WEAKEST * strongest, strongest])
+            .ok_or_else(|| format!("{} cannot be simulated", strength.info.name))?;
+        effects.extend(strength.at(found.strength));
+        sizes.push(found);
+    }
+    let damper = Damper::new(case.nominal, &effects).map_err(|error| error.to_string())?;
+    Ok(Mounted {
+        specimen: Box::new(Modelled { damper: damper.clone() }),
+        truth: case.effects.iter().map(|effect| CATALOGUE[*effect].name).collect(),
+        damper: Some(damper),
+        sizes,
+    })
+}
+
+fn outside(case: &Case, which: usize, random: &mut Random) -> Result<Mounted, String> {
+    let disturbance = match which {
+        0 => {
+            Outside::SpeedSynchronousRipple { amplitude_n: 1.0, multiple: random.between(2.1, 7.9) }
+        }
+        1 => Outside::FrameResonance {
+            participation: 0.1,
+            frequency_hz: random.between(25.0, 80.0),
+            damping_ratio: random.between(0.01, 0.05),
+        },
+        2 => Outside::WornBand {
+            depth: 0.1,
+            at_m: case.scale * random.between(-2e-3, 2e-3),
+            width_m: case.scale * random.between(1e-3, 3e-3),
+        },
+        _ => Outside::ValveFlutter {
+            amplitude_n: 1.0,
+            frequency_hz: random.between(60.0, 150.0),
+            threshold_m_per_s: case.scale * random.between(0.015, 0.05),
+        },
+    };
+    let model = case.series_model();
+    // Strength in terms of the force of one test.
+    let reference = Excitation::sine(3.46e-3 * case.scale, 3.5);
+    let at = |share: f64| disturbance.sized(share, &model, &reference).0;
+    let make = |share: f64| -> Option<Box<dyn Specimen>> {
+        Some(Box::new(NullGenerator { model, outside: vec![at(share)] }))
+    };
+    let found =
+        sized(case, &make, [1e-4, STRONGEST_OUTSIDE]).ok_or("a disturbance cannot be simulated")?;
+    Ok(Mounted {
+        specimen: Box::new(NullGenerator { model, outside: vec![at(found.strength)] }),
+        truth: vec![disturbance.name()],
+        damper: None,
+        sizes: vec![found],
+    })
+}
+
+/// One of the hydraulic dampers that come with the project, its numbers moved.
+fn hydraulic(which: usize, random: &mut Random) -> Result<HydraulicDamper, String> {
+    let texts = [
+        include_str!("../../../scenarios/dampers/hydraulic-yaw-damper.toml"),
+        include_str!("../../../scenarios/dampers/hydraulic-yaw-damper-unidirectional.toml"),
+    ];
+    let which = which % HYDRAULIC.len();
+    let source = Source::from_text(Path::new(HYDRAULIC[which]), texts[which]);
+    let mut damper = HydraulicDamper::from_source(&source).map_err(|error| error.to_string())?;
+    damper.attachment.clearance_2a_m = random.between(0.1e-3, 1.2e-3);
+    damper.attachment.rubber_n_per_m *= random.between(0.7, 1.4);
+    damper.oil.air_share *= random.between(0.3, 2.0);
+    damper.oil.viscosity_pa_s *= random.between(0.8, 1.2);
+    damper.friction.coulomb_n *= random.between(0.5, 2.0);
+    damper.friction.breakaway_n = damper.friction.breakaway_n.max(1.1 * damper.friction.coulomb_n);
+    Ok(damper)
+}

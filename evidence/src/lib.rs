@@ -1,0 +1,5 @@
+//! Is it right?
+
+pub mod campaign;
+pub mod reproduce;
+pub mod validation;

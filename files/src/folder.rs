@@ -1,0 +1,372 @@
+//! Where the files of a result go.
+//!
+//! Nothing of the user's is overwritten or deleted: a file is made only where none is, and replaced or
+//! removed only where the folder's manifest lists it as the program's own. The folder itself may be
+//! named by a symbolic link; links among its entries are not followed.
+
+use crate::identity::Identity;
+use crate::manifest::{self, Manifest};
+use crate::quote::quoted;
+use std::fmt;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+/// The folder of a result.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ResultFolder {
+    path: PathBuf,
+    command: &'static str,
+    identity: Option<Identity>,
+    /// An earlier result in it may be replaced.
+    overwrite: bool,
+    /// The path was not given: another may be taken.
+    by_default: bool,
+}
+
+/// Why a result has no place.
+#[derive(Debug)]
+pub enum FolderError {
+    /// The folder cannot be made: its path, the system's word.
+    NoPlace(PathBuf, io::Error),
+    /// It holds a result: folder, of which command.
+    Holds(PathBuf, String),
+    /// It holds the result of another question: folder, name found, name expected, what differs.
+    Other(PathBuf, String, String, Vec<String>),
+    /// A file is in the way that the program did not write.
+    Occupied(PathBuf),
+    /// The folder's manifest cannot be believed: file, why.
+    Manifest(PathBuf, String),
+    /// A disk that fails: file, the system's word.
+    Disk(PathBuf, io::Error),
+}
+
+impl fmt::Display for FolderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown = |path: &Path| path.display().to_string();
+        match self {
+            Self::NoPlace(path, why) => {
+                let path = shown(path);
+                write!(f, "{}: found no place for a folder ({why}), expected one", quoted(&path))
+            }
+            Self::Holds(path, command) => write!(
+                f,
+                "--out {}: holds a result of `{}`, expected a new folder; --overwrite replaces it",
+                quoted(&shown(path)),
+                quoted(command)
+            ),
+            Self::Other(path, found, expected, changes) => write!(
+                f,
+                "--out {}: holds {found}, expected {expected} or a new folder; changed: {}",
+                quoted(&shown(path)),
+                changes.join(", ")
+            ),
+            Self::Occupied(path) => write!(
+                f,
+                "{}: is there already and was not written by this program, expected another --out",
+                quoted(&shown(path))
+            ),
+            Self::Manifest(path, why) => write!(f, "{}: {why}", quoted(&shown(path))),
+            Self::Disk(path, why) => write!(f, "{}: {why}", quoted(&shown(path))),
+        }
+    }
+}
+
+impl std::error::Error for FolderError {}
+
+impl ResultFolder {
+    /// A folder for a result of its own: `given`, or the next free `runs/<name>-<n>`. Nothing is made.
+    ///
+    /// # Errors
+    /// [`FolderError::Holds`] where `given` holds a result and `overwrite` is false.
+    pub fn fresh(
+        given: Option<&Path>,
+        name: &str,
+        command: &'static str,
+        overwrite: bool,
+    ) -> Result<Self, FolderError> {
+        let by_default = given.is_none();
+        let path = given.map_or_else(|| free(name, 1), Path::to_owned);
+        if let Some(held) = Manifest::of(&path)?
+            && !overwrite
+        {
+            return Err(FolderError::Holds(path, held.command));
+        }
+        Ok(Self { path, command, identity: None, overwrite, by_default })
+    }
+
+    /// The folder of a question: `given`, or `runs/<name>`, or the first `runs/<name>-<n>` that holds this
+    /// question or nothing. Where another is taken than `runs/<name>`, the second value says what
+    /// changed. Nothing is made.
+    ///
+    /// # Errors
+    /// [`FolderError::Other`] where `given` holds the result of another question.
+    pub fn for_identity(
+        given: Option<&Path>,
+        name: &str,
+        command: &'static str,
+        identity: &Identity,
+    ) -> Result<(Self, Option<String>), FolderError> {
+        let by_default = given.is_none();
+        let folder = |path: PathBuf| Self {
+            path,
+            command,
+            identity: Some(identity.clone()),
+            overwrite: false,
+            by_default,
+        };
+        let other = |path: &Path| -> Result<Option<Vec<String>>, FolderError> {
+            let Some(held) = Manifest::of(path)? else {
+                let foreign = by_default && holds_anything(path);
+                return Ok(foreign.then(|| vec!["files without a manifest".to_owned()]));
+            };
+            Ok(match held.identity {
+                Some(held) if held == *identity => None,
+                Some(held) => Some(identity.changes(&held)),
+                None => Some(vec!["the command".to_owned()]),
+            })
+        };
+        if let Some(given) = given {
+            let Some(changes) = other(given)? else { return Ok((folder(given.to_owned()), None)) };
+            let held = Manifest::of(given)?.and_then(|held| held.identity);
+            let held = held.map_or_else(|| "no study".to_owned(), |held| held.name());
+            let (given, name) = (given.to_owned(), identity.name());
+            return Err(FolderError::Other(given, held, name, changes));
+        }
+        let first = Path::new("runs").join(name);
+        let Some(mut changes) = other(&first)? else { return Ok((folder(first), None)) };
+        let (mut before, mut n) = (first, 2);
+        loop {
+            let path = free_name(name, n);
+            let Some(later) = other(&path)? else {
+                let (held, now, what) = (before.display(), path.display(), changes.join(", "));
+                let said = format!("{held} holds another result ({what}): using {now}");
+                return Ok((folder(path), Some(said)));
+            };
+            (before, changes, n) = (path, later, n + 1);
+        }
+    }
+
+    /// The folder's path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A file in it.
+    pub fn file(&self, name: &str) -> PathBuf {
+        debug_assert!(manifest::is_inside(name), "{name} leads out of the folder");
+        self.path.join(name)
+    }
+
+    /// Shows before long work that the folder can be made and that `names` are free in it; leaves
+    /// nothing behind.
+    ///
+    /// # Errors
+    /// [`FolderError::NoPlace`], [`FolderError::Occupied`].
+    pub fn check(&self, names: &[&str]) -> Result<(), FolderError> {
+        let ours = Manifest::of(&self.path)?;
+        for name in std::iter::once(&manifest::NAME).chain(names) {
+            let known = ours
+                .as_ref()
+                .is_some_and(|ours| *name == manifest::NAME || ours.files.contains(*name));
+            if !known && self.file(name).symlink_metadata().is_ok() {
+                return Err(FolderError::Occupied(self.file(name)));
+            }
+        }
+        let new: Vec<&Path> = self.path.ancestors().take_while(|path| !path.exists()).collect();
+        std::fs::create_dir_all(&self.path)
+            .map_err(|why| FolderError::NoPlace(self.path.clone(), why))?;
+        for path in new {
+            // Somebody else's files may have come into it by now.
+            let _ = std::fs::remove_dir(path);
+        }
+        Ok(())
+    }
+
+    /// Makes the folder and its manifest. An earlier result goes where it may be overwritten: every
+    /// file that its manifest lists, and no other.
+    ///
+    /// # Errors
+    /// [`FolderError::NoPlace`]; what somebody else put there since [`check`](Self::check).
+    pub fn create(&mut self) -> Result<(), FolderError> {
+        let no_place = |path: &Path, why| FolderError::NoPlace(path.to_owned(), why);
+        if self.by_default && self.identity.is_none() {
+            let parent = self.path.parent().unwrap_or(Path::new("")).to_owned();
+            std::fs::create_dir_all(&parent).map_err(|why| no_place(&parent, why))?;
+            // Two runs that begin together must not share a folder.
+            while let Err(why) = std::fs::create_dir(&self.path) {
+                if why.kind() != io::ErrorKind::AlreadyExists {
+                    return Err(no_place(&self.path, why));
+                }
+                self.path = next(&self.path);
+            }
+        } else {
+            std::fs::create_dir_all(&self.path).map_err(|why| no_place(&self.path, why))?;
+        }
+        let _turn = self.turn()?;
+        match Manifest::of(&self.path)? {
+            Some(held) if self.identity.is_some() && held.identity == self.identity => {
+                return Ok(());
+            }
+            Some(held) if self.overwrite => self.remove(&held)?,
+            Some(held) => return Err(FolderError::Holds(self.path.clone(), held.command)),
+            None if self.file(manifest::NAME).symlink_metadata().is_ok() => {
+                return Err(FolderError::Occupied(self.file(manifest::NAME)));
+            }
+            None => {}
+        }
+        self.keep(&Manifest::new(self.command, self.identity.as_ref()))
+    }
+
+    /// Writes a whole file in the folder, at once: a reader sees the old one or the new one.
+    ///
+    /// # Errors
+    /// [`FolderError::Occupied`], [`FolderError::Disk`].
+    pub fn write(&self, name: &str, content: &str) -> Result<(), FolderError> {
+        self.list(name)?;
+        self.replace(name, content.as_bytes())
+    }
+
+    /// Opens a new file in the folder, to be written bit by bit.
+    ///
+    /// # Errors
+    /// [`FolderError::Occupied`], [`FolderError::Disk`].
+    pub fn create_file(&self, name: &str) -> Result<File, FolderError> {
+        self.list(name)?;
+        let path = self.file(name);
+        // One of an earlier result under the same identity, a link included: the link goes, not its end.
+        match std::fs::remove_file(&path) {
+            Err(why) if why.kind() != io::ErrorKind::NotFound => {
+                return Err(FolderError::Disk(path, why));
+            }
+            _ => {}
+        }
+        OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(&path)
+            .map_err(|why| FolderError::Disk(path.clone(), why))
+    }
+
+    /// Makes room for a file that is appended to, such as the lines of a shard: it is listed as the
+    /// program's own, and is there or can be made.
+    ///
+    /// # Errors
+    /// [`FolderError::Occupied`] where one is there that the manifest does not list, or a link is.
+    pub fn listed(&self, name: &str) -> Result<PathBuf, FolderError> {
+        self.list(name)?;
+        let path = self.file(name);
+        match path.symlink_metadata() {
+            Ok(about) if !about.is_file() => Err(FolderError::Occupied(path)),
+            _ => Ok(path),
+        }
+    }
+
+    /// Puts a name into the manifest before the file is there, so that no file is without an owner.
+    fn list(&self, name: &str) -> Result<(), FolderError> {
+        let path = self.file(name);
+        if let Some(folder) = Path::new(name).parent().filter(|folder| *folder != Path::new("")) {
+            let folder = self.path.join(folder);
+            match folder.symlink_metadata() {
+                Ok(about) if about.is_dir() => {}
+                Ok(_) => return Err(FolderError::Occupied(folder)),
+                Err(_) => std::fs::create_dir(&folder)
+                    .map_err(|why| FolderError::Disk(folder.clone(), why))?,
+            }
+        }
+        let _turn = self.turn()?;
+        let Some(mut held) = Manifest::of(&self.path)? else {
+            return Err(FolderError::Disk(path, io::Error::other("the folder's manifest is gone")));
+        };
+        if held.files.contains(name) {
+            return Ok(());
+        }
+        if path.symlink_metadata().is_ok() {
+            return Err(FolderError::Occupied(path));
+        }
+        held.files.insert(name.to_owned());
+        self.keep(&held)
+    }
+
+    /// Removes what a manifest lists; a folder in it goes when it is empty.
+    fn remove(&self, held: &Manifest) -> Result<(), FolderError> {
+        for name in &held.files {
+            let path = self.file(name);
+            let folder = path.parent().unwrap_or(&self.path);
+            let through_a_link =
+                folder != self.path && folder.symlink_metadata().is_ok_and(|about| !about.is_dir());
+            if through_a_link {
+                return Err(FolderError::Occupied(folder.to_owned()));
+            }
+            match std::fs::remove_file(&path) {
+                Err(why) if why.kind() != io::ErrorKind::NotFound => {
+                    return Err(FolderError::Disk(path, why));
+                }
+                _ => {}
+            }
+            if folder != self.path {
+                // Not empty where the user has put something beside.
+                let _ = std::fs::remove_dir(folder);
+            }
+        }
+        Ok(())
+    }
+
+    fn keep(&self, manifest: &Manifest) -> Result<(), FolderError> {
+        let text = serde_json::to_string_pretty(manifest)
+            .map_err(|why| FolderError::Disk(self.file(manifest::NAME), why.into()))?;
+        self.replace(manifest::NAME, format!("{text}\n").as_bytes())
+    }
+
+    /// Writes beside and renames: what a link points to is never written.
+    fn replace(&self, name: &str, content: &[u8]) -> Result<(), FolderError> {
+        let path = self.file(name);
+        let beside = self.path.join(format!("{name}.{}.new", std::process::id()));
+        let write = || -> io::Result<()> {
+            let mut file = OpenOptions::new().write(true).create_new(true).open(&beside)?;
+            file.write_all(content)?;
+            std::fs::rename(&beside, &path)
+        };
+        write().map_err(|why| {
+            let _ = std::fs::remove_file(&beside);
+            FolderError::Disk(path.clone(), why)
+        })
+    }
+
+    /// Waits until no other process changes the manifest; lasts as long as the value.
+    fn turn(&self) -> Result<File, FolderError> {
+        let disk = |why| FolderError::Disk(self.path.clone(), why);
+        let folder = File::open(&self.path).map_err(disk)?;
+        folder.lock().map_err(disk)?;
+        Ok(folder)
+    }
+}
+
+/// True for anything but an empty folder or nothing at all.
+fn holds_anything(path: &Path) -> bool {
+    match std::fs::read_dir(path) {
+        Ok(mut entries) => entries.next().is_some(),
+        Err(_) => path.symlink_metadata().is_ok(),
+    }
+}
+
+fn free_name(name: &str, n: u32) -> PathBuf {
+    Path::new("runs").join(format!("{name}-{n}"))
+}
+
+fn free(name: &str, from: u32) -> PathBuf {
+    let free = (from..).map(|n| free_name(name, n));
+    free.into_iter().find(|path| path.symlink_metadata().is_err()).unwrap_or_default()
+}
+
+/// The folder after `<name>-<n>`.
+fn next(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    match name.rsplit_once('-').and_then(|(name, n)| Some((name, n.parse::<u32>().ok()?))) {
+        Some((name, n)) => free(name, n + 1),
+        None => free(&name, 2),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,87 @@
+//! Text of a file inside a message: cut to a length, control characters shown and not sent.
+//!
+//! A cell of a CSV file can hold a terminal sequence or a megabyte. Neither may reach the terminal as
+//! it is.
+
+use std::fmt::{self, Write as _};
+
+/// Longest quotation, in characters.
+pub const LONGEST: usize = 200;
+
+/// Text that prints with its control characters escaped and at most [`LONGEST`] characters long.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Quoted<'a>(&'a str);
+
+/// Quotes text of a file.
+///
+/// ```
+/// assert_eq!(files::quoted("\u{1b}[31mred").to_string(), "\\u{1b}[31mred");
+/// let long = "x".repeat(300);
+/// assert_eq!(files::quoted(&long).to_string(), format!("{}… (300 characters)", "x".repeat(200)));
+/// ```
+pub const fn quoted(text: &str) -> Quoted<'_> {
+    Quoted(text)
+}
+
+impl fmt::Display for Quoted<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for shown in self.0.chars().take(LONGEST) {
+            // Marks that turn the direction of writing can make a message say something else.
+            if shown.is_control()
+                || matches!(shown, '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+            {
+                write!(f, "{}", shown.escape_default())?;
+            } else {
+                f.write_char(shown)?;
+            }
+        }
+        let length = self.0.chars().count();
+        if length > LONGEST { write!(f, "… ({length} characters)") } else { Ok(()) }
+    }
+}
+
+/// A message of another library about a file: every part of it in back quotes or double quotes is a
+/// quotation, and so is what a quote that never closes leaves; line ends become blanks.
+///
+/// ```
+/// let said = format!("unknown field `{}`, expected `a`", "x".repeat(300));
+/// assert!(files::quote::message(&said).ends_with("… (300 characters)`, expected `a`"));
+/// ```
+pub fn message(said: &str) -> String {
+    let line = said.trim().replace(['\n', '\r'], " ");
+    let mut shown = String::new();
+    let mut rest = line.as_str();
+    while let Some(open) = rest.find(['`', '"']) {
+        let mark = &rest[open..=open];
+        let Some(length) = rest[open + 1..].find(mark) else { break };
+        let inside = &rest[open + 1..open + 1 + length];
+        // Writing to a string cannot fail.
+        let _ = write!(shown, "{}{mark}{}{mark}", escaped(&rest[..open]), quoted(inside));
+        rest = &rest[open + 2 + length..];
+    }
+    let _ = write!(shown, "{}", quoted(rest));
+    shown
+}
+
+fn escaped(text: &str) -> String {
+    text.chars()
+        .flat_map(|c| {
+            let control = c.is_control();
+            let escape = control.then(|| c.escape_default()).into_iter().flatten();
+            escape.chain((!control).then_some(c))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_are_shown_and_letters_of_any_language_stay() {
+        assert_eq!(quoted("Kräfte 力\t\0\u{9b}").to_string(), "Kräfte 力\\t\\u{0}\\u{9b}");
+        assert_eq!(quoted("a\u{202e}b").to_string(), "a\\u{202e}b");
+        assert_eq!(message("no `a\u{7}` in\nline"), "no `a\\u{7}` in line");
+        assert_eq!(message("open `quote"), "open `quote");
+    }
+}

@@ -1,0 +1,211 @@
+//! What a careful colleague would ask before believing the numbers.
+
+use super::coordinate::Coordinate;
+use super::fit::Fit;
+use super::left_over::Unexplained;
+use super::tests_at_hand::{Test, TestsAtHand};
+use signal::statistics::{min_max, rms};
+
+/// A test held out may go this much beyond the training tests, of their range.
+const BEYOND: f64 = 0.1;
+/// Ratio of forces beyond which units are the first suspicion.
+const OTHER_UNIT: f64 = 30.0;
+/// Tests held out are not followed from this multiple of the error of the fitted ones.
+const NOT_FOLLOWED: f64 = 5.0;
+
+/// A parameter closer to its bound than this share is on it.
+const ON_BOUND: f64 = 1e-3;
+
+/// A signal of a test.
+type Signal = fn(&Test) -> &[f64];
+
+/// Tests held out that ask for more than the training tests have shown, a line each.
+pub fn extrapolations(train: &TestsAtHand, holdout: &TestsAtHand) -> Vec<String> {
+    let quantities: [(&str, &str, Signal); 3] = [
+        ("force", "N", |test| &test.record.force_n),
+        ("velocity", "m/s", |test| &test.record.velocity_m_per_s),
+        ("displacement", "m", |test| &test.record.displacement_m),
+    ];
+    let mut lines = Vec::new();
+    for (name, unit, values) in quantities {
+        let ends = train.tests.iter().filter_map(|test| min_max(values(test)));
+        let seen = ends.reduce(|all, own| (all.0.min(own.0), all.1.max(own.1)));
+        let Some((low, high)) = seen else { continue };
+        let room = BEYOND * (high - low);
+        for test in &holdout.tests {
+            let Some((from, to)) = min_max(values(test)) else { continue };
+            if from < low - room || to > high + room {
+                lines.push(format!(
+                    "{}: {name} from {from:.4e} to {to:.4e} {unit}, the training tests from {low:.4e} to \
+                     {high:.4e}: its errors are those of extrapolation",
+                    test.record.name
+                ));
+            }
+        }
+    }
+    lines
+}
+
+/// Tests held out that the model does not follow, where all of them together are missed by far more than the
+/// fitted ones: what is wrong there, no fitted test shows.
+pub fn not_followed(
+    (on_train, train): (&Fit, &TestsAtHand),
+    (on_holdout, holdout): (&Fit, &TestsAtHand),
+) -> Option<Unexplained> {
+    let (seen_n, held_n) = (on_train.rms_n(train), holdout.rmse_n(&on_holdout.force_n)?);
+    if held_n <= NOT_FOLLOWED * seen_n {
+        return None;
+    }
+    let each = holdout.tests.iter().zip(&on_holdout.force_n);
+    let errors = each.map(|(test, force_n)| (test.rmse_n(force_n), test.record.name.as_str()));
+    let (most_n, name) = errors.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Unexplained {
+        rms_n: held_n,
+        coordinate: "held_out_tests",
+        description: format!(
+            "tests held out are missed by {:.0} times as much as the fitted ones, {name} most with {most_n:.4e} N: \
+             another damper, another state, or an effect that no fitted test shows",
+            held_n / seen_n
+        ),
+    })
+}
+
+/// Tests in which the datasheet's forces are of another size than the measured ones: a line for all, or one each.
+pub fn other_unit(datasheet: Option<&Fit>, tests: &TestsAtHand) -> Vec<String> {
+    let Some(fit) = datasheet else { return Vec::new() };
+    let ratio = |test: &Test, force_n: &[f64]| rms(force_n) / rms(&test.record.force_n);
+    let ratios = tests.tests.iter().zip(&fit.force_n).map(|(test, force_n)| ratio(test, force_n));
+    let ratios: Vec<f64> = ratios.collect();
+    let odd = |ratio: &f64| ratio.is_finite() && !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(ratio);
+    let told = |what: &str, ratio: f64| {
+        format!(
+            "{what}: by the datasheet the force is {ratio:.3e} times the measured one: is the force, the \
+             displacement or the datasheet in another unit?"
+        )
+    };
+    if ratios.iter().all(odd)
+        && let Some(first) = ratios.first()
+    {
+        return vec![told("all tests", *first)];
+    }
+    let each = tests.tests.iter().zip(&ratios).filter(|(_, ratio)| odd(ratio));
+    each.map(|(test, ratio)| told(&test.record.name, *ratio)).collect()
+}
+
+/// Parameters of effects that lie on a bound which only the impossible lies beyond, a line each.
+pub fn on_bounds(fit: &Fit, tests: &TestsAtHand) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (index, info) in fit.model.effects.iter().enumerate() {
+        for (row, place) in info.parameters.iter().zip(fit.model.range_of(index)) {
+            let (lower, upper) = row.bounds(&tests.scale);
+            let value = fit.values[place];
+            let spread = matches!(fit.model.coordinates()[place], Coordinate::Spread { .. });
+            let size = if spread && value < (1.0 + ON_BOUND) * lower {
+                "small"
+            } else if let Some(size) = impossible_beyond(value, (lower, upper)) {
+                size
+            } else {
+                continue;
+            };
+            lines.push(format!(
+                "{}: {} = {value:.3e} lies on its bound: take it for \"as {size} as can be\"",
+                info.name, row.name
+            ));
+        }
+    }
+    lines
+}
+
+/// The bound beyond which only the impossible lies, if a value is on it. Zero as the lower bound is no
+/// such: an effect is not there.
+pub(super) fn impossible_beyond(value: f64, (lower, upper): (f64, f64)) -> Option<&'static str> {
+    let near = ON_BOUND * (upper - lower);
+    if lower < 0.0 && value < lower + near {
+        Some("negative")
+    } else {
+        (value > upper - near).then_some("large")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grey_box::{GreyBox, vector_of};
+    use firmware_core::damper::Nominal;
+    use firmware_core::damper::effects::CATALOGUE;
+    use measurement::{Measurement, Series};
+
+    /// A damper of 1 MN s/m below relief at 3 Hz.
+    fn tests(amplitude_m: f64, force_gain: f64) -> TestsAtHand {
+        let w = std::f64::consts::TAU * 3.0;
+        let x = |n: usize| amplitude_m * libm::sin(w * n as f64 * 1e-3);
+        let f = |n: usize| force_gain * 1e6 * amplitude_m * w * libm::cos(w * n as f64 * 1e-3);
+        let series =
+            Series::sampled("a", 1e3, (0..2000).map(x).collect(), (0..2000).map(f).collect());
+        TestsAtHand::new(vec![Measurement::from_series(series).unwrap()])
+    }
+
+    #[test]
+    fn more_than_was_shown_is_told_and_less_is_not() {
+        let train = tests(1e-3, 1.0);
+        assert_eq!(extrapolations(&train, &tests(1.1e-3, 1.0)), [""; 0]);
+        let told = extrapolations(&train, &tests(2e-3, 1.0));
+        assert_eq!(told.len(), 3, "{told:?}");
+        assert!(told[2].starts_with("a: displacement from -2.0000e-3 to 2.0000e-3 m"), "{told:?}");
+    }
+
+    #[test]
+    fn a_parameter_on_its_bound_is_told() {
+        let tests = tests(1e-3, 1.0);
+        let stage = CATALOGUE.iter().find(|info| info.name == "second_valve_stage").unwrap();
+        let model = GreyBox::nominal(&tests.scale).with(stage, &tests.scale);
+        let told = |ratio: f64| {
+            let values = [vector_of(&Nominal::NEW), vec![5e3, ratio]].concat();
+            on_bounds(&Fit::of(&model, &values, &tests).unwrap(), &tests)
+        };
+        assert_eq!(told(0.5), [""; 0]);
+        let expected = "second_valve_stage: slope_ratio = 1.000e-2 lies on its bound";
+        assert!(told(0.01)[0].starts_with(expected), "{:?}", told(0.01));
+    }
+
+    #[test]
+    fn a_parameter_on_its_negative_bound_is_told() {
+        let tests = tests(1e-3, 1.0);
+        let info = CATALOGUE.iter().find(|info| info.name == "asymmetric_damping").unwrap();
+        let model = GreyBox::nominal(&tests.scale).with(info, &tests.scale);
+        let told = |share: f64| {
+            let (lower, upper) = info.parameters[0].bounds(&tests.scale);
+            let value = lower + share * (upper - lower);
+            let others = vec![0.0; info.parameters.len() - 1];
+            let values = [vector_of(&Nominal::NEW), vec![value], others].concat();
+            on_bounds(&Fit::of(&model, &values, &tests).unwrap(), &tests)
+        };
+        assert_eq!(told(0.4), [""; 0]);
+        assert!(told(0.0)[0].ends_with("\"as negative as can be\""), "{:?}", told(0.0));
+    }
+
+    #[test]
+    fn a_test_held_out_of_another_damper_went_without_a_word() {
+        let (own, other) = (tests(1e-3, 1.0), tests(1e-3, 2.0));
+        // The dashpot that they were made with, on a stiff attachment.
+        let damper =
+            Nominal { ke_n_per_m: 1e9, clearance_2a_m: 0.0, f_relief_n: 1e6, ..Nominal::NEW };
+        let own_fit = Fit::of(&GreyBox::nominal(&own.scale), &vector_of(&damper), &own).unwrap();
+        assert_eq!(not_followed((&own_fit, &own), (&own_fit, &own)), None);
+        let on_other = Fit::of(&own_fit.model, &own_fit.values, &other).unwrap();
+        let left = not_followed((&own_fit, &own), (&on_other, &other)).unwrap();
+        assert_eq!(left.coordinate, "held_out_tests");
+        assert!(left.description.contains(", a most with "), "{left:?}");
+    }
+
+    #[test]
+    fn kilonewtons_are_suspected() {
+        let tests = [tests(1e-3, 1.0), tests(1e-3, 1e-3)];
+        let fit = |tests: &TestsAtHand| {
+            Fit::of(&GreyBox::nominal(&tests.scale), &vector_of(&Nominal::NEW), tests)
+        };
+        assert_eq!(other_unit(fit(&tests[0]).as_ref(), &tests[0]), [""; 0]);
+        let told = other_unit(fit(&tests[1]).as_ref(), &tests[1]);
+        assert!(told[0].starts_with("all tests: ") && told[0].contains("another unit"), "{told:?}");
+    }
+}

@@ -1,0 +1,34 @@
+//! How likely chance alone does as much.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Probability that scores of independent blocks, each with mean zero, have a mean as large:
+/// Student's test of one sample,
+///
+/// ```text
+/// t = mean / (s / sqrt(n)), with n - 1 degrees of freedom
+/// ```
+///
+/// Nothing is said of the scores' size or of what is within a block; where a few blocks are much
+/// larger than the rest the test errs on the side of chance.
+///
+/// ```
+/// use identification::chance::one_sided;
+/// // Mean 2, s = 1 of four: t = 4, three degrees of freedom.
+/// let half = 0.75_f64.sqrt();
+/// assert!((one_sided(&[2.0 - half, 2.0 + half, 2.0 - half, 2.0 + half]) - 0.014).abs() < 1e-3);
+/// assert!((one_sided(&[1.0, -1.0]) - 0.5).abs() < 1e-12);
+/// ```
+pub fn one_sided(scores: &[f64]) -> f64 {
+    let count = scores.len() as f64;
+    if scores.len() < 2 {
+        return 1.0;
+    }
+    let mean = scores.iter().sum::<f64>() / count;
+    let squares: f64 = scores.iter().map(|score| (score - mean) * (score - mean)).sum();
+    if squares <= 0.0 {
+        return if mean > 0.0 { 0.0 } else { 1.0 };
+    }
+    let t = mean / (squares / (count - 1.0) / count).sqrt();
+    StudentsT::new(0.0, 1.0, count - 1.0).map_or(1.0, |student| student.sf(t))
+}

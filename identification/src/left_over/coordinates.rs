@@ -1,0 +1,142 @@
+//! Coordinates in which a residual may have a shape.
+//!
+//! Of the damper's end, what it did; of the dashpot, what the model says it did behind clearance and
+//! stiffness: a valve's knee is single-valued over the dashpot's velocity and a loop over that of
+//! the end.
+
+use crate::simulation::walk;
+use crate::tests_at_hand::Test;
+use firmware_core::damper::{Damper, MapCoordinate};
+
+/// A reversal is one once the motion is faster than this share of its largest speed.
+pub const UNDER_WAY: f64 = 0.02;
+
+/// A coordinate of a residual.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coordinate {
+    /// Displacement of the end, m.
+    Displacement,
+    /// Velocity of the dashpot, m/s.
+    DashpotVelocity,
+    /// Simulated force, N.
+    Force,
+    /// Time since the motion last reversed, s.
+    TimeSinceReversal,
+    /// Time since the beginning of the test, s.
+    Time,
+    /// Temperature, degrees Celsius.
+    Temperature,
+}
+
+impl Coordinate {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Displacement,
+        Self::DashpotVelocity,
+        Self::Force,
+        Self::TimeSinceReversal,
+        Self::Time,
+        Self::Temperature,
+    ];
+
+    /// As it is written in results.
+    pub const fn name(self) -> &'static str {
+        match self.of_a_damper() {
+            Some(coordinate) => coordinate.name(),
+            None if matches!(self, Self::Time) => "time",
+            None => "temperature",
+        }
+    }
+
+    /// As it is written on an axis, with its unit.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement (m)",
+            Self::DashpotVelocity => "dashpot velocity (m/s)",
+            Self::Force => "simulated force (N)",
+            Self::TimeSinceReversal => "time since reversal (s)",
+            Self::Time => "time (s)",
+            Self::Temperature => "temperature (degC)",
+        }
+    }
+
+    /// Its unit.
+    pub const fn unit(self) -> &'static str {
+        match self.of_a_damper() {
+            Some(coordinate) => coordinate.unit(),
+            None if matches!(self, Self::Time) => "s",
+            None => "degC",
+        }
+    }
+
+    /// The same, if a damper knows it while it runs.
+    pub const fn of_a_damper(self) -> Option<MapCoordinate> {
+        match self {
+            Self::Displacement => Some(MapCoordinate::Displacement),
+            Self::DashpotVelocity => Some(MapCoordinate::DashpotVelocity),
+            Self::Force => Some(MapCoordinate::Force),
+            Self::TimeSinceReversal => Some(MapCoordinate::TimeSinceReversal),
+            Self::Time | Self::Temperature => None,
+        }
+    }
+
+    /// Its upper and its lower branch in words.
+    pub const fn branches(self) -> (&'static str, &'static str) {
+        if self.parts_by_force() {
+            ("in tension", "in compression")
+        } else {
+            ("extending", "compressing")
+        }
+    }
+
+    /// True when the two branches of a residual part by the sense of the force, and not of motion.
+    const fn parts_by_force(self) -> bool {
+        matches!(self, Self::Time | Self::Temperature)
+    }
+}
+
+/// All coordinates of one test, sample by sample, and the branch of each.
+#[derive(Debug, Clone)]
+pub struct Track {
+    values: [Vec<f64>; 6],
+    forward: Vec<bool>,
+    tension: Vec<bool>,
+}
+
+impl Track {
+    /// Simulates the test once more and keeps what the dashpot does.
+    pub fn of(damper: &Damper, test: &Test, start_m: f64) -> Self {
+        let record = &test.record;
+        let samples = record.force_n.len();
+        let (mut dashpot, mut force) = (Vec::with_capacity(samples), Vec::with_capacity(samples));
+        walk(damper, test, start_m, samples, |force_n, state| {
+            force.push(force_n);
+            dashpot.push(state.piston_velocity_m_per_s());
+        });
+        let largest = record.velocity_m_per_s.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let (mut forward, mut since, mut now, mut reversed) = (vec![], vec![], true, 0);
+        for (i, v) in record.velocity_m_per_s.iter().enumerate() {
+            if (*v > 0.0) != now && v.abs() > UNDER_WAY * largest {
+                (now, reversed) = (*v > 0.0, i);
+            }
+            forward.push(now);
+            since.push((i - reversed) as f64 * record.step_s);
+        }
+        let tension = force.iter().map(|f| *f > 0.0).collect();
+        let time = (0..samples).map(|i| i as f64 * record.step_s).collect();
+        let temperature = record.temperature_degc.clone().unwrap_or_default();
+        let displacement = record.displacement_m.clone();
+        let values = [displacement, dashpot, force, since, time, temperature];
+        Self { values, forward, tension }
+    }
+
+    /// A coordinate sample by sample; empty where it was not measured.
+    pub fn values(&self, coordinate: Coordinate) -> &[f64] {
+        &self.values[coordinate as usize]
+    }
+
+    /// True for the upper branch: extending, or, over slow coordinates, in tension.
+    pub fn upper(&self, coordinate: Coordinate, sample: usize) -> bool {
+        if coordinate.parts_by_force() { self.tension[sample] } else { self.forward[sample] }
+    }
+}

@@ -1,0 +1,142 @@
+//! What repeats from cycle to cycle.
+//!
+//! Noise of different cycles is independent; what the model lacks comes again at the same phase. With
+//! `r_i` the residual of cycle i over its phase,
+//!
+//! ```text
+//! power that repeats = mean over pairs i, j of different cycles of <r_i, r_j>
+//! ```
+//!
+//! whatever shape it has, slower than a few milliseconds (what is faster, a filter of the bench makes
+//! of every kink of the force, in a perfect model too), and half the mean square of `r_(i+1) - r_i` is the floor of noise, free of
+//! anything that repeats and of slow drift, without cycles that are unlike all others ([`super::unlike`]).
+//! Neighbouring cycles closer than the memory of ordinary
+//! noise make no pair.
+
+use super::unlike::{Unlike, unlike};
+use crate::chance::one_sided;
+use crate::tests_at_hand::{Test, TestsAtHand};
+
+/// Points of phase that a cycle is averaged into.
+const PHASES: usize = 256;
+/// Width of the moving mean that takes out what is faster, s.
+const SMOOTHED_S: f64 = 8e-3;
+/// Cycles whose starts are closer than this make no pair, s.
+const APART_S: f64 = 0.3;
+
+/// What a residual repeats, and what it does not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Repeat {
+    /// rms of what repeats, N, without what is faster than a few milliseconds.
+    pub repeated_rms_n: f64,
+    /// rms of what repeats, N, however fast.
+    pub repeated_in_all_rms_n: f64,
+    /// Probability of that much by chance.
+    pub p_value: f64,
+    /// rms of what does not, N; nothing without cycles.
+    pub noise_floor_n: Option<f64>,
+    /// Tests with cycles.
+    pub tests: usize,
+    /// Cycles that are unlike all others.
+    pub unlike: Vec<Unlike>,
+}
+
+/// Compares cycles of all tests that have at least three.
+pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
+    let (mut products, mut power, mut power_in_all, mut weight) = (Vec::new(), 0.0, 0.0, 0.0);
+    let (mut scatter, mut scattered, mut with_cycles) = (0.0, 0usize, 0);
+    let unlike = unlike(residual_n, tests);
+    for (index, (test, residual)) in tests.tests.iter().zip(residual_n).enumerate() {
+        let record = &test.record;
+        let starts = starts(test);
+        let cycles = cycles(test, residual);
+        if cycles.len() < 3 {
+            continue;
+        }
+        with_cycles += 1;
+        let shortest = cycles.iter().map(|cycle| cycle.len()).min().unwrap_or(0);
+        let phases = shortest.min(PHASES);
+        let slow = smoothed(residual, (0.5 * SMOOTHED_S / record.step_s).round() as usize);
+        let slow: Vec<Vec<f64>> = starts
+            .windows(2)
+            .filter_map(|pair| slow.get(pair[0]..pair[1]))
+            .map(|cycle| folded(cycle, phases))
+            .collect();
+        let all: Vec<Vec<f64>> = cycles.iter().map(|cycle| folded(cycle, phases)).collect();
+        let apart = (APART_S / (shortest as f64 * record.step_s)).ceil().max(1.0) as usize;
+        let samples: usize = cycles.iter().map(|cycle| cycle.len()).sum();
+        let (mut sum, mut in_all, mut pairs) = (0.0, 0.0, 0);
+        let product = |cycles: &[Vec<f64>], i: usize, j: usize| {
+            let pairs = cycles[i].iter().zip(&cycles[j]);
+            pairs.map(|(a, b)| a * b).sum::<f64>() / phases as f64
+        };
+        let mut of_test = Vec::new();
+        for i in 0..slow.len() {
+            for j in i + apart..slow.len() {
+                let slow = product(&slow, i, j);
+                of_test.push(slow);
+                sum += slow;
+                in_all += product(&all, i, j);
+                pairs += 1;
+            }
+        }
+        if pairs > 0 {
+            let share = samples as f64 / f64::from(pairs);
+            products.extend(of_test.iter().map(|product| product * share));
+            power += sum * share;
+            power_in_all += in_all * share;
+            weight += samples as f64;
+        }
+        let odd = |cycle: usize| unlike.iter().any(|one| (one.test, one.cycle) == (index, cycle));
+        for (first, pair) in cycles.windows(2).enumerate() {
+            if odd(first) || odd(first + 1) {
+                continue;
+            }
+            let length = pair[0].len().min(pair[1].len());
+            scatter += pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+            scattered += length;
+        }
+    }
+    let rms = |power: f64| if weight > 0.0 { (power / weight).max(0.0).sqrt() } else { 0.0 };
+    Repeat {
+        repeated_rms_n: rms(power),
+        repeated_in_all_rms_n: rms(power_in_all),
+        p_value: one_sided(&products),
+        noise_floor_n: (scattered > 0).then(|| (0.5 * scatter / scattered as f64).sqrt()),
+        tests: with_cycles,
+        unlike,
+    }
+}
+
+/// The residual of a test, cycle by cycle, without its run-in.
+pub fn cycles<'a>(test: &Test, residual_n: &'a [f64]) -> Vec<&'a [f64]> {
+    starts(test).windows(2).filter_map(|pair| residual_n.get(pair[0]..pair[1])).collect()
+}
+
+/// First samples of those cycles, and the end of the last.
+pub fn starts(test: &Test) -> Vec<usize> {
+    let record = &test.record;
+    record.cycles.iter().copied().filter(|at| *at >= record.run_in).collect()
+}
+
+/// Mean over `half` samples to either side.
+fn smoothed(values: &[f64], half: usize) -> Vec<f64> {
+    (0..values.len())
+        .map(|i| {
+            let range = i.saturating_sub(half)..(i + half + 1).min(values.len());
+            let length = range.len() as f64;
+            values[range].iter().sum::<f64>() / length
+        })
+        .collect()
+}
+
+/// A cycle averaged into points of equal phase.
+fn folded(cycle: &[f64], phases: usize) -> Vec<f64> {
+    (0..phases)
+        .map(|k| {
+            let range = k * cycle.len() / phases..(k + 1) * cycle.len() / phases;
+            let length = range.len().max(1) as f64;
+            cycle[range].iter().sum::<f64>() / length
+        })
+        .collect()
+}

@@ -1,0 +1,216 @@
+//! What a reader wants to know first, and at the end how it was found out.
+
+use super::super::identify::Identification;
+use super::super::result::Errors;
+use super::curves::{DATASHEET, REFITTED, WITH_EFFECTS};
+use super::prefix::{Prefixed, quantity};
+use super::words::{floor_has_lines, percent};
+use crate::tests_at_hand::TestsAtHand;
+use report::{Cell, Section, Table, Tile, significant};
+
+/// Names and values under the title.
+pub(super) fn facts(identification: &Identification) -> Vec<(&'static str, String)> {
+    let size = |tests: &TestsAtHand| {
+        let seconds: f64 = tests
+            .tests
+            .iter()
+            .map(|test| test.record.force_n.len() as f64 * test.record.step_s)
+            .sum();
+        let count = tests.tests.len();
+        let word = if count == 1 { "test" } else { "tests" };
+        format!("{count} {word}, {} s", significant(seconds, 3))
+    };
+    let held_out = &identification.holdout;
+    let none = held_out.tests.is_empty();
+    vec![
+        ("fitted", size(&identification.train)),
+        ("held out", if none { "nothing".to_owned() } else { size(held_out) }),
+        ("largest force", quantity(identification.train.scale.force_n, "N")),
+        ("largest speed", quantity(identification.train.scale.velocity_m_per_s, "m/s")),
+        (
+            "sampling",
+            format!(
+                "{} Hz",
+                significant(super::super::candidate::rate_hz(&identification.train), 4)
+            ),
+        ),
+    ]
+}
+
+/// Key numbers, the story in a few sentences, and the errors of the three models.
+pub(super) fn section(identification: &Identification) -> Section {
+    let result = &identification.result;
+    let errors = &result.errors;
+    let held_out = errors.refitted.is_some_and(|errors| errors.holdout_rmse_n.is_some());
+    let shown: Vec<(&str, f64, f64)> = models(identification)
+        .into_iter()
+        .filter_map(|(name, errors)| {
+            let (rmse_n, share) = judged(errors.as_ref()?);
+            Some((name, rmse_n, share))
+        })
+        .collect();
+    // One unit for all three, so that they compare at a glance.
+    let unit = Prefixed::for_all("N", shown.iter().map(|(_, rmse_n, _)| rmse_n));
+    let which = if held_out { "held-out error" } else { "error" };
+    let mut tiles: Vec<Tile> = shown
+        .iter()
+        .map(|(name, rmse_n, share)| {
+            let unit_and_share = format!("{} ({})", unit.unit, percent(*share));
+            Tile::number(&format!("{which}, {name}"), unit.value(*rmse_n), &unit_and_share)
+        })
+        .collect();
+    let floor = Prefixed::of("N", result.noise_floor_n);
+    tiles.push(Tile::number("noise floor", floor.value(result.noise_floor_n), &floor.unit));
+    tiles.push(Tile::text(
+        "effects added",
+        &match result.effects.len() {
+            0 => "none".to_owned(),
+            count => count.to_string(),
+        },
+    ));
+    tiles.push(match &result.unexplained {
+        None => Tile::text("left unexplained", "nothing").good(),
+        Some(part) => {
+            let prefixed = Prefixed::of("N", part.rms_n);
+            Tile::number("left unexplained, rms", prefixed.value(part.rms_n), &prefixed.unit).bad()
+        }
+    });
+    let mut section = Section::new("In short").tiles(tiles).text(&story(identification, held_out));
+    if !held_out {
+        section = section.note(
+            "No test was held out: the errors are those of the fitted tests. What an effect gains was \
+             still judged on pieces left out of the fit one by one.",
+        );
+    }
+    section.table(summary(identification))
+}
+
+/// Error and its share of the force: on tests held out, if there are any.
+fn judged(errors: &Errors) -> (f64, f64) {
+    let fitted = (errors.train_rmse_n, errors.train_nrmse);
+    errors.holdout_rmse_n.zip(errors.holdout_nrmse).unwrap_or(fitted)
+}
+
+/// The models there are, with their errors: the last is the refitted one where nothing was added.
+fn models(identification: &Identification) -> Vec<(&'static str, Option<Errors>)> {
+    let errors = &identification.result.errors;
+    let mut models = Vec::new();
+    if errors.datasheet.is_some() {
+        models.push((DATASHEET, errors.datasheet));
+    }
+    models.push((REFITTED, errors.refitted));
+    if !identification.result.effects.is_empty() {
+        models.push((WITH_EFFECTS, errors.with_effects));
+    }
+    models
+}
+
+fn story(identification: &Identification, held_out: bool) -> String {
+    let result = &identification.result;
+    let tests = if held_out { "the tests held out" } else { "the tests" };
+    let share = |errors: &Option<Errors>| errors.as_ref().map(|errors| percent(judged(errors).1));
+    let mut sentences = Vec::new();
+    if let Some(datasheet) = share(&result.errors.datasheet) {
+        sentences.push(format!(
+            "With the datasheet's numbers the model misses the force of {tests} by {datasheet} rms."
+        ));
+    }
+    if let Some(refitted) = share(&result.errors.refitted) {
+        sentences.push(if sentences.is_empty() {
+            format!("Refitted to the records, the model misses the force of {tests} by {refitted}.")
+        } else {
+            format!("Refitted to the records it misses it by {refitted}.")
+        });
+    }
+    let with_effects = share(&result.errors.with_effects).filter(|_| !result.effects.is_empty());
+    if let Some(with_effects) = with_effects {
+        let names: Vec<String> =
+            result.effects.iter().map(|effect| super::words::spoken(effect.name)).collect();
+        sentences.push(format!("With {} it is {with_effects}.", super::words::listed(&names)));
+    }
+    let floor = floor_share(identification);
+    let (floor, method) = (percent(floor), &result.noise_floor_method);
+    let lines = if floor_has_lines(result) { ", lines of the spectrum counted in" } else { "" };
+    sentences.push(format!(
+        "Noise alone is {floor} of the force of the fitted tests ({method}{lines})."
+    ));
+    sentences.join(" ")
+}
+
+/// The noise floor over the force of the fitted tests.
+fn floor_share(identification: &Identification) -> f64 {
+    let force_n = identification.train.measured_rms_n().unwrap_or(f64::NAN);
+    identification.result.noise_floor_n / force_n
+}
+
+/// Errors of the three models.
+fn summary(identification: &Identification) -> Table {
+    let mut table = Table::new("Error of free-running simulation")
+        .text("model")
+        .number("fitted tests, rms", "N")
+        .number_with_digits("of the force", "%", 3)
+        .number("held-out tests, rms", "N")
+        .number_with_digits("of the force", "%", 3);
+    for (name, errors) in models(identification) {
+        table = table.row([
+            Cell::from(name),
+            errors.map(|errors| errors.train_rmse_n).into(),
+            errors.map(|errors| 100.0 * errors.train_nrmse).into(),
+            errors.and_then(|errors| errors.holdout_rmse_n).into(),
+            errors.and_then(|errors| errors.holdout_nrmse).map(|share| 100.0 * share).into(),
+        ]);
+    }
+    table.row([
+        Cell::from("noise floor"),
+        identification.result.noise_floor_n.into(),
+        (100.0 * floor_share(identification)).into(),
+        Cell::Empty,
+        Cell::Empty,
+    ])
+}
+
+/// How it was done, and what the reader should know.
+pub(super) fn about(identification: &Identification) -> Section {
+    let train = &identification.train;
+    let left_out = if train.whole_tests {
+        format!("each of the {} fitted tests in turn", train.pieces.len())
+    } else {
+        format!(
+            "{} runs of whole cycles with a guard gap, as there are fewer than four tests",
+            train.pieces.len()
+        )
+    };
+    let tried = identification.empirical.as_ref();
+    let mut section = Section::new("How this was done")
+        .text(
+            "A laboratory tool and no safety function. Errors are measured less simulated force, \
+             simulated free-running from the measured displacement, over all samples but the run-in of \
+             each test. Where the dashpot stands at the start of a test is taken from the run-in. \
+             Uncertainties are one standard deviation from the scatter of independent blocks.",
+        )
+        .text(&format!(
+            "Candidates were judged by leaving out {left_out}. Tests held out were used for nothing but \
+             the errors shown{}.",
+            if tried.is_some() { " and to refuse an empirical map that is worse on them" } else { "" }
+        ))
+        .text(&format!(
+            "The numbers are in result.json, the damper in model.toml{}, every simulated sample in the \
+             folder predictions.",
+            if tried.is_some_and(|tried| tried.kept) {
+                ", with the empirical map in model-empirical.toml"
+            } else {
+                ""
+            }
+        ));
+    let notes = &identification.result.notes;
+    for note in notes {
+        section = section.note(note);
+    }
+    let tests = identification.train.tests.iter().chain(&identification.holdout.tests);
+    for record in tests.map(|test| &test.record) {
+        for repair in record.repairs.iter().filter(|repair| !notes.contains(repair)) {
+            section = section.note(&format!("{}: {repair}", record.name));
+        }
+    }
+    section
+}

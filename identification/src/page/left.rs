@@ -1,0 +1,125 @@
+//! What is left when everything that was found is in the model.
+
+use super::super::identify::Identification;
+use super::super::left_over::LeftOver;
+use super::coordinates::{plots, shares};
+use super::prefix::quantity;
+use super::words::{lives, probability};
+use crate::fit::Fit;
+use report::{Plot, Section, Table};
+use signal::spectrum::Spectrum;
+
+/// Segments of a spectrum, as a share of the counted length of a test.
+const SEGMENTS: f64 = 4.0;
+
+/// What is left.
+pub(super) fn section(identification: &Identification) -> Section {
+    let (before, after) = (&identification.left_before, &identification.left_after);
+    let added = !identification.result.effects.is_empty();
+    let mapped = identification.empirical.as_ref().is_some_and(|tried| tried.kept);
+    let mut section = Section::new("What is left");
+    section = match &after.unexplained {
+        None => section.text(&format!(
+            "{} rms, of which over all tests nothing repeats, follows a coordinate or stands out of the \
+             spectrum beyond a quarter of the noise floor of {}: this is taken for noise{}.",
+            quantity(after.rms_n, "N"),
+            quantity(after.noise_floor_n, "N"),
+            if after.lines.is_empty() { "" } else { ", the lines of single tests below with it" }
+        )),
+        Some(part) => section
+            .warning(&format!(
+                "{} rms {} have no name in the catalogue: {}. {}",
+                quantity(part.rms_n, "N"),
+                lives(part.coordinate),
+                part.description,
+                if mapped {
+                    "The model has no patch over it; the empirical map below stands beside the model."
+                } else {
+                    "No patch was put over it."
+                }
+            ))
+            .text(&format!("In all {} rms are left.", quantity(after.rms_n, "N"))),
+    };
+    section = section.text(&repeat(after));
+    section = if added {
+        section
+            .text("The residual over the same coordinates, in grey what it was before.")
+            .plots(plots(identification, after, Some(before)))
+            .table(shares(after, Some(before)))
+    } else {
+        section.text("Over the coordinates it is what is drawn above, as no effect was added.")
+    };
+    section = section.plots(spectrum(identification));
+    if after.lines.is_empty() {
+        return section.text("No test has a line in the spectrum of its residual.");
+    }
+    let mut table = Table::new("Lines in the spectrum of the residual")
+        .text("test")
+        .number("frequency", "Hz")
+        .number_with_digits("rms", "N", 3);
+    for line in &after.lines {
+        let name = &identification.train.tests[line.test].record.name;
+        table = table.row([name.as_str().into(), line.frequency_hz.into(), line.rms_n.into()]);
+    }
+    section.table(table)
+}
+
+fn repeat(left: &LeftOver) -> String {
+    let repeat = &left.repeat;
+    match repeat.noise_floor_n {
+        None => "No test has cycles, so nothing can be said of what repeats.".to_owned(),
+        Some(floor) if repeat.repeated_rms_n == 0.0 => format!(
+            "From cycle to cycle nothing comes again ({}), {} do not; {} tests have cycles.",
+            probability(repeat.p_value),
+            quantity(floor, "N"),
+            repeat.tests
+        ),
+        Some(floor) => format!(
+            "From cycle to cycle {} rms come again ({}), {} do not; {} tests have cycles.",
+            quantity(repeat.repeated_rms_n, "N"),
+            probability(repeat.p_value),
+            quantity(floor, "N"),
+            repeat.tests
+        ),
+    }
+}
+
+/// Spectrum of the residual, before and after, in the test with the strongest line or, without
+/// lines, with the largest residual.
+fn spectrum(identification: &Identification) -> Vec<Plot> {
+    let tests = &identification.train;
+    let found = &identification.found;
+    let (before, after) = (&found.refitted.standing.fit, &found.with_effects.standing.fit);
+    let rms_n = |test: usize| {
+        let counted = tests.tests[test].counted();
+        signal::statistics::rms(&after.residual_n(tests, test)[counted])
+    };
+    let strongest =
+        identification.left_after.lines.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
+    let largest = || (0..tests.tests.len()).max_by(|a, b| rms_n(*a).total_cmp(&rms_n(*b)));
+    let Some(test) = strongest.map(|line| line.test).or_else(largest) else { return Vec::new() };
+    let record = &tests.tests[test].record;
+    let of = |fit: &Fit| {
+        let counted = tests.tests[test].counted();
+        let residual = &fit.residual_n(tests, test)[counted];
+        let segment_s = residual.len() as f64 * record.step_s / SEGMENTS;
+        let spectrum = Spectrum::welch(residual, 1.0 / record.step_s, segment_s).ok()?;
+        let lines = spectrum.lines().filter(|(hz, density)| *hz > 0.0 && *density > 0.0);
+        Some(lines.map(|(hz, density)| (hz, density.sqrt())).unzip::<f64, f64, Vec<_>, Vec<_>>())
+    };
+    let (Some((hz, first)), Some((_, last))) = (of(before), of(after)) else { return Vec::new() };
+    let mut plot = Plot::new(&format!("Spectrum of the residual in {}", record.name))
+        .palette(&super::curves::PALETTE)
+        .x("frequency", "Hz")
+        .y("amplitude spectral density", "N/√Hz")
+        .log_x()
+        .log_y();
+    plot = plot.line(super::curves::REFITTED, &hz, &first);
+    if !identification.result.effects.is_empty() {
+        plot = plot.line(super::curves::WITH_EFFECTS, &hz, &last);
+    }
+    if let Some(line) = strongest {
+        plot = plot.at("strongest line", line.frequency_hz);
+    }
+    vec![plot]
+}

@@ -1,0 +1,51 @@
+//! What these records could not tell apart or show, and which test would.
+
+use super::super::identify::Identification;
+use super::words::{listed, spoken};
+use firmware_core::damper::effects::CATALOGUE;
+use report::{Section, Table};
+
+/// The limits of these records.
+pub(super) fn section(identification: &Identification) -> Section {
+    let result = &identification.result;
+    let mut section = Section::new("What could not be told apart or tested");
+    let rivals: Vec<_> =
+        result.effects.iter().filter(|effect| !effect.alternatives.is_empty()).collect();
+    if rivals.is_empty() && !result.effects.is_empty() {
+        section = section.text("Every effect that was added is told apart from all others that these records can show.");
+    }
+    for effect in rivals {
+        let group: Vec<String> = std::iter::once(effect.name)
+            .chain(effect.alternatives.iter().copied())
+            .map(spoken)
+            .collect();
+        let mut table = Table::new(&format!("Not told apart: {}", listed(&group)))
+            .text("effect")
+            .text("test that shows it");
+        for name in std::iter::once(effect.name).chain(effect.alternatives.iter().copied()) {
+            let info = CATALOGUE.iter().find(|info| info.name == name);
+            table = table.row([name.into(), info.map_or("", |info| info.shown_by).into()]);
+        }
+        section = section.table(table);
+    }
+    if result.not_testable.is_empty() {
+        return section.text("Every effect of the catalogue would show in these records.");
+    }
+    let mut table = Table::new("Effects that these records cannot show")
+        .text("effect")
+        .text("why")
+        .text("test that would show it");
+    for hidden in &result.not_testable {
+        table = table.row([
+            hidden.name.into(),
+            hidden.why.as_str().into(),
+            hidden.test_that_would.as_str().into(),
+        ]);
+    }
+    section
+        .text(
+            "Nothing is said about these effects: they may be there or not. The test in the last \
+             column would tell.",
+        )
+        .table(table)
+}

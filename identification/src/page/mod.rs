@@ -1,0 +1,54 @@
+//! `report.html` of an identification: the story of what a damper model lacks, as one engineer tells
+//! it to another.
+//!
+//! The verdict first. Then the record with the maker's model over it, the model refitted, the
+//! residual against every coordinate, the candidates, each effect that was added, loops before and
+//! after, errors test by test, what these records cannot show, and what is left, with an empirical map
+//! on it where one was asked for. A chapter shrinks where there is nothing to tell: no datasheet, no tests held out, no effect found.
+//!
+//! Tables are in SI, to be copied; axes carry the prefix that reads best. All curves are
+//! free-running simulation from the measured displacement; the residual is measured less simulated.
+
+mod candidates;
+mod coordinates;
+mod curves;
+mod effects;
+mod empirical;
+mod errors;
+mod headline;
+mod left;
+mod limits;
+mod loops;
+mod models;
+mod prefix;
+mod shown;
+mod words;
+
+use super::identify::Identification;
+use report::Report;
+
+/// The report of an identification.
+pub fn page(identification: &Identification) -> Report {
+    let tests = shown::all(identification);
+    let telling = shown::telling(&tests);
+    let mut report = Report::new(&words::title(&identification.result))
+        .subtitle(&words::sentence(identification));
+    for (name, value) in headline::facts(identification) {
+        report = report.fact(name, &value);
+    }
+    report = report
+        .section(headline::section(identification))
+        .section(models::datasheet(identification, telling))
+        .section(models::refitted(identification, telling))
+        .section(coordinates::section(identification))
+        .section(candidates::section(identification))
+        .section(effects::section(identification, telling))
+        .section(loops::section(identification, &tests))
+        .section(errors::section(identification))
+        .section(limits::section(identification))
+        .section(left::section(identification));
+    if let Some(section) = empirical::section(identification) {
+        report = report.section(section);
+    }
+    report.section(headline::about(identification))
+}

@@ -1,0 +1,101 @@
+//! Which tests are drawn, and which stretch of them.
+
+use super::super::fit::Fit;
+use super::super::identify::Identification;
+use super::super::result::Models;
+use super::super::tests_at_hand::{Test, TestsAtHand};
+use std::ops::Range;
+
+/// A stretch without cycles, s.
+const STRETCH_S: f64 = 1.5;
+/// Two cycles are drawn where they are shorter than this together, else one, s.
+const TWO_CYCLES_S: f64 = 2.5;
+
+/// A test with what the three models say of it.
+#[derive(Debug, Clone)]
+pub(super) struct Shown<'a> {
+    /// The test.
+    pub(super) test: &'a Test,
+    /// It was held out.
+    pub(super) held_out: bool,
+    /// Simulated force, run-in included, N.
+    pub(super) force_n: Models<Option<&'a [f64]>>,
+}
+
+/// All tests: those fitted, then those held out.
+pub(super) fn all(identification: &Identification) -> Vec<Shown<'_>> {
+    let mut all = of(&identification.train, &identification.on_train, false);
+    all.extend(of(&identification.holdout, &identification.on_holdout, true));
+    all
+}
+
+fn of<'a>(
+    tests: &'a TestsAtHand,
+    models: &'a Models<Option<Fit>>,
+    held_out: bool,
+) -> Vec<Shown<'a>> {
+    let each = tests.tests.iter().enumerate().map(|(index, test)| {
+        let force_n = models.map(|fit| fit.as_ref()?.force_n.get(index).map(Vec::as_slice));
+        Shown { test, held_out, force_n }
+    });
+    each.collect()
+}
+
+/// A test without cycles must be off by this much more to be shown: loops tell more than a tangle.
+const TANGLE: f64 = 1.5;
+
+/// The test that tells most: where the refitted model is off by most.
+pub(super) fn telling<'a, 'b>(tests: &'b [Shown<'a>]) -> Option<&'b Shown<'a>> {
+    tests.iter().max_by(|a, b| a.telling_n().total_cmp(&b.telling_n()))
+}
+
+impl Shown<'_> {
+    /// Name and role, as in a title.
+    pub(super) fn title(&self) -> String {
+        let role = if self.held_out { "held out" } else { "fitted" };
+        format!("{} ({role})", self.test.record.name)
+    }
+
+    /// The stretch in which the refitted model is off by most: whole cycles where there are any.
+    pub(super) fn stretch(&self) -> Range<usize> {
+        let Some(refitted) = self.force_n.refitted else { return self.test.counted() };
+        telling_stretch(self.test, refitted)
+    }
+
+    /// rms error of the refitted model over the counted samples, N; more for a test with cycles.
+    fn telling_n(&self) -> f64 {
+        let counted = self.test.counted();
+        let Some(refitted) = self.force_n.refitted else { return 0.0 };
+        let samples = counted.len().max(1) as f64;
+        let rms_n = (self.test.squares_n2(refitted, counted) / samples).sqrt();
+        if self.test.record.cycles.len() > 2 { TANGLE * rms_n } else { rms_n }
+    }
+}
+
+/// The stretch of a test in which a simulated force is off by most.
+pub(super) fn telling_stretch(test: &Test, force_n: &[f64]) -> Range<usize> {
+    let counted = test.counted();
+    let starts: Vec<usize> =
+        test.record.cycles.iter().copied().filter(|at| counted.contains(at)).collect();
+    let candidates: Vec<Range<usize>> = if starts.len() >= 2 {
+        let cycle_s = (starts[1] - starts[0]) as f64 * test.record.step_s;
+        let count = if 2.0 * cycle_s <= TWO_CYCLES_S && starts.len() > 2 { 2 } else { 1 };
+        starts.windows(count + 1).map(|pair| pair[0]..pair[count] + 1).collect()
+    } else {
+        let length = (STRETCH_S / test.record.step_s) as usize;
+        if counted.len() <= 2 * length.max(8) {
+            return counted;
+        }
+        let last = counted.end - length;
+        (counted.start..=last).step_by(length.div_ceil(4)).map(|at| at..at + length).collect()
+    };
+    let end = test.record.force_n.len();
+    let mut found = (0.0, counted);
+    for range in candidates.into_iter().map(|range| range.start..range.end.min(end)) {
+        let off = test.squares_n2(force_n, range.clone()) / range.len().max(1) as f64;
+        if off > found.0 {
+            found = (off, range);
+        }
+    }
+    found.1
+}

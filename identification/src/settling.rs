@@ -1,0 +1,97 @@
+//! An accepted model at its bottom.
+//!
+//! A trial stops near the bottom, and perhaps in another hollow of the same effect than the deepest; and a
+//! nominal parameter may have run to nothing while the effect was missing, from where no fit comes back.
+
+use super::candidate::Candidate;
+use super::fit::{Effort, Fit, fit, fit_on};
+use super::grey_box::{C2, CE};
+use super::search::BETTER_MINIMUM;
+use super::tests_at_hand::TestsAtHand;
+use rayon::prelude::*;
+
+/// A usual slope beyond relief, in shares of Ce.
+const USUAL_C2: f64 = 0.06;
+/// Share of it below which a fitted one is stuck at nothing.
+const STUCK_C2: f64 = 0.02;
+
+/// An accepted model at the bottom: trials stop near it, and may lie in another hollow of the same
+/// effect than the deepest, which its other start values reach.
+pub fn settled(trial: &Fit, candidate: &Candidate, tests: &TestsAtHand) -> Option<Fit> {
+    // Whole tests with fewer samples are enough to compare hollows.
+    let rough = tests.beginnings(f64::INFINITY);
+    let nominal = trial.values.len() - candidate.effect.parameters.len();
+    let others = candidate.starts.iter().map(|start| [&trial.values[..nominal], start].concat());
+    let starts: Vec<Vec<f64>> = std::iter::once(trial.values.clone()).chain(others).collect();
+    let mut hollows: Vec<Fit> = starts
+        .par_iter()
+        .filter_map(|from| fit(&trial.model, from, &rough, Effort::TRIAL))
+        .collect();
+    // The trial's own hollow stays first among equals.
+    hollows.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
+    let deepest = fit(&trial.model, &hollows.first()?.values, tests, Effort::FULL)?;
+    let deepest = if deepest.total_n2() < trial.total_n2() {
+        deepest
+    } else {
+        fit_on(trial.clone(), tests, Effort::FULL)?
+    };
+    Some(with_slope_beyond_relief(&deepest, tests).unwrap_or(deepest))
+}
+
+/// The same model with a slope beyond relief again, where it had none and is much better with one: while
+/// the effect was missing, something else stood for the slope, and from nothing no fit comes back.
+fn with_slope_beyond_relief(fitted: &Fit, tests: &TestsAtHand) -> Option<Fit> {
+    let mut values = fitted.values.clone();
+    let usual = USUAL_C2 * values[CE];
+    if values[C2] > STUCK_C2 * usual {
+        return None;
+    }
+    values[C2] = usual;
+    let again = fit(&fitted.model, &values, tests, Effort::FULL)?;
+    let better = again.total_n2() < (1.0 - BETTER_MINIMUM) * fitted.total_n2();
+    better.then_some(again)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grey_box::{GreyBox, vector_of};
+    use firmware_core::damper::{Damper, DamperState, Motion, Nominal};
+    use measurement::{Measurement, Series};
+
+    /// A new damper (relief at 18 mm/s) driven with a sine of 3.5 Hz.
+    fn tests(amplitude_m: f64) -> TestsAtHand {
+        let w = std::f64::consts::TAU * 3.5;
+        let motion = |n: usize| {
+            let (sin, cos) = libm::sincos(w * n as f64 * 1e-3);
+            Motion::new(amplitude_m * sin, amplitude_m * w * cos)
+        };
+        let damper = Damper::new(Nominal::NEW, &[]).unwrap();
+        let mut state = DamperState::starting(motion(0));
+        let force_n = (0..3000).map(|n| damper.advance(&mut state, motion(n), 1e-3)).collect();
+        let displacement_m = (0..3000).map(|n| motion(n).displacement_m).collect();
+        let series = Series::sampled("a", 1e3, displacement_m, force_n);
+        TestsAtHand::new(vec![Measurement::from_series(series).unwrap()])
+    }
+
+    /// That damper without its slope beyond relief.
+    fn stuck(tests: &TestsAtHand) -> Fit {
+        let model = GreyBox::nominal(&tests.scale);
+        let nominal = Nominal { c2_n_s_per_m: 5.0, ..Nominal::NEW };
+        Fit::of(&model, &vector_of(&nominal), tests).unwrap()
+    }
+
+    #[test]
+    fn a_slope_beyond_relief_that_had_run_to_nothing_stayed_there() {
+        let tests = tests(3.46e-3);
+        let again = with_slope_beyond_relief(&stuck(&tests), &tests).unwrap();
+        assert!((again.values[C2] / 80e3 - 1.0).abs() < 1e-3, "{:?}", again.values);
+        assert!(with_slope_beyond_relief(&again, &tests).is_none());
+    }
+
+    #[test]
+    fn where_relief_never_opens_nothing_is_changed() {
+        let tests = tests(0.5e-3);
+        assert!(with_slope_beyond_relief(&stuck(&tests), &tests).is_none());
+    }
+}

@@ -1,0 +1,116 @@
+//! Free-running simulation of a test: measured displacement (without its
+//! noise, [`measurement::smoothing`]) in, force out, never a measured force.
+//!
+//! Where the dashpot stood at the first sample is not in the record: a joint rests anywhere in its
+//! clearance. It is one number per test, and the only one that a test held out gives to a model: the
+//! deflection of the attachment for which the model follows the measured force best over the run-in
+//! and twice as long again. (The run-in alone may pass inside the clearance and show nothing.)
+
+use super::tests_at_hand::Test;
+use firmware_core::damper::{Damper, DamperState, Motion};
+
+/// Length of the stretch that shows the start, in run-ins.
+const WINDOW: usize = 3;
+/// Half clearance that is none, as a share of the deflection under the largest force.
+const NO_CLEARANCE: f64 = 1e-3;
+/// Points of the first, coarse search for the start of the dashpot.
+const COARSE: i32 = 4;
+/// Halvings of its step afterwards.
+const HALVINGS: usize = 8;
+
+/// Force of a damper through a whole test, N, from a deflection of its attachment at the start, m.
+pub fn simulate(damper: &Damper, test: &Test, deflection_m: f64) -> Vec<f64> {
+    let mut force_n = vec![0.0; test.record.force_n.len()];
+    simulate_into(damper, test, deflection_m, &mut force_n);
+    force_n
+}
+
+/// Fills `force_n` with the force at the first samples of a test.
+fn simulate_into(damper: &Damper, test: &Test, deflection_m: f64, force_n: &mut [f64]) {
+    let samples = force_n.len();
+    let mut forces = force_n.iter_mut();
+    walk(damper, test, deflection_m, samples, |force, _| {
+        if let Some(slot) = forces.next() {
+            *slot = force;
+        }
+    });
+}
+
+/// Walks a damper through the first samples of a test; `at_sample` sees the force and the state at
+/// each of them.
+pub fn walk(
+    damper: &Damper,
+    test: &Test,
+    deflection_m: f64,
+    samples: usize,
+    mut at_sample: impl FnMut(f64, &DamperState),
+) {
+    test.simulated(samples);
+    let record = &test.record;
+    let step_s = test.model_step_s();
+    let damper = damper.clone().prepared(step_s);
+    let motion = |i: usize| Motion::new(record.drive_m[i], record.velocity_m_per_s[i]);
+    let mut state =
+        DamperState::starting(motion(0)).with_piston_m(record.drive_m[0] - deflection_m);
+    for i in 0..samples.min(record.force_n.len()) {
+        if let Some(degc) = &record.temperature_degc {
+            state.set_temperature_degc(Some(degc[i]));
+        }
+        // At the first sample only the force is asked for.
+        let force_n = if i == 0 {
+            damper.advance(&mut state, motion(0), 1e-9)
+        } else {
+            for k in 1..test.substeps {
+                let (x, v) = record.motion_between(i - 1, k as f64 / test.substeps as f64);
+                damper.advance(&mut state, Motion::new(x, v), step_s);
+            }
+            damper.advance(&mut state, motion(i), step_s)
+        };
+        at_sample(force_n, &state);
+    }
+}
+
+/// The start of the dashpot that suits the run-in best: deflection of the attachment, m.
+pub fn start_deflection_m(damper: &Damper, test: &Test) -> f64 {
+    let record = &test.record;
+    let window = (WINDOW * record.run_in).min(record.force_n.len());
+    if window < 2 {
+        return 0.0;
+    }
+    let nominal = damper.nominal();
+    let half_clearance_m = 0.5 * nominal.clearance_2a_m;
+    let force_at_start_n = record.force_n[..3.min(window)].iter().sum::<f64>() / 3.0;
+    let largest = record.force_n[..window].iter().fold(0.0, |m: f64, f| m.max(f.abs()));
+    if half_clearance_m < NO_CLEARANCE * largest / nominal.ke_n_per_m {
+        // Without clearance the force at the start says where the dashpot is.
+        return force_at_start_n / nominal.ke_n_per_m;
+    }
+    let reach = half_clearance_m + 0.5 * largest / nominal.ke_n_per_m;
+    let mut force_n = vec![0.0; window];
+    let mut error_at = |deflection_m: f64| {
+        simulate_into(damper, test, deflection_m, &mut force_n);
+        let pairs = force_n.iter().zip(&record.force_n);
+        pairs.map(|(model, measured)| (model - measured) * (model - measured)).sum::<f64>()
+    };
+    let mut step = reach / f64::from(COARSE);
+    let mut best = (0.0, error_at(0.0));
+    for k in 1..=COARSE {
+        for side in [-1.0, 1.0] {
+            let at = side * step * f64::from(k);
+            let error = error_at(at);
+            if error < best.1 {
+                best = (at, error);
+            }
+        }
+    }
+    for _ in 0..HALVINGS {
+        step *= 0.5;
+        for at in [best.0 - step, best.0 + step] {
+            let error = error_at(at);
+            if error < best.1 {
+                best = (at, error);
+            }
+        }
+    }
+    best.0
+}

@@ -1,0 +1,113 @@
+//! `yawbench critical-speed`: from which speed on does the vehicle of a scenario hunt?
+
+use crate::study::{self, StudyArgs};
+use anyhow::bail;
+use clap::{Args, ValueEnum};
+use std::process::ExitCode;
+use vehicle_studies::critical_speed::linear::STROKES_M;
+use vehicle_studies::critical_speed::{Criterion, Procedure, Question};
+
+/// What `critical-speed` is told.
+#[derive(Debug, Args)]
+pub(crate) struct CriticalSpeedArgs {
+    #[command(flatten)]
+    study: StudyArgs,
+    /// How: over irregular track and down the limit cycle, by eigenvalues, or both; the limit cycle
+    /// alone is the quickest.
+    #[arg(long, value_enum, default_value_t = Method::Both)]
+    method: Method,
+    /// What counts as hunting over irregular track.
+    #[arg(long, value_enum, default_value_t = CriterionChoice::LimitCycle)]
+    criterion: CriterionChoice,
+    /// Lowest speed tried (km/h).
+    #[arg(long, value_name = "KMH", default_value_t = 100.0, allow_negative_numbers = true)]
+    from_kmh: f64,
+    /// Highest speed tried (km/h).
+    #[arg(long, value_name = "KMH", default_value_t = 400.0, allow_negative_numbers = true)]
+    to_kmh: f64,
+    /// Lateral motion of a wheelset that counts as hunting (mm).
+    #[arg(long, value_name = "MM", default_value_t = 3.0, allow_negative_numbers = true)]
+    threshold_mm: f64,
+    /// Strokes of the dampers for eigenvalues, half the travel (mm); at zero a clearance would mean that
+    /// there is no damper.
+    #[arg(long, value_name = "MM,MM", value_delimiter = ',', allow_negative_numbers = true)]
+    stroke_mm: Vec<f64>,
+}
+
+/// What counts as hunting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CriterionChoice {
+    /// A motion that stays on perfect track behind the irregular one.
+    LimitCycle,
+    /// Guiding forces on irregular track above EN 14363's limit.
+    En14363,
+}
+
+/// How critical speeds are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// Over irregular track, and down the limit cycle.
+    Nonlinear,
+    /// Down the limit cycle alone.
+    Fold,
+    /// By eigenvalues.
+    Linear,
+    /// All of them.
+    Both,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, before anything is written; points of another study; a disk that fails.
+pub(crate) fn command(args: &CriticalSpeedArgs) -> anyhow::Result<ExitCode> {
+    study::command(&args.study, question(args)?)
+}
+
+fn question(args: &CriticalSpeedArgs) -> anyhow::Result<Question> {
+    let CriticalSpeedArgs { from_kmh, to_kmh, threshold_mm, .. } = *args;
+    if !(from_kmh > 0.0 && from_kmh < to_kmh && to_kmh <= 600.0) {
+        bail!("--from-kmh {from_kmh} --to-kmh {to_kmh}: expected 0 < from < to <= 600");
+    }
+    if !(threshold_mm > 0.0 && threshold_mm < 100.0) {
+        bail!("--threshold-mm {threshold_mm}: expected more than 0 and less than 100");
+    }
+    if let Some(stroke) = args.stroke_mm.iter().find(|mm| !(1e-3..=500.0).contains(*mm)) {
+        bail!("--stroke-mm {stroke}: expected 0.001 to 500 (at zero a clearance leaves no damper)");
+    }
+    let linear = matches!(args.method, Method::Linear | Method::Both);
+    if !(linear || args.stroke_mm.is_empty()) {
+        bail!("--stroke-mm: only eigenvalues ask for it, expected --method linear or both");
+    }
+    let rough = matches!(args.method, Method::Nonlinear | Method::Both);
+    if args.criterion == CriterionChoice::En14363 && !rough {
+        bail!(
+            "--criterion en14363: expected --method nonlinear or both, which run over rough track"
+        );
+    }
+    if args.study.varies("speed_kmh") {
+        bail!(
+            "--vary speed_kmh: the speed is what is looked for, expected --from-kmh and --to-kmh"
+        );
+    }
+    let strokes_m = match args.stroke_mm.as_slice() {
+        [] => STROKES_M.to_vec(),
+        given => given.iter().map(|mm| 1e-3 * mm).collect(),
+    };
+    Ok(Question {
+        procedure: Procedure {
+            criterion: match args.criterion {
+                CriterionChoice::LimitCycle => Criterion::LimitCycle,
+                CriterionChoice::En14363 => Criterion::En14363,
+            },
+            from_kmh,
+            to_kmh,
+            threshold_m: 1e-3 * threshold_mm,
+            seeds: args.study.seeds()?,
+            ..Procedure::default()
+        },
+        ascent: rough,
+        fold: args.method != Method::Linear,
+        strokes_m: if linear { strokes_m } else { Vec::new() },
+    })
+}

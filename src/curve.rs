@@ -1,0 +1,28 @@
+//! `yawbench curve`: how does the vehicle of a scenario go through its curve?
+
+use crate::study::{self, StudyArgs};
+use anyhow::bail;
+use clap::Args;
+use std::process::ExitCode;
+use vehicle_studies::curve::Procedure;
+
+/// What `curve` is told.
+#[derive(Debug, Args)]
+pub(crate) struct CurveArgs {
+    #[command(flatten)]
+    study: StudyArgs,
+    /// Prud'homme's factor: 1 for locomotives and coaches, 0.85 for freight wagons.
+    #[arg(long, value_name = "K1", default_value_t = 1.0, allow_negative_numbers = true)]
+    k1: f64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, before anything is written; points of another study; a disk that fails.
+pub(crate) fn command(args: &CurveArgs) -> anyhow::Result<ExitCode> {
+    if !(args.k1 > 0.0 && args.k1 <= 1.0) {
+        bail!("--k1 {}: expected more than 0 and at most 1", args.k1);
+    }
+    study::command(&args.study, Procedure { seeds: args.study.seeds()?, k1: args.k1 })
+}

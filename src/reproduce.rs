@@ -1,0 +1,152 @@
+//! `yawbench reproduce`: the study of the SS9's yaw dampers, figure by figure.
+
+use crate::output::print;
+use crate::progress;
+use crate::validation;
+use anyhow::bail;
+use clap::Args;
+use evidence::reproduce::calibration::{Calibrated, UNKNOWNS, calibrate};
+use evidence::reproduce::locomotive::Locomotive;
+use evidence::reproduce::row::{Figure, Row};
+use evidence::reproduce::{Basis, FIGURES, Recipe, named, page};
+use hil_host::record::RunFolder;
+use serde::Serialize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use vehicle_studies::critical_speed::Procedure;
+
+/// Speeds among which critical ones are looked for (km/h): the study's lie between 170 and 260.
+const SPEEDS_KMH: [f64; 2] = [140.0, 340.0];
+
+/// What `reproduce` is told.
+#[derive(Debug, Args)]
+pub(crate) struct ReproduceArgs {
+    /// One figure of the study, such as 10a; all of them without it.
+    #[arg(long, value_name = "N", conflicts_with = "calibrate")]
+    figure: Option<String>,
+    /// Find the three numbers that are public nowhere on the three critical speeds that fix them.
+    #[arg(long)]
+    calibrate: bool,
+    /// Nothing of the study: benchmarks, published values, closed forms and second solutions; exit code 1
+    /// if one is missed.
+    #[arg(long, conflicts_with_all = ["figure", "calibrate"])]
+    validation: bool,
+    /// The locomotive with its dampers in good condition.
+    #[arg(long, value_name = "FILE", default_value = "scenarios/ss9-160kmh.toml")]
+    scenario: PathBuf,
+    /// Tracks: seeds 1 to N.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    seeds: u64,
+    /// Folder for the files [default: runs/reproduce or runs/validation].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print reproduce.json instead of tables.
+    #[arg(long)]
+    json: bool,
+}
+
+/// `calibration.json`.
+#[derive(Debug, Serialize)]
+struct CalibrationFile<'a> {
+    format: u32,
+    procedure: &'a Procedure,
+    calibrated: &'a [Calibrated],
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, before anything is written; a vehicle that does not run; a disk that fails.
+pub(crate) fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
+    if !(1..=1000).contains(&args.seeds) {
+        bail!("--seeds {}: expected 1 to 1000", args.seeds);
+    }
+    if args.validation {
+        return validation::command(args.out.as_deref(), args.json);
+    }
+    let recipes = match &args.figure {
+        None => FIGURES.to_vec(),
+        Some(number) => named(number),
+    };
+    if recipes.is_empty() {
+        let known: Vec<&str> = FIGURES.iter().map(|recipe| recipe.number).collect();
+        let given = args.figure.as_deref().unwrap_or_default();
+        bail!("--figure {given}: expected one of {}", known.join(", "));
+    }
+    let locomotive = Locomotive::load(&args.scenario, &[])?;
+    let [from_kmh, to_kmh] = SPEEDS_KMH;
+    let seeds = (1..=args.seeds).collect();
+    let procedure = Procedure { from_kmh, to_kmh, seeds, ..Procedure::default() };
+    let folder = RunFolder::at(args.out.clone().unwrap_or_else(|| "runs/reproduce".into()));
+    folder.try_create()?;
+    if args.calibrate {
+        calibration(args, &procedure, &folder)?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let scenario = args.scenario.as_path();
+    let basis = Basis { scenario, locomotive: &locomotive, procedure: &procedure };
+    let figures = make(&recipes, &basis)?;
+    let rows: Vec<&Row> = figures.iter().flat_map(|figure| &figure.rows).collect();
+    let json = format!("{}\n", serde_json::to_string_pretty(&rows)?);
+    folder.create()?;
+    folder.write("reproduce.json", &json)?;
+    folder.write("report.html", &page::page(&figures, &locomotive).to_html()?)?;
+    if args.json {
+        print(&json)?;
+    } else {
+        let (text, place) = (page::text(&figures), folder.path().display());
+        print(&format!("{text}\n\nfiles in {place}: report.html, reproduce.json"))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn make(recipes: &[Recipe], basis: &Basis<'_>) -> anyhow::Result<Vec<Figure>> {
+    let bar = progress::bar("the first figure");
+    let mut figures = Vec::new();
+    for (done, recipe) in recipes.iter().enumerate() {
+        let now = format!("figure {}: {}", recipe.number, recipe.title);
+        progress::show(&bar, [done, recipes.len()], now);
+        figures.push(recipe.make(basis).map_err(anyhow::Error::msg)?);
+    }
+    bar.finish_and_clear();
+    Ok(figures)
+}
+
+fn calibration(
+    args: &ReproduceArgs,
+    procedure: &Procedure,
+    folder: &RunFolder,
+) -> anyhow::Result<()> {
+    let bar = progress::bar("the first number");
+    let tried = std::cell::Cell::new(0);
+    let calibrated = calibrate(&args.scenario, procedure, &|key, value, kmh| {
+        tried.set(tried.get() + 1);
+        let speed = kmh.map_or("beyond the range".to_owned(), |kmh| format!("{kmh:.1} km/h"));
+        let name = key.rsplit('.').next().unwrap_or(key);
+        // How many tries it takes is not known before.
+        progress::show(&bar, [tried.get(), tried.get() + 1], format!("{name} {value:.4}: {speed}"));
+    })
+    .map_err(anyhow::Error::msg)?;
+    bar.finish_and_clear();
+    let file = CalibrationFile { format: 1, procedure, calibrated: &calibrated };
+    let json = format!("{}\n", serde_json::to_string_pretty(&file)?);
+    folder.create()?;
+    folder.write("calibration.json", &json)?;
+    if args.json {
+        print(&json)?;
+        return Ok(());
+    }
+    let mut lines = Vec::new();
+    for (number, unknown) in calibrated.iter().zip(UNKNOWNS) {
+        let reached = number.reached_kmh.map_or("-".to_owned(), |kmh| format!("{kmh:.1}"));
+        let [low, high] = unknown.range;
+        let end = if number.at_end_of_range { "; at the end of its range" } else { "" };
+        lines.push(format!(
+            "{} = {:.6}   in {low} to {high}   aim {:.0} km/h, reached {reached}{end}",
+            number.key, number.value, number.aim_kmh
+        ));
+    }
+    lines.push(format!("\nfiles in {}: calibration.json", folder.path().display()));
+    print(&lines.join("\n"))?;
+    Ok(())
+}

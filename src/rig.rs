@@ -1,0 +1,59 @@
+//! `yawbench rig`: the other end of the bus as a process of its own.
+
+use crate::bench_options::{RealtimeArgs, WireArgs, stop_signal};
+use crate::exit::SAFE_STATE;
+use crate::output::print;
+use can_protocol::Node;
+use clap::Args;
+use hil_host::rig::process::{self, Options};
+use hil_host::run::BusChoice;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, Args)]
+pub(crate) struct RigArgs {
+    /// The rig file; without one, a laboratory rig with a new SS9 yaw damper.
+    rig: Option<PathBuf>,
+    /// The bus: socketcan:INTERFACE.
+    #[arg(long)]
+    bus: BusChoice,
+    /// Node number, 1 to 4.
+    #[arg(long, default_value_t = 1)]
+    node: u8,
+    #[command(flatten)]
+    wire: WireArgs,
+    /// Exit when the host has ended its run.
+    #[arg(long)]
+    exit_after_run: bool,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    realtime: RealtimeArgs,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input; the interface cannot be used; real time is required and was not granted.
+pub(crate) fn command(args: &RigArgs) -> anyhow::Result<ExitCode> {
+    let BusChoice::SocketCan(interface) = &args.bus else {
+        anyhow::bail!("--bus memory: a rig of its own needs socketcan:INTERFACE");
+    };
+    let node =
+        Node::new(args.node).map_err(|error| anyhow::anyhow!("--node {}: {error}", args.node))?;
+    let setup = match &args.rig {
+        Some(path) => scenario::rig::RigFile::load(path)?,
+        None => scenario::rig::RigFile::default_setup()?,
+    };
+    let stop = stop_signal()?;
+    let options =
+        Options { exit_after_run: args.exit_after_run, realtime: args.realtime.options() };
+    let summary = process::run_on(&setup, interface, node, args.wire.profile(), &options, &stop)?;
+    if args.json {
+        print(&serde_json::to_string_pretty(&summary)?)?;
+    } else {
+        print(&process::summary_text(&summary))?;
+    }
+    Ok(if summary.is_safe() { ExitCode::from(SAFE_STATE) } else { ExitCode::SUCCESS })
+}

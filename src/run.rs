@@ -1,0 +1,160 @@
+//! `yawbench run`: a scenario, from its file to record, summary and report.
+
+use crate::bench_options::{RealtimeArgs, WireArgs, stop_signal};
+use crate::exit::SAFE_STATE;
+use crate::output::{print, stem};
+use clap::Args;
+use hil_host::run::{self, BusChoice, PaceChoice, RunOptions};
+use hil_host::summary::Summary;
+use scenario::run::{Overrides, Run};
+use std::num::NonZeroU8;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// The scenario file.
+    scenario: PathBuf,
+    /// Where the rigs are: memory, or socketcan:INTERFACE.
+    #[arg(long, default_value_t = BusChoice::Memory)]
+    bus: BusChoice,
+    /// Who sets the pace.
+    #[arg(long, value_enum, default_value_t = PaceChoice::Realtime)]
+    pace: PaceChoice,
+    /// Another duration (s).
+    #[arg(long, value_name = "S")]
+    duration: Option<f64>,
+    /// Another speed (km/h).
+    #[arg(long, value_name = "KMH")]
+    speed_kmh: Option<f64>,
+    /// Folder for the files of the run [default: runs/SCENARIO-N].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    wire: WireArgs,
+    /// Stretch the period for a host that cannot hold it; the sync frame tells the rig.
+    #[arg(long, value_name = "N", default_value_t = NonZeroU8::MIN)]
+    slow_down: NonZeroU8,
+    #[command(flatten)]
+    realtime: RealtimeArgs,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, before anything is written; a bus or disk that fails; silent rigs.
+pub(crate) fn command(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    let overrides = Overrides { duration_s: args.duration, speed_kmh: args.speed_kmh };
+    let scenario = Run::load(&args.scenario, overrides)?;
+    let options = RunOptions {
+        bus: args.bus.clone(),
+        pace: args.pace,
+        profile: args.wire.profile(),
+        bit_rates: (f64::from(args.wire.bitrate), f64::from(args.wire.data_bitrate)),
+        slow_down: args.slow_down,
+        out: args.out.clone(),
+        name: stem(&args.scenario),
+        realtime: args.realtime.options(),
+    };
+    let stop = stop_signal()?;
+    let finished = run::run(&scenario, &options, &stop)?;
+    if args.json {
+        print(&serde_json::to_string_pretty(&finished.summary)?)?;
+    } else {
+        let mut lines = summary_lines(&finished.summary);
+        let mut files =
+            "report.html, summary.json, record.npy, bus.log, scenario.toml, vehicle.toml"
+                .to_owned();
+        if let Some(comparison) = &finished.summary.comparison {
+            lines.push(comparison.to_string().trim_end().to_owned());
+            let warnings = comparison.warnings(&finished.summary.state);
+            lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
+            files += ", record-compared.npy";
+        }
+        lines.push(format!("files in {}: {files}", finished.folder.display()));
+        print(&lines.join("\n"))?;
+    }
+    Ok(if finished.summary.state == "safe" {
+        eprintln!(
+            "ended in the safe state: no valid force for 5 cycles, a silent rig, a bus that went \
+             down, or a model that left its track; rigs were brought to rest"
+        );
+        ExitCode::from(SAFE_STATE)
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+fn summary_lines(summary: &Summary) -> Vec<String> {
+    let mut lines = Vec::new();
+    lines.push(summary.title.clone());
+    lines.push(format!(
+        "{} cycles of 1 ms, {} | vehicle step p50 {:.1} p99 {:.1} µs | cycle p50 {:.1} p99 {:.1} p99.9 {:.1} max {:.0} µs | skipped {}",
+        summary.steps,
+        summary.state,
+        summary.step_compute_us.p50,
+        summary.step_compute_us.p99,
+        summary.cycle_time_us.p50,
+        summary.cycle_time_us.p99,
+        summary.cycle_time_us.p99_9,
+        summary.cycle_time_us.max,
+        summary.overruns,
+    ));
+    lines.push(format!(
+        "{:<12} {:<9} {:>9} {:>9} {:>9} {:>10} {:>8} {:>9}",
+        "damper", "is", "min kN", "max kN", "rms kN", "stroke mm", "PSD Hz", "work J/s"
+    ));
+    for damper in &summary.damper {
+        lines.push(format!(
+            "{:<12} {:<9} {:>9.2} {:>9.2} {:>9.2} {:>10.2} {:>8} {:>9.1}",
+            damper.name,
+            damper.place,
+            damper.force_n.min * 1e-3,
+            damper.force_n.max * 1e-3,
+            damper.force_n.rms * 1e-3,
+            damper.stroke_m.mean_peak.unwrap_or(0.0) * 1e3,
+            damper.frequency_psd_peak_hz.map_or("-".to_owned(), |hz| format!("{hz:.2}")),
+            damper.work_per_s_j,
+        ));
+    }
+    let bodies = [
+        ("carbody", summary.accelerations.carbody),
+        ("bogie front", summary.accelerations.bogie_front),
+        ("wheelset 1", summary.accelerations.wheelset_1),
+    ];
+    for (name, body) in bodies {
+        if let Some(body) = body {
+            lines.push(format!(
+                "{name:<12} lateral {:.3} vertical {:.3} m/s² rms",
+                body.lateral_rms_m_per_s2, body.vertical_rms_m_per_s2
+            ));
+        }
+    }
+    for damper in &summary.damper {
+        let (cut, flagged) = (damper.saturated_commands, damper.flagged_measurements);
+        if cut.unwrap_or(0) + flagged.unwrap_or(0) > 0 {
+            lines.push(format!(
+                "warning: {}: {} commands cut to the frame's limits, {} measurements with a flag \
+                 (limit reached, actuator lagging, saturated)",
+                damper.name,
+                cut.unwrap_or(0),
+                flagged.unwrap_or(0)
+            ));
+        }
+        if let Some(error) = damper.exchanged_energy_error.filter(|error| error.abs() > 0.1) {
+            lines.push(format!(
+                "warning: {}: exchanged energy differs by {:.0} %",
+                damper.name,
+                error * 100.0
+            ));
+        }
+    }
+    lines.push(format!(
+        "frames sent {} received {} lost {} | trajectory {}",
+        summary.frames.sent, summary.frames.received, summary.frames.lost, summary.trajectory_hash
+    ));
+    lines
+}

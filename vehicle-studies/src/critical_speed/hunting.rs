@@ -1,0 +1,62 @@
+//! Is it hunting? The lateral motion of the wheelsets over the last seconds of a run.
+
+use crate::trip::{Trip, lateral_m};
+use firmware_core::line::LineState;
+use firmware_core::vehicle::BodyId;
+use scenario::run::CYCLE_S;
+use serde::{Deserialize, Serialize};
+use signal::statistics;
+
+/// Motion around which half cycles are not counted, as a share of the amplitude.
+const DEAD_BAND: f64 = 0.2;
+
+/// The motion that a run ended in.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Hunting {
+    /// Greatest lateral position of any wheelset (m); none where it left the track.
+    pub amplitude_m: Option<f64>,
+    /// Frequency of the wheelset that moves most, by zero crossings (Hz).
+    pub frequency_hz: Option<f64>,
+}
+
+impl Hunting {
+    /// Off the track.
+    pub const DERAILED: Self = Self { amplitude_m: None, frequency_hz: None };
+
+    /// The motion of a wheelset that stayed on the track, from its lateral position at every control
+    /// cycle (m).
+    pub fn of(lateral_m: &[f64]) -> Self {
+        let amplitude_m = greatest(lateral_m);
+        let dead_band_m = DEAD_BAND * amplitude_m;
+        let frequency_hz = statistics::zero_crossing_hz(lateral_m, 1.0 / CYCLE_S, dead_band_m);
+        Self { amplitude_m: Some(amplitude_m), frequency_hz }
+    }
+
+    /// True when it moves by more than a threshold (m), or has left the track.
+    pub fn is_beyond(&self, threshold_m: f64) -> bool {
+        self.amplitude_m.is_none_or(|amplitude_m| amplitude_m > threshold_m)
+    }
+}
+
+/// Runs on, and looks at the last `watched_s` of `duration_s`.
+pub fn after(trip: &Trip<'_>, state: &mut LineState, [duration_s, watched_s]: [f64; 2]) -> Hunting {
+    let wheelsets: Vec<BodyId> = trip.vehicle().axles.iter().map(|axle| axle.body).collect();
+    let mut seen: Vec<Vec<f64>> = vec![Vec::new(); wheelsets.len()];
+    let on_track = trip.go(state, duration_s - watched_s, |_| {})
+        && trip.go(state, watched_s, |state| {
+            for (values, body) in seen.iter_mut().zip(&wheelsets) {
+                values.push(lateral_m(state, *body));
+            }
+        });
+    if !on_track {
+        return Hunting::DERAILED;
+    }
+    let most = seen.iter().max_by(|a, b| greatest(a).total_cmp(&greatest(b)));
+    most.map_or(Hunting { amplitude_m: Some(0.0), frequency_hz: None }, |values| {
+        Hunting::of(values)
+    })
+}
+
+fn greatest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, y| most.max(y.abs()))
+}
