@@ -1,5 +1,5 @@
-//! Every path that ARCHITECTURE.md and README.md name is there: a map that has gone stale
-//! misleads more than none.
+//! ARCHITECTURE.md and README.md name only paths that exist, and ARCHITECTURE.md names every
+//! top-level module of every crate: a stale map misleads more than none.
 
 use std::path::Path;
 
@@ -7,7 +7,16 @@ use std::path::Path;
 /// placeholder in capitals.
 const KEPT: [&str; 7] = [".rs", ".toml", ".md", ".dbc", ".csv", ".py", ".lock"];
 /// Folders that are made, not kept.
-const MADE: [&str; 2] = ["target", "runs"];
+const MADE: [&str; 3] = ["target", "runs", "map"];
+/// Files that a command writes and the documentation names without a folder.
+const WRITTEN: [&str; 6] = [
+    "model.toml",
+    "model-empirical.toml",
+    "scenario.toml",
+    "vehicle.toml",
+    "sine.csv",
+    "sine.toml",
+];
 
 /// The words of a text that are set in back quotes or stand in a fenced block.
 fn quoted_words(text: &str) -> impl Iterator<Item = &str> {
@@ -30,7 +39,7 @@ fn as_path(word: &str) -> Option<&str> {
     let name = path.rsplit('/').next()?;
     let placeholder = name.strip_suffix(".toml").or(name.strip_suffix(".csv"));
     let placeholder = placeholder.is_some_and(|stem| stem == stem.to_uppercase());
-    if path.is_empty() || MADE.contains(&first) || placeholder {
+    if path.is_empty() || MADE.contains(&first) || WRITTEN.contains(&path) || placeholder {
         return None;
     }
     let in_a_folder = path.contains('/') && Path::new(first).is_dir();
@@ -46,6 +55,65 @@ fn assert_every_path_exists(file: &str) {
     assert!(gone.is_empty(), "{file} names what is not there: {gone:?}");
 }
 
+/// Folders of the workspace's crates, that of the command line as an empty name.
+fn crates() -> Vec<String> {
+    let text = std::fs::read_to_string("Cargo.toml").expect("the workspace's manifest");
+    let workspace: toml::Table = text.parse().expect("a manifest in TOML");
+    let members = workspace["workspace"]["members"].as_array().expect("a list of members");
+    let members = members.iter().map(|member| member.as_str().expect("a folder").to_owned());
+    members.chain(["firmware".to_owned(), String::new()]).collect()
+}
+
+/// Paths of the top-level modules of a crate, without an ending. Modules of tests are left out.
+fn top_level_modules(folder: &str) -> Vec<String> {
+    let source = Path::new(folder).join("src");
+    let entries = std::fs::read_dir(&source).unwrap_or_else(|error| panic!("{folder}: {error}"));
+    let mut modules: Vec<String> = Vec::new();
+    for entry in entries {
+        let path = entry.expect("an entry").path();
+        let is_module = match path.extension() {
+            Some(ending) => ending == "rs",
+            None => path.join("mod.rs").exists() || path.with_extension("rs").exists(),
+        };
+        let module = path.with_extension("").to_str().expect("a name in UTF-8").to_owned();
+        let name = module.rsplit('/').next().expect("a name");
+        let root_or_test = matches!(name, "lib" | "main" | "tests") || name.ends_with("_tests");
+        if is_module && !root_or_test {
+            modules.push(module);
+        }
+    }
+    modules.sort();
+    modules.dedup();
+    modules
+}
+
+/// Whether a path names a module or something in it.
+fn names(path: &str, module: &str) -> bool {
+    path.strip_prefix(module)
+        .is_some_and(|rest| matches!(rest, "" | ".rs") || rest.starts_with('/'))
+}
+
+#[test]
+fn the_architecture_names_every_top_level_module() {
+    let text = std::fs::read_to_string("ARCHITECTURE.md").expect("ARCHITECTURE.md");
+    let paths: Vec<&str> = quoted_words(&text).filter_map(as_path).collect();
+    let modules: Vec<String> =
+        crates().iter().flat_map(|folder| top_level_modules(folder)).collect();
+    assert!(modules.len() > 50, "{} modules: is this test blind?", modules.len());
+    let missing: Vec<_> =
+        modules.iter().filter(|module| !paths.iter().any(|path| names(path, module))).collect();
+    assert!(missing.is_empty(), "ARCHITECTURE.md does not name {missing:?}");
+}
+
+#[test]
+fn a_path_names_its_module_and_no_other() {
+    assert!(names("files/src/folder.rs", "files/src/folder"));
+    assert!(names("files/src/folder", "files/src/folder"));
+    assert!(names("files/src/folder/tests.rs", "files/src/folder"));
+    assert!(!names("files/src/folders.rs", "files/src/folder"));
+    assert!(!names("files/src", "files/src/folder"));
+}
+
 #[test]
 fn every_path_of_the_architecture_exists() {
     assert_every_path_exists("ARCHITECTURE.md");
@@ -54,6 +122,55 @@ fn every_path_of_the_architecture_exists() {
 #[test]
 fn every_path_of_the_readme_exists() {
     assert_every_path_exists("README.md");
+}
+
+#[test]
+fn every_path_of_the_house_rules_exists() {
+    assert_every_path_exists("CONTRIBUTING.md");
+}
+
+/// The pages for people: those at the root and those in `docs/`.
+fn pages() -> Vec<String> {
+    let files = ["", "docs/"].into_iter().flat_map(|folder| {
+        let entries = std::fs::read_dir(Path::new(".").join(folder)).expect("a folder");
+        let names = entries.map(|entry| entry.expect("an entry").file_name());
+        names.map(move |name| format!("{folder}{}", name.to_str().expect("a name in UTF-8")))
+    });
+    let mut pages: Vec<String> = files.filter(|file| file.ends_with(".md")).collect();
+    pages.sort();
+    pages
+}
+
+#[test]
+fn every_link_of_every_page_leads_to_a_file() {
+    let mut links = 0;
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).unwrap_or_else(|error| panic!("{page}: {error}"));
+        let folder = Path::new(&page).parent().expect("a folder");
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            if link.contains("://") {
+                continue;
+            }
+            let file = link.split('#').next().unwrap_or_default();
+            assert!(folder.join(file).exists(), "{page} links to {link}, which does not exist");
+            links += 1;
+        }
+    }
+    assert!(links > 20, "{links} links: is this test blind?");
+}
+
+#[test]
+fn pages_wrap_at_100_columns() {
+    for page in pages() {
+        let text = std::fs::read_to_string(&page).unwrap_or_else(|error| panic!("{page}: {error}"));
+        let parts = text.split("```").step_by(2);
+        let long: Vec<&str> = parts
+            .flat_map(str::lines)
+            .filter(|line| line.chars().count() > 100 && !line.starts_with('|'))
+            .filter(|line| !line.contains("://"))
+            .collect();
+        assert!(long.is_empty(), "{page} has long lines: {long:?}");
+    }
 }
 
 #[test]
