@@ -37,8 +37,12 @@ fn as_path(word: &str) -> Option<&str> {
     let path = word.trim_start_matches("./").trim_end_matches('/');
     let first = path.split('/').next()?;
     let name = path.rsplit('/').next()?;
-    let placeholder = name.strip_suffix(".toml").or(name.strip_suffix(".csv"));
-    let placeholder = placeholder.is_some_and(|stem| stem == stem.to_uppercase());
+    let capitals = |part: &str| {
+        let stem = part.split('.').next().unwrap_or_default();
+        !stem.is_empty() && stem.chars().all(|c| c.is_ascii_uppercase())
+    };
+    // README.md and the like are pages, everything else in capitals is a placeholder.
+    let placeholder = !name.ends_with(".md") && path.split('/').any(capitals);
     if path.is_empty() || MADE.contains(&first) || WRITTEN.contains(&path) || placeholder {
         return None;
     }
