@@ -18,6 +18,11 @@ const WRITTEN: [&str; 6] = [
     "sine.toml",
 ];
 
+/// Whether a file is a page for people.
+fn is_page(file: &str) -> bool {
+    Path::new(file).extension().is_some_and(|ending| ending == "md")
+}
+
 /// The words of a text that are set in back quotes or stand in a fenced block.
 fn quoted_words(text: &str) -> impl Iterator<Item = &str> {
     let parts = text.split("```").enumerate().flat_map(|(at, part)| {
@@ -42,7 +47,7 @@ fn as_path(word: &str) -> Option<&str> {
         !stem.is_empty() && stem.chars().all(|c| c.is_ascii_uppercase())
     };
     // README.md and the like are pages, everything else in capitals is a placeholder.
-    let placeholder = !name.ends_with(".md") && path.split('/').any(capitals);
+    let placeholder = !is_page(name) && path.split('/').any(capitals);
     if path.is_empty() || MADE.contains(&first) || WRITTEN.contains(&path) || placeholder {
         return None;
     }
@@ -51,17 +56,21 @@ fn as_path(word: &str) -> Option<&str> {
     (word.ends_with('/') || in_a_folder || kept).then_some(path)
 }
 
+fn read(file: &str) -> String {
+    std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{file}: {error}"))
+}
+
 fn assert_every_path_exists(file: &str) {
-    let text = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{file}: {error}"));
+    let text = read(file);
     let paths: Vec<&str> = quoted_words(&text).filter_map(as_path).collect();
     assert!(!paths.is_empty(), "{file} names no path: is this test blind?");
     let gone: Vec<_> = paths.iter().filter(|path| !Path::new(path).exists()).collect();
-    assert!(gone.is_empty(), "{file} names what is not there: {gone:?}");
+    assert!(gone.is_empty(), "{file} names paths that do not exist: {gone:?}");
 }
 
 /// Folders of the workspace's crates, that of the command line as an empty name.
 fn crates() -> Vec<String> {
-    let text = std::fs::read_to_string("Cargo.toml").expect("the workspace's manifest");
+    let text = read("Cargo.toml");
     let workspace: toml::Table = text.parse().expect("a manifest in TOML");
     let members = workspace["workspace"]["members"].as_array().expect("a list of members");
     let members = members.iter().map(|member| member.as_str().expect("a folder").to_owned());
@@ -99,7 +108,7 @@ fn names(path: &str, module: &str) -> bool {
 
 #[test]
 fn the_architecture_names_every_top_level_module() {
-    let text = std::fs::read_to_string("ARCHITECTURE.md").expect("ARCHITECTURE.md");
+    let text = read("ARCHITECTURE.md");
     let paths: Vec<&str> = quoted_words(&text).filter_map(as_path).collect();
     let modules: Vec<String> =
         crates().iter().flat_map(|folder| top_level_modules(folder)).collect();
@@ -140,7 +149,7 @@ fn pages() -> Vec<String> {
         let names = entries.map(|entry| entry.expect("an entry").file_name());
         names.map(move |name| format!("{folder}{}", name.to_str().expect("a name in UTF-8")))
     });
-    let mut pages: Vec<String> = files.filter(|file| file.ends_with(".md")).collect();
+    let mut pages: Vec<String> = files.filter(|file| is_page(file)).collect();
     pages.sort();
     pages
 }
@@ -149,7 +158,7 @@ fn pages() -> Vec<String> {
 fn every_link_of_every_page_leads_to_a_file() {
     let mut links = 0;
     for page in pages() {
-        let text = std::fs::read_to_string(&page).unwrap_or_else(|error| panic!("{page}: {error}"));
+        let text = read(&page);
         let folder = Path::new(&page).parent().expect("a folder");
         for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
             if link.contains("://") {
@@ -166,7 +175,7 @@ fn every_link_of_every_page_leads_to_a_file() {
 #[test]
 fn pages_wrap_at_100_columns() {
     for page in pages() {
-        let text = std::fs::read_to_string(&page).unwrap_or_else(|error| panic!("{page}: {error}"));
+        let text = read(&page);
         let parts = text.split("```").step_by(2);
         let long: Vec<&str> = parts
             .flat_map(str::lines)
@@ -178,7 +187,7 @@ fn pages_wrap_at_100_columns() {
 }
 
 #[test]
-fn paths_are_told_from_units_programs_and_what_a_run_writes() {
+fn paths_are_distinguished_from_units_programs_and_what_a_run_writes() {
     let text =
         "Folder `firmware-core/src/`, not firmware-core/none, `Y/Q` in `N/m`, `./Cargo.toml`.
         ```sh
