@@ -9,5 +9,5 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-#[path = "../tests/support/demo_report.rs"]
+#[path = "../tests/report/demo_report.rs"]
 mod demo_report;

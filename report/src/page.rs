@@ -15,10 +15,11 @@ const WATCH: &str = include_str!("../assets/watch.js");
 const SCRIPT: &str = include_str!("../assets/page.js");
 const PLOTLY: &str = include_str!("../assets/plotly/plotly-cartesian.min.js");
 
-/// Nothing may be fetched: the browser itself refuses. Pictures only from the page's own canvas,
-/// for the button that saves a plot.
+/// The browser refuses to fetch anything, to send a form anywhere, and to resolve addresses
+/// against another base; the last two do not fall back to `default-src`. Pictures come only from
+/// the page's own canvas, for the button that saves a plot.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
-                      img-src data: blob:";
+                      img-src data: blob:; form-action 'none'; base-uri 'none'";
 
 /// More sections than this get a table of contents.
 const SECTIONS_WITHOUT_CONTENTS: usize = 4;

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 
 use report::browser;
 
-#[path = "support/demo_report.rs"]
-mod demo_report;
+use crate::demo_report;
 
 /// The demo report, in this test run's own folder.
 fn written(name: &str) -> PathBuf {
@@ -99,4 +98,23 @@ fn the_page_itself_forbids_requests() {
     let Some(page) = browser::open(&path).expect("a page") else { return };
     let errors = page.mark("page-errors").expect("a complaint");
     assert!(errors.contains("img-src refused http://127.0.0.1:9/x.png"), "{errors}");
+}
+
+/// Forms and other bases have no fallback to `default-src`: the policy names them.
+#[test]
+fn the_page_itself_forbids_forms_and_other_bases() {
+    let path = written("posting.html");
+    let script = r#"
+        const base = document.createElement("base");
+        base.href = "http://127.0.0.1:9/base/";
+        document.head.append(base);
+        const form = document.createElement("form");
+        form.action = "http://127.0.0.1:9/form";
+        document.body.append(form);
+        form.submit();
+    "#;
+    let Some(page) = browser::open_and_play(&path, script).expect("a page") else { return };
+    let errors = page.mark("page-errors").expect("a complaint");
+    assert!(errors.contains("base-uri refused http://127.0.0.1:9/base/"), "{errors}");
+    assert!(errors.contains("form-action refused http://127.0.0.1:9/form"), "{errors}");
 }
