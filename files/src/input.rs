@@ -144,7 +144,14 @@ pub fn read_bytes(path: &Path, limit: Limit) -> Result<Vec<u8>, InputError> {
 /// # Errors
 /// As for [`read_bytes`]; bytes that are no UTF-8.
 pub fn read_text(path: &Path, limit: Limit) -> Result<String, InputError> {
-    let bytes = read_bytes(path, limit)?;
+    text(path, read_bytes(path, limit)?)
+}
+
+/// Bytes of a file as UTF-8 text, without a byte-order mark. For a caller that needs the bytes too.
+///
+/// # Errors
+/// [`InputError::NotText`], with the line.
+pub fn text(path: &Path, bytes: Vec<u8>) -> Result<String, InputError> {
     let text = String::from_utf8(bytes).map_err(|why| {
         let good = &why.as_bytes()[..why.utf8_error().valid_up_to()];
         let line = good.split(|byte| *byte == b'\n').count();

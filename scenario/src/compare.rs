@@ -11,6 +11,7 @@
 
 use crate::damper::DamperFile;
 use crate::damper_mass;
+use crate::inputs::Inputs;
 use crate::rig::RigSetup;
 use crate::run::{Run, SlotForce};
 use crate::source::{ScenarioError, Source};
@@ -51,12 +52,16 @@ impl CompareFile {
     ///
     /// # Errors
     /// The model cannot be read, or is no damper that can be, with its own file and line.
-    pub fn resolved(self, source: &Source) -> Result<Self, ScenarioError> {
+    pub(crate) fn resolved(
+        self,
+        source: &Source,
+        inputs: &mut Inputs,
+    ) -> Result<Self, ScenarioError> {
         let stem = self.damper.file.as_ref().and_then(|file| Path::new(file).file_stem());
         let stem = stem.map(|stem| stem.to_string_lossy().into_owned());
         Ok(Self {
             name: Some(self.name.or(stem).unwrap_or_else(|| NAME.to_owned())),
-            damper: self.damper.resolved(source)?,
+            damper: self.damper.resolved(source, "compared damper", inputs)?,
         })
     }
 
@@ -195,7 +200,13 @@ mod tests {
         std::fs::write(folder.join("maker.toml"), "[damper]\nke_n_per_m = 9e6\n").unwrap();
         let named = |text: &str| {
             let source = Source::from_text(&folder.join("run.toml"), text);
-            source.parse::<CompareFile>().unwrap().resolved(&source).unwrap().name.unwrap()
+            source
+                .parse::<CompareFile>()
+                .unwrap()
+                .resolved(&source, &mut Inputs::default())
+                .unwrap()
+                .name
+                .unwrap()
         };
         assert_eq!(named(""), "the other damper");
         assert_eq!(named("damper = { file = \"maker.toml\" }"), "maker");

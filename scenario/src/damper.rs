@@ -13,6 +13,7 @@
 
 use crate::datasheet::C2_SHARE;
 use crate::empirical::EmpiricalFile;
+use crate::inputs::Inputs;
 use crate::quantity::{Provenance, Quantity};
 use crate::source::{ScenarioError, Source};
 use firmware_core::damper::effects::{CATALOGUE, Effect};
@@ -119,14 +120,21 @@ impl DamperFile {
         }
     }
 
-    /// This damper with the values of the model file that it names; without `file`, as it is.
+    /// This damper with the values of the model file that it names, which is noted as the input
+    /// `role`; without `file`, as it is.
     ///
     /// # Errors
     /// The model cannot be read, or is no damper that can be, with its own file and line.
-    pub fn resolved(self, source: &Source) -> Result<Self, ScenarioError> {
+    pub(crate) fn resolved(
+        self,
+        source: &Source,
+        role: &str,
+        inputs: &mut Inputs,
+    ) -> Result<Self, ScenarioError> {
         let Some(file) = &self.file else { return Ok(self) };
-        let model = Self::load_model(&source.beside(file))?;
-        Ok(Self { file: None, ..self.over(&model) })
+        let model = Source::read(&source.beside(file))?;
+        inputs.note(role, model.content_hash());
+        Ok(Self { file: None, ..self.over(&Self::model(&model)?) })
     }
 
     /// Reads a model file: a `[damper]`, and a `name` if it has one. With Ce and no C2 it gets that of
@@ -135,7 +143,10 @@ impl DamperFile {
     /// # Errors
     /// It cannot be read, or is no damper that can be, with file and line.
     pub fn load_model(path: &Path) -> Result<Self, ScenarioError> {
-        let source = Source::read(path)?;
+        Self::model(&Source::read(path)?)
+    }
+
+    fn model(source: &Source) -> Result<Self, ScenarioError> {
         let ModelFile { name: _, mut damper } = source.parse()?;
         if damper.file.is_some() {
             return Err(source.whole_error("a model names another file, expected values"));
@@ -145,7 +156,7 @@ impl DamperFile {
             let c2 = Quantity::plain(C2_SHARE * ce.value);
             damper.c2_n_s_per_m = Some(c2.told(Provenance::Estimated, Some(note)));
         }
-        damper.build(&source)?;
+        damper.build(source)?;
         Ok(damper)
     }
 
@@ -226,7 +237,8 @@ impl DamperFile {
     /// A value that no damper can have, an unknown effect or parameter, with file and line.
     pub fn build(&self, source: &Source) -> Result<Damper, ScenarioError> {
         if self.file.is_some() {
-            return self.clone().resolved(source)?.build(source);
+            let inputs = &mut Inputs::default();
+            return self.clone().resolved(source, "damper", inputs)?.build(source);
         }
         let mut nominal = Nominal::NEW;
         let given = [
@@ -439,7 +451,7 @@ mod tests {
         let text = "file = \"model.toml\"\nclearance_2a_m = 4e-3\n";
         let source = Source::from_text(&folder.join("run.toml"), text);
         let worn: DamperFile = source.parse().unwrap();
-        let worn = worn.resolved(&source).unwrap();
+        let worn = worn.resolved(&source, "damper", &mut Inputs::default()).unwrap();
         assert_eq!(worn.file, None);
         let built = worn.build(&source).unwrap();
         assert_eq!(*built.nominal(), Nominal { clearance_2a_m: 4e-3, ..nominal });
@@ -447,7 +459,7 @@ mod tests {
         std::fs::write(folder.join("bad.toml"), "[damper]\n\nke_n_per_m = -1.0\n").unwrap();
         let source = Source::from_text(&folder.join("run.toml"), "file = \"bad.toml\"\n");
         let bad: DamperFile = source.parse().unwrap();
-        let error = bad.resolved(&source).unwrap_err();
+        let error = bad.resolved(&source, "damper", &mut Inputs::default()).unwrap_err();
         assert_eq!((error.file, error.line), (folder.join("bad.toml"), Some(3)));
         std::fs::remove_dir_all(&folder).unwrap();
     }

@@ -11,8 +11,10 @@
 //! so the variance is exact whatever the number of bands (`evidence/src/validation/irregularity.rs`). The four channels are independent, from
 //! one seed. Either kind grows out of perfect track, on which the vehicle starts in equilibrium.
 
+use crate::inputs::Inputs;
 use crate::quantity::Quantity;
-use crate::source::{ScenarioError, Source};
+use crate::source::{self, ScenarioError, Source};
+use files::Limit;
 use firmware_core::track::IrregularitySample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -67,18 +69,18 @@ impl IrregularityFile {
     ///
     /// # Errors
     /// A band that is empty, or a file that does not fit.
-    pub fn samples(
+    pub(crate) fn samples(
         &self,
         source: &Source,
-        from_m: f64,
-        to_m: f64,
+        (from_m, to_m): (f64, f64),
+        inputs: &mut Inputs,
     ) -> Result<Samples, ScenarioError> {
         if let Some(band) = self.band(source)? {
             return Ok(aar6(&band, from_m, to_m));
         }
         let Self::Csv { path } = self else { return Ok(Samples::default()) };
         let path = source.beside(path);
-        let samples = read_csv(&path)?;
+        let samples = read_csv(&path, inputs)?;
         covers(&path, &samples, from_m + PERFECT_M, to_m)?;
         Ok(samples)
     }
@@ -256,14 +258,14 @@ fn covers(path: &Path, samples: &Samples, from_m: f64, to_m: f64) -> Result<(), 
 }
 
 /// Reads measured irregularity at even distances.
-fn read_csv(path: &Path) -> Result<Samples, ScenarioError> {
+fn read_csv(path: &Path, inputs: &mut Inputs) -> Result<Samples, ScenarioError> {
     let fail = |line: Option<usize>, message: String| ScenarioError {
         file: path.to_owned(),
         line,
         message,
     };
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| fail(None, format!("cannot be read: {error}")))?;
+    let (text, hash) = source::read_hashed(path, Limit::Table)?;
+    inputs.note("measured track", hash);
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)

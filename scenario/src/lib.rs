@@ -16,6 +16,7 @@ pub mod damper_mass;
 pub mod datasheet;
 pub mod empirical;
 pub mod equilibrium;
+mod inputs;
 pub mod irregularity;
 pub mod minimum_speed;
 pub mod profile;

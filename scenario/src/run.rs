@@ -4,6 +4,7 @@ use crate::compare::{CompareFile, CompareSetup};
 use crate::damper::DamperFile;
 use crate::damper_mass;
 use crate::equilibrium::{self, Equilibrium, NoEquilibrium};
+use crate::inputs::Inputs;
 use crate::irregularity::{Band, IrregularityFile};
 use crate::minimum_speed::minimum_speed_m_per_s;
 use crate::quantity::Quantity;
@@ -18,6 +19,7 @@ use firmware_core::damper::Damper;
 use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Length of one control cycle (s).
@@ -170,6 +172,10 @@ pub struct Run {
     pub start: Equilibrium,
     /// Names of the bodies, in order.
     pub body_names: Vec<String>,
+    /// Hash of the content of every file that was read, by its role: "scenario", "vehicle",
+    /// "wheel profile", "rail profile", "measured track", "damper", "damper front left",
+    /// "watched model front left", "rig damper", "compared damper".
+    pub inputs: BTreeMap<String, String>,
     /// The scenario with every default written out; running it gives the same run.
     pub effective: Effective,
 }
@@ -251,16 +257,10 @@ impl Run {
         settings: &[Setting],
         slow: Slow,
     ) -> Result<Self, ScenarioError> {
-        let mut file: RunFile = source.parse()?;
-        file.damper = file.damper.resolved(source)?;
-        file.rig.damper = file.rig.damper.resolved(source)?;
-        for slot in &mut file.slot {
-            slot.damper = std::mem::take(&mut slot.damper).resolved(source)?;
-            if let Some(watch) = &mut slot.watch {
-                watch.damper = std::mem::take(&mut watch.damper).resolved(source)?;
-            }
-        }
-        file.compare = file.compare.map(|compare| compare.resolved(source)).transpose()?;
+        let file: RunFile = source.parse()?;
+        let mut inputs = Inputs::default();
+        inputs.note("scenario", source.content_hash());
+        let mut file = file.resolved(source, &mut inputs)?;
         if let Some(duration) = overrides.duration_s {
             file.duration_s = Quantity::plain(duration);
         }
@@ -280,10 +280,11 @@ impl Run {
             return Err(source.whole_error(format!("substeps = {substeps}, expected 2 to 64")));
         }
         let vehicle_source = Source::read(&source.beside(&file.vehicle))?;
+        inputs.note("vehicle", vehicle_source.content_hash());
         let vehicle_source = vehicle_source.with_vehicle_settings(settings)?;
         let vehicle_file: VehicleFile = vehicle_source.parse()?;
         let mut vehicle = vehicle_file.build(&vehicle_source)?;
-        let contact = vehicle_file.wheel_rail.contact(&vehicle_source)?;
+        let contact = vehicle_file.wheel_rail.contact_of(&vehicle_source, &mut inputs)?;
         let rig_file = RigFile { damper: file.rig.damper.over(&file.damper), ..file.rig.clone() };
         let rig = rig_file.build(source)?;
         let compare = file.compare.as_ref().map(|compare| compare.build(source, &vehicle));
@@ -302,7 +303,7 @@ impl Run {
         let start = Self::steady(&vehicle, contact.as_ref(), speed_m_per_s)
             .map_err(|error| vehicle_source.whole_error(error.to_string()))?;
         let end_m = START_M + speed_m_per_s * duration_s + 20.0;
-        let track = file.track.build(source, 0.0, end_m)?;
+        let track = file.track.build(source, (0.0, end_m), &mut inputs)?;
         let irregularity = file.track.irregularity.as_ref();
         let band = irregularity.map(|rough| rough.band(source)).transpose()?.flatten();
         let mut about: Vec<String> = vehicle_file.about.iter().cloned().collect();
@@ -334,6 +335,7 @@ impl Run {
             compare,
             start,
             body_names,
+            inputs: inputs.by_role(),
             effective,
         })
     }
@@ -357,6 +359,24 @@ impl Run {
 }
 
 impl RunFile {
+    /// This scenario with the values of every model file that it names.
+    fn resolved(mut self, source: &Source, inputs: &mut Inputs) -> Result<Self, ScenarioError> {
+        check_places(&self.slot, source)?;
+        self.damper = self.damper.resolved(source, "damper", inputs)?;
+        self.rig.damper = self.rig.damper.resolved(source, "rig damper", inputs)?;
+        for slot in &mut self.slot {
+            let own = std::mem::take(&mut slot.damper);
+            slot.damper = own.resolved(source, &format!("damper {}", slot.place), inputs)?;
+            if let Some(watch) = &mut slot.watch {
+                let model = std::mem::take(&mut watch.damper);
+                let role = format!("watched model {}", slot.place);
+                watch.damper = model.resolved(source, &role, inputs)?;
+            }
+        }
+        self.compare = self.compare.map(|compare| compare.resolved(source, inputs)).transpose()?;
+        Ok(self)
+    }
+
     /// The speed (m/s), and substeps that are fine enough for it.
     fn speed_and_substeps(
         &self,
@@ -427,6 +447,17 @@ fn effective(
     })
 }
 
+/// Each place is there once at most.
+fn check_places(slots: &[SlotFile], source: &Source) -> Result<(), ScenarioError> {
+    for (index, slot) in slots.iter().enumerate() {
+        let place = &slot.place;
+        if slots.iter().take(index).any(|earlier| earlier.place == *place) {
+            return Err(source.whole_error(format!("slot \"{place}\" is given twice")));
+        }
+    }
+    Ok(())
+}
+
 fn slots(
     file: &RunFile,
     vehicle: &VehicleFile,
@@ -445,11 +476,8 @@ fn slots(
             source.whole_error(format!("slot place \"{place}\" does not exist, {expected}"))
         );
     }
-    for (index, slot) in file.slot.iter().enumerate() {
+    for slot in &file.slot {
         let place = &slot.place;
-        if file.slot.iter().take(index).any(|earlier| earlier.place == *place) {
-            return Err(source.whole_error(format!("slot \"{place}\" is given twice")));
-        }
         let wear_or_watch = slot.virtual_wear.is_some() || slot.watch.is_some();
         let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), wear_or_watch];
         if slot.on == On::Modelled && on_a_rig.contains(&true) {

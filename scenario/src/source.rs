@@ -1,5 +1,7 @@
 //! Text files with one clear line for everything that is wrong in them.
 
+use files::identity::content_hash;
+use files::input::{self, InputError, Limit};
 use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -26,11 +28,19 @@ impl std::fmt::Display for ScenarioError {
 
 impl std::error::Error for ScenarioError {}
 
+impl From<InputError> for ScenarioError {
+    fn from(error: InputError) -> Self {
+        Self { file: error.path().to_owned(), line: None, message: error.reason() }
+    }
+}
+
 /// An input file in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
     path: PathBuf,
     text: String,
+    /// Hash of the file's bytes.
+    content_hash: String,
     /// The text is not the file's own: its lines are told by the table that they stand in.
     rewritten: bool,
 }
@@ -41,24 +51,23 @@ impl Source {
     /// # Errors
     /// The file cannot be read as text.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
-        match std::fs::read_to_string(path) {
-            Ok(text) => Ok(Self { path: path.to_owned(), text, rewritten: false }),
-            Err(error) => Err(ScenarioError {
-                file: path.to_owned(),
-                line: None,
-                message: format!("cannot be read: {error}"),
-            }),
-        }
+        let (text, content_hash) = read_hashed(path, Limit::Text)?;
+        Ok(Self { path: path.to_owned(), text, content_hash, rewritten: false })
     }
 
     /// Text that is in memory already; `path` names it in errors and anchors relative paths.
     pub fn from_text(path: &Path, text: &str) -> Self {
-        Self { path: path.to_owned(), text: text.to_owned(), rewritten: false }
+        Self {
+            path: path.to_owned(),
+            text: text.to_owned(),
+            content_hash: content_hash(text.as_bytes()),
+            rewritten: false,
+        }
     }
 
     /// The same file with another text.
     pub(crate) fn rewritten(&self, text: String) -> Self {
-        Self { path: self.path.clone(), text, rewritten: true }
+        Self { text, rewritten: true, ..self.clone() }
     }
 
     /// Parses TOML; unknown keys are errors where the type says so.
@@ -85,6 +94,11 @@ impl Source {
         &self.text
     }
 
+    /// Hash of the bytes that the file holds, whatever settings have changed since.
+    pub fn content_hash(&self) -> &str {
+        &self.content_hash
+    }
+
     /// A path that the file names, relative to its own folder.
     pub fn beside(&self, path: &str) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(path)
@@ -105,6 +119,13 @@ impl Source {
     pub fn whole_error(&self, message: impl Into<String>) -> ScenarioError {
         ScenarioError { file: self.path.clone(), line: None, message: message.into() }
     }
+}
+
+/// The text of a file, and the hash of its bytes.
+pub(crate) fn read_hashed(path: &Path, limit: Limit) -> Result<(String, String), InputError> {
+    let bytes = input::read_bytes(path, limit)?;
+    let hash = content_hash(&bytes);
+    Ok((input::text(path, bytes)?, hash))
 }
 
 /// The table that a text ends in, in words: its head, and its number where it is one of a list.

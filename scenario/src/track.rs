@@ -1,5 +1,6 @@
 //! The track part of a scenario: one curve or none, and the irregularity.
 
+use crate::inputs::Inputs;
 use crate::irregularity::{IrregularityFile, Samples};
 use crate::quantity::Quantity;
 use crate::source::{ScenarioError, Source};
@@ -77,18 +78,18 @@ impl TrackFile {
     ///
     /// # Errors
     /// The first number that does not fit, with file and line.
-    pub fn build(
+    pub(crate) fn build(
         &self,
         source: &Source,
-        from_m: f64,
-        to_m: f64,
+        between_m: (f64, f64),
+        inputs: &mut Inputs,
     ) -> Result<OwnedTrack, ScenarioError> {
         let layout = match &self.curve {
             Some(curve) => curve.layout(source)?,
             None => Layout::tangent(),
         };
         let samples = match &self.irregularity {
-            Some(irregularity) => irregularity.samples(source, from_m, to_m)?,
+            Some(irregularity) => irregularity.samples(source, between_m, inputs)?,
             None => Samples::default(),
         };
         Ok(OwnedTrack { layout, samples })

@@ -88,11 +88,15 @@ impl WatchFile {
         }
     }
 
-    /// Builds the watch; `base` is the scenario's damper.
+    /// Builds the watch, whose damper names no file any more; `base` is the scenario's damper.
     ///
     /// # Errors
     /// The first number that does not fit, with file and line.
-    pub fn build(&self, source: &Source, base: &DamperFile) -> Result<WatchSetup, ScenarioError> {
+    pub(crate) fn build(
+        &self,
+        source: &Source,
+        base: &DamperFile,
+    ) -> Result<WatchSetup, ScenarioError> {
         let time = |given: &Option<Quantity>, key: &str, least: f64, default: f64| match given {
             Some(value) => {
                 let range = format!("{least} to 86400 s");
@@ -110,7 +114,8 @@ impl WatchFile {
             }
             (None, None) => Limit::Ratio(LIMIT_RATIO),
         };
-        let damper = self.damper.clone().resolved(source)?.over(base).build(source)?;
+        debug_assert!(self.damper.file.is_none(), "the model is read before");
+        let damper = self.damper.over(base).build(source)?;
         Ok(WatchSetup {
             damper,
             settle_s: time(&self.settle_s, "settle_s", 0.0, SETTLE_S)?,

@@ -1,6 +1,7 @@
 //! The wheel/rail part of a vehicle file: profiles, friction, creep law, rail support.
 
 use crate::contact_geometry::{ContactPair, Placement};
+use crate::inputs::Inputs;
 use crate::profile::{self, Jm3Like, Part, Profile, ProfileError};
 use crate::quantity::Quantity;
 use crate::source::{ScenarioError, Source};
@@ -171,6 +172,15 @@ impl WheelRailFile {
     /// # Errors
     /// A profile that does not exist or does not fit.
     pub fn contact(&self, source: &Source) -> Result<Option<Contact>, ScenarioError> {
+        self.contact_of(source, &mut Inputs::default())
+    }
+
+    /// The same; files of profiles are noted as inputs.
+    pub(crate) fn contact_of(
+        &self,
+        source: &Source,
+        inputs: &mut Inputs,
+    ) -> Result<Option<Contact>, ScenarioError> {
         let SurfaceFile::Profiles {
             wheel,
             rail,
@@ -199,12 +209,12 @@ impl WheelRailFile {
             "jm3_like" => {
                 profile::jm3_like(&shape).map_err(|error| source.whole_error(error.to_string()))?
             }
-            path => from_csv(source, path, Part::Wheel, "lma, s1002, jm3_like")?,
+            path => from_csv(source, path, Part::Wheel, inputs)?,
         };
         let rail = match rail.as_str() {
             "cn60" => profile::cn60(),
             "uic60" => profile::uic60(),
-            path => from_csv(source, path, Part::Rail, "cn60, uic60")?,
+            path => from_csv(source, path, Part::Rail, inputs)?,
         };
         let radius_m = self.wheel_radius_m.positive(source, "wheel_radius_m")?;
         let contact = Contact::new(&wheel, rail, placement, radius_m);
@@ -273,20 +283,23 @@ fn from_csv(
     source: &Source,
     path: &str,
     part: Part,
-    known: &str,
+    inputs: &mut Inputs,
 ) -> Result<Profile, ScenarioError> {
+    let (role, known) = match part {
+        Part::Wheel => ("wheel profile", "lma, s1002, jm3_like"),
+        Part::Rail => ("rail profile", "cn60, uic60"),
+    };
     let path = source.beside(path);
-    if !path.is_file() {
+    if !path.exists() {
         return Err(source.whole_error(format!(
             "profile \"{}\" not found, expected {known} or a CSV file",
             path.display()
         )));
     }
-    Profile::from_csv(&path, part).map_err(|error| ScenarioError {
-        file: source.path().to_owned(),
-        line: None,
-        message: error.to_string(),
-    })
+    let read = Profile::from_csv_hashed(&path, part);
+    let (profile, hash) = read.map_err(|error| source.whole_error(error.to_string()))?;
+    inputs.note(role, hash);
+    Ok(profile)
 }
 
 impl CreepFile {

@@ -1,10 +1,11 @@
 //! What can be wrong with a profile or with a wheel on a rail.
 
 use core::fmt;
+use files::InputError;
 use std::path::PathBuf;
 
 /// A profile, or the pair of a wheel and a rail, that cannot be used.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub enum ProfileError {
     /// A file of points does not read as one.
     File {
@@ -17,6 +18,8 @@ pub enum ProfileError {
         /// What should stand there.
         expected: String,
     },
+    /// A file is not read.
+    Input(InputError),
     /// A number is outside what the construction allows.
     OutOfRange {
         /// Name of the parameter, with its unit.
@@ -39,6 +42,7 @@ impl fmt::Display for ProfileError {
             Self::File { path, row, found, expected } => {
                 write!(f, "{}, row {row}: found {found}, expected {expected}", path.display())
             }
+            Self::Input(error) => error.fmt(f),
             Self::OutOfRange { parameter, value, lowest, highest } => {
                 write!(f, "{parameter} is {value}, must be within {lowest} and {highest}")
             }
@@ -47,6 +51,12 @@ impl fmt::Display for ProfileError {
 }
 
 impl core::error::Error for ProfileError {}
+
+impl From<InputError> for ProfileError {
+    fn from(error: InputError) -> Self {
+        Self::Input(error)
+    }
+}
 
 impl ProfileError {
     /// `value` when it lies within the bounds, an error that names it when not.

@@ -17,7 +17,8 @@
 use super::chain::Chain;
 use super::smoothing::smooth;
 use super::{Profile, ProfileError, Provenance};
-use std::fs;
+use crate::source;
+use files::Limit;
 use std::path::Path;
 
 /// Which body a file of points describes.
@@ -50,19 +51,23 @@ impl Profile {
     /// another header, a cell that is no number, `y` that does not grow, too few points, points too
     /// far apart, a wheel without its tape circle or with `z` pointing up.
     pub fn from_csv(path: &Path, part: Part) -> Result<Self, ProfileError> {
-        let text = fs::read_to_string(path).map_err(|error| ProfileError::File {
-            path: path.to_path_buf(),
-            row: 0,
-            found: error.to_string(),
-            expected: "a readable CSV file".to_owned(),
-        })?;
+        Self::from_csv_hashed(path, part).map(|(profile, _)| profile)
+    }
+
+    /// The same with the hash of the file's bytes.
+    pub(crate) fn from_csv_hashed(path: &Path, part: Part) -> Result<(Self, String), ProfileError> {
+        let (text, hash) = source::read_hashed(path, Limit::Table)?;
+        Ok((Self::from_text(path, &text, part)?, hash))
+    }
+
+    fn from_text(path: &Path, text: &str, part: Part) -> Result<Self, ProfileError> {
         let complain = |row: usize, found: String, expected: &str| ProfileError::File {
             path: path.to_path_buf(),
             row,
             found,
             expected: expected.to_owned(),
         };
-        let points = read_points(&text, &complain)?;
+        let points = read_points(text, &complain)?;
         let chain = fit(&points);
         let (first_m, last_m) = chain.ends_m();
         let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into());

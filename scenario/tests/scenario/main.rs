@@ -1,0 +1,6 @@
+//! Scenarios from files: what is read, what is refused, and in which words.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+mod inputs;
+mod support;
