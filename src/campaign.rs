@@ -1,59 +1,106 @@
 //! `yawbench identify --campaign` and `--merge`: the proof of `identify` on records whose truth is known.
 
+use crate::exit::INTERRUPTED;
 use crate::identify::IdentifyArgs;
 use crate::output::print;
-use crate::progress;
+use crate::{progress, stop};
 use anyhow::bail;
-use evidence::campaign::score::Line;
-use evidence::campaign::{Campaign, Table, page, run, table};
-use hil_host::record::RunFolder;
-use signal::shards::{Shard, merge};
+use evidence::campaign::score::CaseResult;
+use evidence::campaign::{Campaign, Table, page, table};
+use files::identity::content_hash;
+use files::{Identity, ResultFolder};
+use signal::shards::{Computed, Shard, merge};
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
-/// Runs a campaign or a shard of it, or merges what others have run.
+/// Name of the command in manifests.
+const COMMAND: &str = "campaign";
+
+/// Runs a campaign or a shard of it, or merges the cases that shards have run.
 ///
 /// # Errors
-/// Bad input; files that are no lines of this campaign; a disk that fails.
-pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
+/// Bad input; files that hold no cases of one campaign; a disk that fails.
+pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
     if !args.merge.is_empty() {
-        return tell(args, &args.merge, None);
+        return merged(args);
     }
     let Some(cases) = args.campaign else { bail!("--campaign: no number of cases") };
     let Some(seed) = args.seed else { bail!("--seed: no seed") };
     let campaign = Campaign { cases, seed, brief: args.brief };
     let shard = args.shard.unwrap_or(Shard::WHOLE);
-    // A fixed name, so that the same command goes on where it was stopped.
-    let usual = || PathBuf::from(format!("runs/campaign-{seed}"));
-    let folder = args.out.clone().unwrap_or_else(usual);
+    let identity = campaign.identity()?;
+    // A fixed name, so that the same command continues a campaign that was stopped.
+    let name = format!("campaign-{seed}");
+    let (mut folder, changed) =
+        ResultFolder::for_identity(args.out.as_deref(), &name, COMMAND, &identity)?;
+    folder.check(&["table.json", "table.txt"])?;
+    if let Some(changed) = changed {
+        eprintln!("note: {changed}");
+    }
+    folder.create()?;
     let bar = progress::bar("the first cases");
-    let path = run(&campaign, shard, &folder, &|line, done, of| {
-        progress::show(&bar, [done, of], last(line));
-    })?;
+    let computed = campaign.run(shard, &folder, stop::flag(), &|case, done, of| {
+        progress::show(&bar, [done, of], last(case));
+    });
     bar.finish_and_clear();
-    tell(args, &[path], Some(&folder))
+    let computed = computed?;
+    if computed.is_stopped() {
+        let Computed { path, done, of } = computed;
+        eprintln!(
+            "interrupted: {} holds {done} of {of} cases; the same command continues",
+            path.display()
+        );
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    // A file of more cases than this campaign asks for keeps them.
+    let table = Table::new(&merge(&[computed.path], Some(&identity))?);
+    show(args, &table, Some(&folder))
+}
+
+/// The table of the cases that shards have run.
+fn merged(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
+    let table = Table::new(&merge::<CaseResult>(&args.merge, None)?);
+    let folder = args.out.as_deref().map(|out| folder_of_merged(out, &args.merge, &table));
+    show(args, &table, folder.transpose()?.as_ref())
+}
+
+/// The folder of a merged table: that of the campaign where this program has run the cases, else one of
+/// its own, known by the content of the files.
+fn folder_of_merged(out: &Path, files: &[PathBuf], table: &Table) -> anyhow::Result<ResultFolder> {
+    let Table { cases, seed, brief, .. } = *table;
+    let campaign = Campaign { cases, seed, brief }.identity()?;
+    let identity = match merge::<CaseResult>(files, Some(&campaign)) {
+        Ok(_) => campaign,
+        Err(_) => {
+            let cases = serde_json::to_string(table)?;
+            let inputs = [("cases".to_owned(), content_hash(cases.as_bytes()))].into();
+            Identity::new(&"a table of merged cases", inputs, "")?
+        }
+    };
+    let (mut folder, _) = ResultFolder::for_identity(Some(out), "campaign", COMMAND, &identity)?;
+    folder.check(&["table.json", "table.txt"])?;
+    folder.create()?;
+    Ok(folder)
 }
 
 /// The last case in a few words.
-fn last(line: &Line) -> String {
-    let truth = if line.truth.is_empty() { line.kind.clone() } else { line.truth.join(", ") };
-    let right = if table::is_right(line) { "right" } else { "wrong" };
-    format!("case {} ({truth}): {right}", line.index)
+fn last(case: &CaseResult) -> String {
+    let truth = if case.truth.is_empty() { case.kind.clone() } else { case.truth.join(", ") };
+    let right = if table::is_right(case) { "right" } else { "wrong" };
+    format!("case {} ({truth}): {right}", case.index)
 }
 
 /// Prints the table and writes it where there is a folder.
-fn tell(args: &IdentifyArgs, files: &[PathBuf], folder: Option<&Path>) -> anyhow::Result<()> {
-    let table = Table::new(&merge(files)?);
-    let (json, text) = (serde_json::to_string_pretty(&table)?, page::text(&table));
-    if let Some(folder) = folder.or(args.out.as_deref()) {
-        let folder = RunFolder::at(folder.to_owned());
-        folder.create()?;
+fn show(
+    args: &IdentifyArgs,
+    table: &Table,
+    folder: Option<&ResultFolder>,
+) -> anyhow::Result<ExitCode> {
+    let (json, text) = (serde_json::to_string_pretty(table)?, page::text(table));
+    if let Some(folder) = folder {
         folder.write("table.json", &format!("{json}\n"))?;
         folder.write("table.txt", &text)?;
     }
-    if args.json {
-        print(&json)?;
-    } else {
-        print(&text)?;
-    }
-    Ok(())
+    print(if args.json { &json } else { &text })?;
+    Ok(ExitCode::SUCCESS)
 }

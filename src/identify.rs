@@ -21,6 +21,7 @@ use signal::shards::Shard;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 /// The identified damper.
@@ -83,7 +84,7 @@ pub(crate) struct IdentifyArgs {
 ///
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
-pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
+pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
     if args.campaign.is_some() || !args.merge.is_empty() {
         return crate::campaign::command(args);
     }
@@ -135,10 +136,12 @@ pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
         }
     }
     if args.json {
-        return Ok(print(&json)?);
+        print(&json)?;
+        return Ok(ExitCode::SUCCESS);
     }
     let text = told(&identification, datasheet_given)?;
-    Ok(print(&format!("{text}\nfiles: {}", folder.path().display()))?)
+    print(&format!("{text}\nfiles: {}", folder.path().display()))?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Reads everything that is asked about.

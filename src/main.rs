@@ -15,6 +15,7 @@ mod ride;
 mod rig;
 mod run;
 mod simulate;
+mod stop;
 mod study;
 mod validation;
 
@@ -98,7 +99,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run::command(args),
         Command::Rig(args) => rig::command(args),
         Command::Characterise(args) => characterise::command(args).map(|()| ExitCode::SUCCESS),
-        Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Identify(args) => identify::command(args),
         Command::Simulate(args) => simulate::command(args).map(|()| ExitCode::SUCCESS),
         Command::CriticalSpeed(args) => critical_speed::command(args),
         Command::Reproduce(args) => reproduce::command(args),

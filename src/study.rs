@@ -1,42 +1,43 @@
 //! What the commands on studies of a vehicle share: a grid of keys, shards, merging, files, the table.
 //!
-//! One point, or a grid of them with `--vary`, in shards where there are many. A folder that has some of
-//! the points goes on.
+//! One point, or a grid of them with `--vary`, in shards where there are many. A folder that holds some
+//! of the points of the same study is continued.
 
-use crate::exit::FAILED;
+use crate::exit::{FAILED, INTERRUPTED};
 use crate::output::print;
-use crate::progress;
+use crate::{progress, stop};
 use anyhow::bail;
 use clap::Args;
-use hil_host::record::RunFolder;
+use files::{Identity, ResultFolder};
 use report::Report;
 use scenario::run::{Overrides, Run};
 use serde::Serialize;
-use signal::shards::{self, Item, Shard, Work};
-use std::path::{Path, PathBuf};
+use signal::shards::{self, Computed, Item, Shard, Work};
+use std::path::PathBuf;
 use std::process::ExitCode;
-use vehicle_studies::study::{Asked, Point, Study, Varied};
-use vehicle_studies::sweep::{Axis, Grid};
+use vehicle_studies::grid::{Axis, Grid};
+use vehicle_studies::point::GridPoint;
+use vehicle_studies::study::{Study, Varied, VariedStudy};
 
-/// What every study of a vehicle is told.
+/// The options of every study of a vehicle.
 #[derive(Debug, Args)]
 pub(crate) struct StudyArgs {
     /// The scenario.
     scenario: PathBuf,
-    /// A key of the scenario, or of its vehicle behind "vehicle.", and the values it takes: KEY=FROM:TO:N or
-    /// KEY=A,B,C; with *= instead of = they multiply what stands there.
+    /// A key of the scenario, or of its vehicle after "vehicle.", and its values: KEY=FROM:TO:N or
+    /// KEY=A,B,C; with *= instead of = they multiply the number in the file.
     #[arg(long, value_name = "KEY=VALUES")]
     vary: Vec<Axis>,
     /// Tracks: seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
-    /// The part of the points to find, such as 1/4.
+    /// The part of the points to compute, such as 1/4.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// No work: the answer from points that shards have found.
+    /// Compute nothing: make the answer from points that shards have computed.
     #[arg(long, value_name = "JSONL", num_args = 1.., conflicts_with = "shard")]
     merge: Vec<PathBuf>,
-    /// Folder for the files [default: runs/SCENARIO-COMMAND].
+    /// Folder for the files [default: runs/SCENARIO-COMMAND, with -2, -3, ... for another study].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print the JSON file instead of a table.
@@ -64,73 +65,99 @@ impl StudyArgs {
 
 /// The JSON file of a study.
 #[derive(Debug, Serialize)]
-struct StudyFile<'a, P, F> {
+struct StudyFile<'a, P, A> {
     format: u32,
     scenario: String,
     procedure: &'a P,
-    points: &'a [Point<F>],
+    points: &'a [GridPoint<A>],
 }
 
-/// Puts a question to every point, or merges the answers that shards have found, and tells them. Exit code 1
-/// says that a point has no answer; the files are there all the same.
+/// Asks a question at every point, or merges the answers that shards have computed, and shows them. Exit
+/// code 1 means that a point has no answer; the files are written all the same.
 ///
 /// # Errors
-/// Bad input, before anything is written; points of another study; a disk that fails.
+/// Bad input, before anything is written; points of another study; files that change while the study
+/// runs; a disk that fails.
 pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> anyhow::Result<ExitCode> {
     let grid = Grid::new(args.vary.clone()).map_err(|why| anyhow::anyhow!("--vary: {why}"))?;
-    let asked = Asked { varied: Varied { scenario: args.scenario.clone(), grid }, study };
-    let usual =
-        || PathBuf::from(format!("runs/{}-{}", crate::output::stem(&args.scenario), S::CALLED));
-    let folder = RunFolder::at(args.out.clone().unwrap_or_else(usual));
-    let name = asked.check()?;
-    let files = if args.merge.is_empty() {
+    let varied = Varied { scenario: args.scenario.clone(), grid };
+    let asked = VariedStudy { varied, study };
+    let identity = asked.identity()?;
+    let name = format!("{}-{}", crate::output::stem(&args.scenario), S::NAME);
+    let (mut folder, changed) =
+        ResultFolder::for_identity(args.out.as_deref(), &name, S::NAME, &identity)?;
+    folder.check(&[&format!("{}.json", S::NAME), "report.html"])?;
+    if !args.merge.is_empty() {
+        let points = merged(args, &asked, &identity)?;
+        note(changed);
         folder.create()?;
-        vec![find(&asked, &name, args.shard.unwrap_or(Shard::WHOLE), folder.path())?]
-    } else {
-        args.merge.clone()
-    };
-    let points: Vec<Point<S::Found>> = shards::merge(&files)?;
-    if let Some(other) = points.first().filter(|point| point.study != name) {
-        bail!("{}: {}, expected {name}", files[0].display(), other.study);
+        return finish(args, &asked.study, &folder, &points);
     }
-    let of = asked.varied.grid.len();
-    if !args.merge.is_empty() && points.len() < of {
-        // Merged points stand in order, each once.
-        let found = |index: &usize| points.binary_search_by_key(index, |point| point.index).is_ok();
-        let missing = (0..of).filter(|index| !found(index)).map(|index| (index + 1).to_string());
-        let missing = missing.collect::<Vec<_>>().join(", ");
-        bail!("--merge: point {missing} of {of} not found, expected all");
+    note(changed);
+    folder.create()?;
+    let computed = compute(&asked, &identity, args.shard.unwrap_or(Shard::WHOLE), &folder)?;
+    if computed.is_stopped() {
+        let Computed { path, done, of } = computed;
+        eprintln!(
+            "interrupted: {} holds {done} of {of} points; the same command continues",
+            path.display()
+        );
+        return Ok(ExitCode::from(INTERRUPTED));
     }
-    leave(args, &asked.study, &folder, &points)?;
-    let failed = points.iter().any(|point| point.failure.is_some());
-    Ok(if failed { ExitCode::from(FAILED) } else { ExitCode::SUCCESS })
+    let points = shards::merge(&[computed.path], Some(&identity))?;
+    finish(args, &asked.study, &folder, &points)
 }
 
-fn find<S: Study>(
-    asked: &Asked<S>,
-    name: &str,
+/// Says why another folder than the usual one is used.
+fn note(changed: Option<String>) {
+    if let Some(changed) = changed {
+        eprintln!("note: {changed}");
+    }
+}
+
+/// The points of every file, all of this study and none missing.
+fn merged<S: Study>(
+    args: &StudyArgs,
+    asked: &VariedStudy<S>,
+    identity: &Identity,
+) -> anyhow::Result<Vec<GridPoint<S::Answer>>> {
+    let points: Vec<GridPoint<S::Answer>> = shards::merge(&args.merge, Some(identity))?;
+    let of = asked.varied.grid.len();
+    // Merged points are in order, each once.
+    let found = |index: &usize| points.binary_search_by_key(index, |point| point.index).is_ok();
+    let missing = (0..of).filter(|index| !found(index)).map(|index| (index + 1).to_string());
+    let missing: Vec<String> = missing.collect();
+    if !missing.is_empty() {
+        bail!("--merge: point {} of {of} not found, expected all", missing.join(", "));
+    }
+    Ok(points)
+}
+
+fn compute<S: Study>(
+    asked: &VariedStudy<S>,
+    identity: &Identity,
     shard: Shard,
-    folder: &Path,
-) -> anyhow::Result<PathBuf> {
-    let bar = progress::bar("the first points");
+    folder: &ResultFolder,
+) -> anyhow::Result<Computed> {
     let items = asked.varied.grid.len();
-    let work = Work { items, name: name.to_owned() };
-    let point = |index| asked.point(name, index);
-    let show = |point: &Point<S::Found>, done, of| {
+    let work = Work { items, name: asked.name(identity), identity };
+    let bar = progress::bar("the first points");
+    let point = |index| asked.point(identity, index);
+    let show = |point: &GridPoint<S::Answer>, done, of| {
         progress::show(&bar, [done, of], format!("point {} of {items}", point.index + 1));
     };
-    let path = shards::run(&work, shard, folder, &point, &show)?;
+    let computed = shards::run(&work, shard, folder, stop::flag(), &point, &show);
     bar.finish_and_clear();
-    Ok(path)
+    Ok(computed?)
 }
 
 /// Writes the files and prints the table.
-fn leave<S: Study>(
+fn finish<S: Study>(
     args: &StudyArgs,
     study: &S,
-    folder: &RunFolder,
-    points: &[Point<S::Found>],
-) -> anyhow::Result<()> {
+    folder: &ResultFolder,
+    points: &[GridPoint<S::Answer>],
+) -> anyhow::Result<ExitCode> {
     let lasting: Vec<_> = points.iter().map(Item::lasting).collect();
     let scenario = args.scenario.display().to_string();
     let file = StudyFile { format: 1, scenario, procedure: study, points: &lasting };
@@ -139,8 +166,7 @@ fn leave<S: Study>(
     let titled = Report::new(&run.title);
     let titled = run.about.iter().fold(titled, |report, line| report.fact("vehicle", line));
     let html = study.page(&lasting, titled).to_html()?;
-    folder.create()?;
-    let name = format!("{}.json", S::CALLED);
+    let name = format!("{}.json", S::NAME);
     folder.write(&name, &json)?;
     folder.write("report.html", &html)?;
     if args.json {
@@ -149,5 +175,6 @@ fn leave<S: Study>(
         let (text, place) = (study.text(points), folder.path().display());
         print(&format!("{text}\n\nfiles in {place}: report.html, {name}"))?;
     }
-    Ok(())
+    let failed = points.iter().any(|point| point.failure.is_some());
+    Ok(if failed { ExitCode::from(FAILED) } else { ExitCode::SUCCESS })
 }

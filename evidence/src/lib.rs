@@ -1,5 +1,6 @@
 //! Is it right?
 
 pub mod campaign;
+pub mod error;
 pub mod reproduce;
 pub mod validation;

@@ -29,7 +29,7 @@ pub const MEAN_OVER_M: f64 = 2.0;
 /// force_n[501] = 100.0e3;
 /// let peak = filtered(&force_n, 1000.0, 160.0 / 3.6)?.into_iter().fold(0.0, f64::max);
 /// assert!((peak - 4.9e3).abs() < 0.05e3, "{peak}");
-/// # Ok::<(), crate::error::SignalError>(())
+/// # Ok::<(), signal::SignalError>(())
 /// ```
 pub fn filtered(values: &[f64], rate_hz: f64, speed_m_per_s: f64) -> Result<Vec<f64>, SignalError> {
     let passed = low_pass(values, rate_hz, CORNER_HZ)?;

@@ -24,9 +24,9 @@ use realfft::num_complex::Complex;
 /// let band = |hz: f64| Complex::from(if (4.0..=6.0).contains(&hz) { 1.0 } else { 0.0 });
 /// let kept = through(&tone, 1000.0, band, 2.0)?;
 /// let stopped = through(&tone, 1000.0, |hz| 1.0 - band(hz), 2.0)?;
-/// assert!((crate::statistics::rms(&kept[2000..6000]) - 0.7071).abs() < 0.01);
-/// assert!(crate::statistics::rms(&stopped[2000..6000]) < 0.02);
-/// # Ok::<(), crate::error::SignalError>(())
+/// assert!((signal::statistics::rms(&kept[2000..6000]) - 0.7071).abs() < 0.01);
+/// assert!(signal::statistics::rms(&stopped[2000..6000]) < 0.02);
+/// # Ok::<(), signal::SignalError>(())
 /// ```
 pub fn through(
     values: &[f64],
@@ -91,8 +91,8 @@ mod tests {
     #[test]
     fn what_cannot_be_filtered_is_named() {
         let one = |_| Complex::from(1.0);
-        assert_eq!(through(&[], 1.0, one, 0.0), Err(SignalError::TooShort(0, 1)));
-        assert_eq!(through(&[f64::NAN], 1.0, one, 0.0), Err(SignalError::NotFinite(0)));
+        assert!(matches!(through(&[], 1.0, one, 0.0), Err(SignalError::TooShort(0, 1))));
+        assert!(matches!(through(&[f64::NAN], 1.0, one, 0.0), Err(SignalError::NotFinite(0))));
         assert!(through(&[1.0], 0.0, one, 0.0).is_err());
     }
 }

@@ -44,7 +44,7 @@ impl Spectrum {
     /// assert!((spectrum.peak_hz().unwrap() - 3.46).abs() < 0.005);
     /// let power = spectrum.power(0.0, 500.0);
     /// assert!((power / (0.5 * 3e-3 * 3e-3) - 1.0).abs() < 0.01);
-    /// # Ok::<(), crate::error::SignalError>(())
+    /// # Ok::<(), signal::SignalError>(())
     /// ```
     pub fn welch(values: &[f64], rate_hz: f64, segment_s: f64) -> Result<Self, SignalError> {
         for (name, value) in [("rate_hz", rate_hz), ("segment_s", segment_s)] {
@@ -240,14 +240,14 @@ mod tests {
 
     #[test]
     fn what_cannot_be_analysed_is_named() {
-        assert_eq!(Spectrum::welch(&[0.0; 3], 1.0, 1.0), Err(SignalError::TooShort(3, 8)));
+        assert!(matches!(Spectrum::welch(&[0.0; 3], 1.0, 1.0), Err(SignalError::TooShort(3, 8))));
         assert!(matches!(
             Spectrum::welch(&[0.0; 9], 0.0, 1.0),
             Err(SignalError::Parameter("rate_hz", ..))
         ));
         let mut hole = [0.0; 20];
         hole[11] = f64::NAN;
-        assert_eq!(Spectrum::welch(&hole, 1.0, 10.0), Err(SignalError::NotFinite(11)));
+        assert!(matches!(Spectrum::welch(&hole, 1.0, 10.0), Err(SignalError::NotFinite(11))));
         assert_eq!(Spectrum::welch(&[3.0; 40], 1.0, 10.0).unwrap().peak_hz(), None);
     }
 }

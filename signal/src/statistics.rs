@@ -8,7 +8,7 @@
 /// Root of the mean square; zero for no samples. The mean is not taken off.
 ///
 /// ```
-/// assert_eq!(crate::statistics::rms(&[3.0, -4.0, 3.0, -4.0]), 12.5f64.sqrt());
+/// assert_eq!(signal::statistics::rms(&[3.0, -4.0, 3.0, -4.0]), 12.5f64.sqrt());
 /// ```
 pub fn rms(values: &[f64]) -> f64 {
     let square: f64 = values.iter().map(|value| value * value).sum();
@@ -23,7 +23,7 @@ pub fn mean(values: &[f64]) -> f64 {
 /// Least and greatest value; `None` for no samples. Values that are not numbers are passed over.
 ///
 /// ```
-/// assert_eq!(crate::statistics::min_max(&[1.0, f64::NAN, -2.0]), Some((-2.0, 1.0)));
+/// assert_eq!(signal::statistics::min_max(&[1.0, f64::NAN, -2.0]), Some((-2.0, 1.0)));
 /// ```
 pub fn min_max(values: &[f64]) -> Option<(f64, f64)> {
     values.iter().filter(|value| !value.is_nan()).fold(None, |found, value| match found {

@@ -8,7 +8,6 @@
 //! force at all, large ones open the relief valve: a single critical speed by eigenvalues does not
 //! exist, only one for every stroke.
 
-use crate::modes::Impedance;
 use firmware_core::damper::{Damper, DamperState, Motion};
 use std::f64::consts::TAU;
 
@@ -16,6 +15,15 @@ use std::f64::consts::TAU;
 const SETTLING_CYCLES: usize = 6;
 /// Samples of the cycle that is looked at.
 const SAMPLES: usize = 2000;
+
+/// What a damper does to a small motion of one frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Impedance {
+    /// Force in phase with the extension (N/m).
+    pub stiffness_n_per_m: f64,
+    /// Force in phase with its rate (N s/m).
+    pub damping_n_s_per_m: f64,
+}
 
 /// Stiffness and damping of a damper at a stroke (m, half the travel) and a frequency (Hz).
 ///

@@ -1,11 +1,34 @@
-//! Studies of a vehicle.
+//! Studies of a vehicle: from which speed on it hunts, how it rides, how it goes through a curve.
+//!
+//! A study is a question ([`study::Study`]) that is asked at every point of a grid of the scenario's
+//! numbers. The vehicle always runs on the line that also drives a rig, in virtual time.
+//!
+//! Read in this order:
+//!
+//! | module | what |
+//! | --- | --- |
+//! | [`trip`] | a vehicle under way: on one track at one speed, recorded at 1 kHz |
+//! | [`critical_speed`], [`ride`], [`curve`] | the three questions, each with its text and its page |
+//! | [`describing_function`], [`modes`] | linear vibrations, with a damper as stiffness and damping |
+//! | [`study`] | asking at every point; the identity of a study |
+//! | [`grid`], [`point`], [`over_seeds`] | points, their answers, quantities over several tracks |
+//! | [`error`] | what can go wrong in any of them |
+//!
+//! The crate uses `scenario` for what it simulates, `signal` for what it makes of the signals, `files`
+//! for identities and `report` for pages. It knows nothing of records, rigs and buses.
 
 pub mod critical_speed;
 pub mod curve;
 pub mod describing_function;
+pub mod error;
+pub mod grid;
 pub mod modes;
-pub mod over_keys;
+mod over_keys;
+pub mod over_seeds;
+pub mod point;
 pub mod ride;
 pub mod study;
-pub mod sweep;
+mod text_table;
 pub mod trip;
+
+pub use error::StudyError;

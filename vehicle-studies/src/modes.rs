@@ -8,6 +8,7 @@
 //! widths remove it: `2 D(h) - D(2h)`. A damper comes in as what it is for one frequency and stroke,
 //! stiffness and damping at its place ([`crate::describing_function`]).
 
+use crate::describing_function::Impedance;
 use firmware_core::lanes::Lanes;
 use firmware_core::track::Track;
 use firmware_core::vehicle::{
@@ -22,15 +23,6 @@ const WIDTH: f64 = 1e-8;
 const SWEEPS_MAX: usize = 10_000;
 /// Accuracy of eigenvalues over the largest.
 const ACCURACY: f64 = 1e-14;
-
-/// What a damper does to a small motion of one frequency.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Impedance {
-    /// Force in phase with the extension (N/m).
-    pub stiffness_n_per_m: f64,
-    /// Force in phase with its rate (N s/m).
-    pub damping_n_s_per_m: f64,
-}
 
 /// What the damper of every slot does.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

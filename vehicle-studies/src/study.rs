@@ -1,24 +1,70 @@
 //! A question about a vehicle, asked at every point of a grid of its numbers.
 //!
 //! A study reads its scenario at every point before it begins, so that what cannot run is known before
-//! anything is written. Its name is a hash of all that its answers depend on, so that points of another
-//! study are never taken for its own. Points are independent: any cores and any shards give the same.
+//! anything is written. Its identity holds the question, the content of every file that was read and the
+//! sources of the program, so that answers to anything else are never mistaken for its own. A point
+//! whose files have changed since is an error. Points are independent: any number of cores and shards
+//! gives the same answers.
 
-use crate::sweep::Grid;
+use crate::error::StudyError;
+use crate::grid::Grid;
+use crate::point::GridPoint;
 use crate::trip::Equipped;
-use crate::trip::pace::Pace;
-use firmware_core::fnv;
+use files::Identity;
 use rayon::prelude::*;
 use report::Report;
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
 use scenario::source::ScenarioError;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use signal::shards::Item;
-use signal::statistics;
+use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::path::PathBuf;
+
+/// Hash over the sources of the crates that compute the answers, made by the build script.
+const PROGRAM: &str = env!("VEHICLE_STUDIES_SOURCES");
+
+/// A question about a vehicle: how it is asked, what the answer is and how it is shown. Serialised, it is
+/// every number that the answers depend on apart from the scenario and its grid.
+pub trait Study: Debug + Serialize + Sync {
+    /// Its name: of the command, the folder and the file.
+    const NAME: &'static str;
+    /// What answers are called.
+    const ANSWERS: &'static str;
+    /// The answer at a point; its default is none.
+    type Answer: Serialize + DeserializeOwned + Default + Clone + PartialEq + Send + Sync;
+
+    /// How long the vehicle runs on each track (s); it matters for a measured track only.
+    fn duration_s(&self, _run: &Run) -> f64 {
+        1.0
+    }
+
+    /// Refuses a scenario that the question does not fit.
+    ///
+    /// # Errors
+    /// What the scenario lacks.
+    fn fits(&self, _run: &Run) -> Result<(), StudyError> {
+        Ok(())
+    }
+
+    /// Finds the answer for the scenario of a point.
+    ///
+    /// # Errors
+    /// Why there is none; the parts of `answer` that were found before stay.
+    fn answer(
+        &self,
+        run: &Run,
+        equipped: &Equipped,
+        answer: &mut Self::Answer,
+    ) -> Result<(), StudyError>;
+
+    /// The answers as a table for a terminal, with the conditions under which they hold.
+    fn text(&self, points: &[GridPoint<Self::Answer>]) -> String;
+
+    /// The report of the answers, after its title and facts.
+    fn page(&self, points: &[GridPoint<Self::Answer>], report: Report) -> Report;
+}
 
 /// A scenario and the grid over which its keys are varied.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,11 +76,11 @@ pub struct Varied {
 }
 
 impl Varied {
-    /// The scenario at a point, with a second of its random track: studies lay their own. A measured
-    /// track has to reach as far as the study goes (s).
+    /// The scenario at a point, with one second of its random track, since studies lay their own. A
+    /// measured track has to reach as far as the study goes (s).
     ///
     /// # Errors
-    /// A point that cannot be.
+    /// A scenario that cannot be read or does not hold at the point.
     pub fn run(
         &self,
         index: usize,
@@ -49,242 +95,99 @@ impl Varied {
         let measured = short.band.is_none() && !short.track.samples.samples.is_empty();
         if measured { load(duration_s(&short)) } else { Ok(short) }
     }
-
-    /// Name of the scenario's file.
-    pub fn file_name(&self) -> String {
-        self.scenario.file_name().unwrap_or_default().to_string_lossy().into_owned()
-    }
 }
 
-/// A question about a vehicle: how it is asked, what is found, how that is told. Written out, it is every
-/// number that the answers depend on beside the scenario.
-pub trait Study: Debug + Serialize + Sync {
-    /// What it is called: its command, its folder, its file.
-    const CALLED: &'static str;
-    /// What many answers are called.
-    const ANSWERS: &'static str;
-    /// What is found at a point; its default is nothing.
-    type Found: Serialize + DeserializeOwned + Default + Clone + PartialEq + Send + Sync;
-
-    /// How long the vehicle runs on each track (s); only a measured track asks.
-    fn duration_s(&self, _run: &Run) -> f64 {
-        1.0
-    }
-
-    /// Refuses a scenario that the question does not fit.
-    ///
-    /// # Errors
-    /// In one line what is missing.
-    fn fits(&self, _run: &Run) -> Result<(), String> {
-        Ok(())
-    }
-
-    /// Finds the answer for the scenario of a point.
-    ///
-    /// # Errors
-    /// In one line why there is none; what was found before it stays.
-    fn answer(&self, run: &Run, equipped: &Equipped, found: &mut Self::Found)
-    -> Result<(), String>;
-
-    /// The answers as a table for a terminal, and under which conditions they hold.
-    fn text(&self, points: &[Point<Self::Found>]) -> String;
-
-    /// The report of the answers, behind its title and facts.
-    fn page(&self, points: &[Point<Self::Found>], report: Report) -> Report;
-}
-
-/// A question put to a scenario and its points.
+/// A question asked about a scenario at every point of its grid.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Asked<S> {
-    /// The scenario and its points.
+pub struct VariedStudy<S> {
+    /// The scenario and its grid.
     pub varied: Varied,
     /// The question.
     pub study: S,
 }
 
-impl<S: Study> Asked<S> {
-    /// Reads the scenario at every point; gives the name of the study.
+/// What an identity holds of the question.
+#[derive(Serialize)]
+struct QuestionForm<'a, S> {
+    study: &'static str,
+    /// Axis by axis, the slowest first.
+    vary: Vec<Vec<Setting>>,
+    question: &'a S,
+}
+
+impl<S: Study> VariedStudy<S> {
+    /// Reads the scenario at every point; gives the identity of the study.
     ///
     /// # Errors
-    /// The first point that cannot be.
-    pub fn check(&self) -> Result<String, ScenarioError> {
+    /// The first point that cannot run.
+    pub fn identity(&self) -> Result<Identity, StudyError> {
         let Self { varied, study } = self;
-        let add = |hash: u64, text: &str| text.bytes().fold(hash, |h, b| fnv::add(h, b.into()));
-        let at = |index: usize| -> Result<u64, ScenarioError> {
+        let at = |index: usize| -> Result<BTreeMap<String, String>, StudyError> {
             let run = varied.run(index, |run| study.duration_s(run))?;
-            study.fits(&run).map_err(|message| ScenarioError {
-                file: varied.scenario.clone(),
-                line: None,
-                message,
-            })?;
-            Ok(add(add(fnv::START, &run.effective.scenario), &run.effective.vehicle))
+            let in_file = |why| StudyError::InFile(varied.scenario.clone(), Box::new(why));
+            study.fits(&run).map_err(in_file)?;
+            Ok(inputs(&run))
         };
         let points: Vec<_> = (0..varied.grid.len()).into_par_iter().map(at).collect();
-        let mut hash = add(fnv::START, &format!("{self:?}"));
+        let mut points = points.into_iter();
+        // A grid has at least one point.
+        let inputs = points.next().transpose()?.unwrap_or_default();
         for point in points {
-            hash = fnv::add(hash, point?);
+            self.refuse_changed(&inputs, &point?)?;
         }
-        let (points, file) = (varied.grid.len(), varied.file_name());
-        Ok(format!("{points} {} of {file}, study {hash:016x}", S::ANSWERS))
+        let vary = varied.grid.axes.iter().map(|axis| axis.settings().collect()).collect();
+        let question = QuestionForm { study: S::NAME, vary, question: study };
+        Identity::new(&question, inputs, PROGRAM)
+            .map_err(|why| StudyError::NotSerialised(why.to_string()))
     }
 
-    /// Finds the answer at a point of the study of a name.
-    pub fn point(&self, name: &str, index: usize) -> Point<S::Found> {
-        let Self { varied, study } = self;
-        let mut found = S::Found::default();
-        let mut pace = None;
-        let mut answer = || -> Result<(), String> {
-            let run = varied.run(index, |run| study.duration_s(run));
-            let run = run.map_err(|why| why.to_string())?;
-            let equipped = Equipped::of(&run).map_err(|why| why.to_string())?;
-            let answer = study.answer(&run, &equipped, &mut found);
-            pace = equipped.pace();
-            answer
-        };
-        let failure = answer().err();
-        Point { index, study: name.to_owned(), at: varied.grid.point(index), found, failure, pace }
-    }
-}
-
-/// What was found at a point.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Point<F> {
-    /// Its number.
-    pub index: usize,
-    /// The study that it belongs to.
-    pub study: String,
-    /// Keys that were varied and their values here.
-    pub at: Vec<Setting>,
-    /// What was found.
-    #[serde(flatten)]
-    pub found: F,
-    /// Why there is no answer.
-    pub failure: Option<String>,
-    /// How fast its trips were; in the file of a shard only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pace: Option<Pace>,
-}
-
-impl<F> Point<F> {
-    /// Its keys and values in words, or a name for the only point.
-    pub fn in_words(&self, only: &str) -> String {
-        if self.at.is_empty() {
-            return only.to_owned();
-        }
-        let keys = self.at.iter().map(Setting::called);
-        let words = keys.zip(self.values_in_words()).map(|(key, value)| format!("{key} {value}"));
-        words.collect::<Vec<_>>().join(", ")
+    /// The name of the study of an identity.
+    pub fn name(&self, identity: &Identity) -> String {
+        format!("{} {}, study {}", self.varied.grid.len(), S::ANSWERS, identity.name())
     }
 
-    /// The values of its keys to six digits, as one would write them.
-    pub fn values_in_words(&self) -> Vec<String> {
-        let word = |value: f64| {
-            let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-            let plain = rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs());
-            if plain { rounded.to_string() } else { format!("{rounded:e}") }
-        };
-        self.at.iter().map(|set| word(set.number())).collect()
-    }
-}
-
-impl<F> Item for Point<F>
-where
-    F: Serialize + DeserializeOwned + Clone + PartialEq + Send + Sync,
-{
-    const CALLED: &'static str = "point";
-    const MANY: &'static str = "points";
-
-    fn index(&self) -> usize {
-        self.index
-    }
-
-    fn work(&self) -> String {
-        self.study.clone()
-    }
-
-    fn lasting(&self) -> Self {
-        Self { pace: None, ..self.clone() }
-    }
-}
-
-/// How fast the trips of all points were, in words; none where no time was kept.
-pub fn pace<F>(points: &[Point<F>]) -> Option<String> {
-    Pace::over(points.iter().filter_map(|point| point.pace)).map(|pace| pace.in_words())
-}
-
-/// A quantity over the tracks of several seeds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OverSeeds {
-    /// Mean.
-    pub mean: f64,
-    /// Lowest.
-    pub lowest: f64,
-    /// Highest.
-    pub highest: f64,
-}
-
-impl OverSeeds {
-    /// Of one value a seed; none without any.
+    /// Finds the answer at a point; the files are read again. A point that has no answer holds the
+    /// reason instead.
     ///
-    /// ```
-    /// let over = vehicle_studies::study::OverSeeds::of([1.0, 4.0, 1.0]).unwrap();
-    /// assert_eq!((over.mean, over.lowest, over.highest), (2.0, 1.0, 4.0));
-    /// ```
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let values: Vec<f64> = values.into_iter().collect();
-        let (lowest, highest) = statistics::min_max(&values)?;
-        Some(Self { mean: statistics::mean(&values), lowest, highest })
-    }
-}
-
-/// Seeds in words.
-///
-/// ```
-/// assert_eq!(crate::study::seeds_in_words(&[1, 2, 3]), "1 to 3");
-/// assert_eq!(crate::study::seeds_in_words(&[7]), "7");
-/// ```
-pub fn seeds_in_words(seeds: &[u64]) -> String {
-    match (seeds.first(), seeds.last()) {
-        (Some(first), Some(last)) if first != last => format!("{first} to {last}"),
-        (Some(first), _) => first.to_string(),
-        _ => "none".to_owned(),
-    }
-}
-
-/// Rows as lines with aligned columns, the first row as heads; failures of points below them.
-pub fn table<F>(rows: &[Vec<String>], points: &[Point<F>]) -> Vec<String> {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| {
-        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max()
-    };
-    let widths: Vec<usize> = (0..columns).filter_map(width).collect();
-    let line = |row: &Vec<String>| {
-        let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}"));
-        cells.collect::<Vec<_>>().join("   ")
-    };
-    let mut lines: Vec<String> = rows.iter().map(line).collect();
-    let failures =
-        points.iter().filter_map(|point| Some((point.index + 1, point.failure.as_ref()?)));
-    lines.extend(failures.map(|(number, why)| format!("point {number}: {why}")));
-    lines
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_are_written_as_a_person_would() {
-        let set = |value: f64| Setting::to("k", value);
-        let point = Point {
-            index: 0,
-            study: String::new(),
-            at: [0.2e-3, 80.0 + 100.0 / 3.0, 12.5e6, 0.0, -3e-5].map(set).to_vec(),
-            found: (),
-            failure: None,
-            pace: None,
+    /// # Errors
+    /// The files are not those of the identity any more.
+    pub fn point(
+        &self,
+        identity: &Identity,
+        index: usize,
+    ) -> Result<GridPoint<S::Answer>, StudyError> {
+        debug_assert!(index < self.varied.grid.len(), "{index} lies outside the grid");
+        let Self { varied, study } = self;
+        let run = varied.run(index, |run| study.duration_s(run))?;
+        self.refuse_changed(&identity.inputs, &inputs(&run))?;
+        let mut answer = S::Answer::default();
+        let mut pace = None;
+        let mut find = || -> Result<(), StudyError> {
+            let equipped = Equipped::of(&run)?;
+            let found = study.answer(&run, &equipped, &mut answer);
+            pace = equipped.pace();
+            found
         };
-        assert_eq!(point.values_in_words(), ["0.0002", "113.333", "1.25e7", "0", "-3e-5"]);
-        assert!(point.in_words("only").starts_with("k 0.0002, k 113.333"));
+        let failure = find().err().map(|why| why.to_string());
+        let (study, at) = (self.name(identity), varied.grid.point(index));
+        Ok(GridPoint { index, study, at, answer, failure, pace })
     }
+
+    fn refuse_changed(
+        &self,
+        before: &BTreeMap<String, String>,
+        now: &BTreeMap<String, String>,
+    ) -> Result<(), StudyError> {
+        if before == now {
+            return Ok(());
+        }
+        let changed = now.iter().filter(|(role, hash)| before.get(*role) != Some(*hash));
+        let gone = before.keys().filter(|role| !now.contains_key(*role));
+        let changes = changed.map(|(role, _)| role).chain(gone).cloned().collect();
+        Err(StudyError::Changed(self.varied.scenario.clone(), changes))
+    }
+}
+
+fn inputs(_run: &Run) -> BTreeMap<String, String> {
+    BTreeMap::new()
 }

@@ -37,5 +37,5 @@ pub mod strength;
 pub mod table;
 pub mod wilson;
 
-pub use shard::{Campaign, run};
+pub use shard::Campaign;
 pub use table::Table;

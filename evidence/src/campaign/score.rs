@@ -21,7 +21,7 @@ const UNMOVED_SHARE: f64 = 0.01;
 
 /// A case as it stands in the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Line {
+pub struct CaseResult {
     /// Number of the case.
     pub index: usize,
     /// Seed of the campaign.
@@ -121,8 +121,8 @@ pub struct Interval {
 }
 
 /// Runs a case and scores it.
-pub fn score(case: &Case, campaign_seed: u64, brief: bool) -> Line {
-    let mut line = Line {
+pub fn score(case: &Case, campaign_seed: u64, brief: bool) -> CaseResult {
+    let mut line = CaseResult {
         index: case.index,
         campaign_seed,
         brief,
@@ -150,12 +150,12 @@ pub fn score(case: &Case, campaign_seed: u64, brief: bool) -> Line {
     };
     match mount(case) {
         Ok(mounted) => line.fill(case, &mounted),
-        Err(why) => line.failure = Some(why),
+        Err(why) => line.failure = Some(why.to_string()),
     }
     line
 }
 
-impl Line {
+impl CaseResult {
     fn fill(&mut self, case: &Case, mounted: &Mounted) {
         self.truth = mounted.truth.iter().map(|name| (*name).to_owned()).collect();
         self.sizes = mounted.sizes.iter().map(|sized| sized.size).collect();

@@ -4,6 +4,7 @@ use super::case::Case;
 use super::plan::{HYDRAULIC, Kind};
 use super::size::{Sized, sized};
 use super::strength::Strength;
+use crate::error::EvidenceError;
 use firmware_core::damper::effects::CATALOGUE;
 use firmware_core::damper::{Damper, Effect};
 use scenario::source::Source;
@@ -35,7 +36,7 @@ pub struct Mounted {
 ///
 /// # Errors
 /// In words, where there is no such damper.
-pub fn mount(case: &Case) -> Result<Mounted, String> {
+pub fn mount(case: &Case) -> Result<Mounted, EvidenceError> {
     let mut random = Random::new(case.seed, 7);
     match case.kind {
         Kind::Hydraulic { which } => {
@@ -53,7 +54,7 @@ pub fn mount(case: &Case) -> Result<Mounted, String> {
     }
 }
 
-fn catalogue(case: &Case, random: &mut Random) -> Result<Mounted, String> {
+fn catalogue(case: &Case, random: &mut Random) -> Result<Mounted, EvidenceError> {
     let (mut effects, mut sizes): (Vec<Effect>, Vec<Sized>) = (Vec::new(), Vec::new());
     for &effect in &case.effects {
         let strength = Strength::draw(effect, case.nominal, case.scale, random);
@@ -63,11 +64,11 @@ fn catalogue(case: &Case, random: &mut Random) -> Result<Mounted, String> {
             Some(Box::new(Modelled { damper }))
         };
         let found = sized(case, &make, [WEAKEST * strongest, strongest])
-            .ok_or_else(|| format!("{} cannot be simulated", strength.info.name))?;
+            .ok_or(EvidenceError::NotSimulated(strength.info.name))?;
         effects.extend(strength.at(found.strength));
         sizes.push(found);
     }
-    let damper = Damper::new(case.nominal, &effects).map_err(|error| error.to_string())?;
+    let damper = Damper::new(case.nominal, &effects)?;
     Ok(Mounted {
         specimen: Box::new(Modelled { damper: damper.clone() }),
         truth: case.effects.iter().map(|effect| CATALOGUE[*effect].name).collect(),
@@ -76,7 +77,7 @@ fn catalogue(case: &Case, random: &mut Random) -> Result<Mounted, String> {
     })
 }
 
-fn outside(case: &Case, which: usize, random: &mut Random) -> Result<Mounted, String> {
+fn outside(case: &Case, which: usize, random: &mut Random) -> Result<Mounted, EvidenceError> {
     let disturbance = match which {
         0 => {
             Outside::SpeedSynchronousRipple { amplitude_n: 1.0, multiple: random.between(2.1, 7.9) }
@@ -104,8 +105,8 @@ fn outside(case: &Case, which: usize, random: &mut Random) -> Result<Mounted, St
     let make = |share: f64| -> Option<Box<dyn Specimen>> {
         Some(Box::new(NullGenerator { model, outside: vec![at(share)] }))
     };
-    let found =
-        sized(case, &make, [1e-4, STRONGEST_OUTSIDE]).ok_or("a disturbance cannot be simulated")?;
+    let found = sized(case, &make, [1e-4, STRONGEST_OUTSIDE])
+        .ok_or(EvidenceError::NotSimulated("a disturbance"))?;
     Ok(Mounted {
         specimen: Box::new(NullGenerator { model, outside: vec![at(found.strength)] }),
         truth: vec![disturbance.name()],
@@ -115,14 +116,14 @@ fn outside(case: &Case, which: usize, random: &mut Random) -> Result<Mounted, St
 }
 
 /// One of the hydraulic dampers that come with the project, its numbers moved.
-fn hydraulic(which: usize, random: &mut Random) -> Result<HydraulicDamper, String> {
+fn hydraulic(which: usize, random: &mut Random) -> Result<HydraulicDamper, EvidenceError> {
     let texts = [
         include_str!("../../../scenarios/dampers/hydraulic-yaw-damper.toml"),
         include_str!("../../../scenarios/dampers/hydraulic-yaw-damper-unidirectional.toml"),
     ];
     let which = which % HYDRAULIC.len();
     let source = Source::from_text(Path::new(HYDRAULIC[which]), texts[which]);
-    let mut damper = HydraulicDamper::from_source(&source).map_err(|error| error.to_string())?;
+    let mut damper = HydraulicDamper::from_source(&source)?;
     damper.attachment.clearance_2a_m = random.between(0.1e-3, 1.2e-3);
     damper.attachment.rubber_n_per_m *= random.between(0.7, 1.4);
     damper.oil.air_share *= random.between(0.3, 2.0);

@@ -5,7 +5,7 @@
 //! that failed count as wrong. The table has no times in it, so the same cases give the same bytes.
 
 use super::plan::HIDDEN;
-use super::score::Line;
+use super::score::CaseResult;
 use super::wilson::Rate;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -103,7 +103,7 @@ pub struct Table {
 
 impl Table {
     /// Makes the table of merged lines.
-    pub fn new(lines: &[Line]) -> Self {
+    pub fn new(lines: &[CaseResult]) -> Self {
         let failures = lines.iter().filter_map(|line| Some((line.index, line.failure.clone()?)));
         Self {
             seed: lines.first().map_or(0, |line| line.campaign_seed),
@@ -126,7 +126,7 @@ impl Table {
 }
 
 /// The case is as it should be, as far as names go.
-pub fn is_right(line: &Line) -> bool {
+pub fn is_right(line: &CaseResult) -> bool {
     if line.failure.is_some() {
         return false;
     }
@@ -141,11 +141,11 @@ pub fn is_right(line: &Line) -> bool {
     }
 }
 
-fn aims(lines: &[Line]) -> Vec<Aim> {
+fn aims(lines: &[CaseResult]) -> Vec<Aim> {
     let of = |kind: &'static str| lines.iter().filter(move |line| line.kind == kind);
-    let shown = |line: &&Line| line.reached && !line.truth.iter().any(|name| name == HIDDEN);
+    let shown = |line: &&CaseResult| line.reached && !line.truth.iter().any(|name| name == HIDDEN);
     let effects = || of("effect").filter(shown);
-    let no_name = |line: &Line| line.failure.is_none() && line.named.is_empty();
+    let no_name = |line: &CaseResult| line.failure.is_none() && line.named.is_empty();
     let aim = |what: &str, rate: Rate, target: (f64, f64)| Aim {
         what: what.to_owned(),
         met: rate.rate.map(|rate| (target.0..=target.1).contains(&rate)),
@@ -179,7 +179,7 @@ fn aims(lines: &[Line]) -> Vec<Aim> {
     let outside = || of("outside").filter(|line| line.reached);
     aims.push(aim(
         "outside the catalogue: said to be unexplained",
-        Rate::of(outside().map(Line::says_unexplained)),
+        Rate::of(outside().map(CaseResult::says_unexplained)),
         (0.95, 1.0),
     ));
     aims.push(aim(
@@ -187,7 +187,7 @@ fn aims(lines: &[Line]) -> Vec<Aim> {
         Rate::of(outside().map(|line| line.failure.is_none() && line.says_unexplained())),
         (1.0, 1.0),
     ));
-    let ratios = lines.iter().filter_map(Line::over_truth);
+    let ratios = lines.iter().filter_map(CaseResult::over_truth);
     aims.push(aim(
         "held-out error at most 1.15 times that of the true damper",
         Rate::of(ratios.map(|ratio| ratio <= LARGEST_RATIO)),
@@ -212,8 +212,8 @@ fn aims(lines: &[Line]) -> Vec<Aim> {
     aims
 }
 
-fn rows(lines: &[Line]) -> Vec<Row> {
-    let mut by: BTreeMap<(String, String, u64), Vec<&Line>> = BTreeMap::new();
+fn rows(lines: &[CaseResult]) -> Vec<Row> {
+    let mut by: BTreeMap<(String, String, u64), Vec<&CaseResult>> = BTreeMap::new();
     for line in lines {
         let truth = match line.kind.as_str() {
             "nothing" if line.coloured => "coloured noise".to_owned(),
@@ -230,8 +230,9 @@ fn rows(lines: &[Line]) -> Vec<Row> {
     let mut rows: Vec<Row> = by
         .into_iter()
         .map(|((kind, truth, tenths), lines)| {
-            let apart = |line: &&&Line| !line.reached && truth != HIDDEN;
-            let counted: Vec<&Line> = lines.iter().filter(|line| !apart(line)).copied().collect();
+            let apart = |line: &&&CaseResult| !line.reached && truth != HIDDEN;
+            let counted: Vec<&CaseResult> =
+                lines.iter().filter(|line| !apart(line)).copied().collect();
             Row {
                 size: tenths as f64 / 10.0,
                 right: Rate::of(counted.iter().map(|line| is_right(line))),
@@ -252,7 +253,7 @@ fn rows(lines: &[Line]) -> Vec<Row> {
     rows
 }
 
-fn confusion(lines: &[Line]) -> BTreeMap<String, BTreeMap<String, usize>> {
+fn confusion(lines: &[CaseResult]) -> BTreeMap<String, BTreeMap<String, usize>> {
     let mut table: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
     for line in lines.iter().filter(|line| line.reached && !(0.1..3.0).contains(&line.size)) {
         let truth = match line.kind.as_str() {
@@ -274,7 +275,7 @@ fn confusion(lines: &[Line]) -> BTreeMap<String, BTreeMap<String, usize>> {
     table
 }
 
-fn groups(lines: &[Line]) -> BTreeMap<String, usize> {
+fn groups(lines: &[CaseResult]) -> BTreeMap<String, usize> {
     let mut groups = BTreeMap::new();
     for named in lines.iter().flat_map(|line| &line.named) {
         if !named.alternatives.is_empty() {
@@ -287,7 +288,7 @@ fn groups(lines: &[Line]) -> BTreeMap<String, usize> {
     groups
 }
 
-fn coverage(lines: &[Line]) -> BTreeMap<String, Rate> {
+fn coverage(lines: &[CaseResult]) -> BTreeMap<String, Rate> {
     let mut by: BTreeMap<String, Vec<bool>> = BTreeMap::new();
     for interval in lines.iter().flat_map(|line| &line.intervals) {
         by.entry(interval.parameter.clone()).or_default().push(interval.covers);
@@ -295,8 +296,8 @@ fn coverage(lines: &[Line]) -> BTreeMap<String, Rate> {
     by.into_iter().map(|(name, covers)| (name, Rate::of(covers.into_iter()))).collect()
 }
 
-fn medians(lines: &[Line]) -> Vec<Medians> {
-    let mut by: BTreeMap<&str, Vec<&Line>> = BTreeMap::new();
+fn medians(lines: &[CaseResult]) -> Vec<Medians> {
+    let mut by: BTreeMap<&str, Vec<&CaseResult>> = BTreeMap::new();
     for line in lines {
         by.entry(&line.kind).or_default().push(line);
     }

@@ -12,6 +12,7 @@
 
 use super::locomotive::Locomotive;
 use super::null_models::CALIBRATED_ON;
+use crate::error::EvidenceError;
 use scenario::setting::Setting;
 use serde::Serialize;
 use std::path::Path;
@@ -76,7 +77,7 @@ pub fn calibrate(
     scenario: &Path,
     procedure: &Procedure,
     see: &dyn Fn(&str, f64, Option<f64>),
-) -> Result<Vec<Calibrated>, String> {
+) -> Result<Vec<Calibrated>, EvidenceError> {
     let mut found: Vec<Calibrated> = Vec::new();
     for round in 0..ROUNDS {
         for (index, unknown) in UNKNOWNS.iter().enumerate() {
@@ -102,15 +103,15 @@ fn one(
     unknown: &Unknown,
     others: &[Setting],
     see: &dyn Fn(&str, f64, Option<f64>),
-) -> Result<Calibrated, String> {
+) -> Result<Calibrated, EvidenceError> {
     let (ke_n_per_m, clearance_2a_m, aim_kmh) = CALIBRATED_ON[unknown.fixed_on];
     let near =
         Procedure { from_kmh: aim_kmh - NEAR_KMH, to_kmh: aim_kmh + NEAR_KMH, ..procedure.clone() };
     // How far off the aim, and the speed; beyond the range of speeds the error is that of its end.
-    let tried = |value: f64| -> Result<(f64, Option<f64>), String> {
+    let tried = |value: f64| -> Result<(f64, Option<f64>), EvidenceError> {
         let mut changes = others.to_vec();
         changes.push(Setting::to(unknown.key, value));
-        let locomotive = Locomotive::load(scenario, &changes).map_err(|why| why.to_string())?;
+        let locomotive = Locomotive::load(scenario, &changes)?;
         let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
         let ascent = Ascent::of(&equipped, &near)?;
         see(unknown.key, value, ascent.mean_kmh);

@@ -8,12 +8,13 @@ use super::Basis;
 use super::locomotive::KE_N_PER_M;
 use super::row::{Figure, Role, Row};
 use super::running::{SPEED_KMH, run_with};
+use crate::error::EvidenceError;
 use rayon::prelude::*;
 use report::Plot;
 use vehicle_studies::ride;
-use vehicle_studies::ride::assessment::{PlaceRide, PlaceSpectrum, Ride};
 use vehicle_studies::ride::grade::Kind;
 use vehicle_studies::ride::sperling::Direction;
+use vehicle_studies::ride::{PlaceRide, PlaceSpectrum, Ride};
 use vehicle_studies::trip::Equipped;
 
 /// Speeds of figure 5 (km/h).
@@ -50,7 +51,7 @@ struct Ridden {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_speed(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn over_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let nominal = basis.locomotive.nominal();
     let damper = (nominal.ke_n_per_m, nominal.clearance_2a_m);
     let rides = ridden(basis, &SPEEDS_KMH.map(|kmh| (damper, kmh, kmh)))?;
@@ -75,7 +76,7 @@ pub fn over_speed(basis: &Basis<'_>) -> Result<Figure, String> {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let rides = ridden(
         basis,
         &STIFFNESS_N_PER_M.map(|ke| ((ke, STIFFNESS_AT_2A_M), SPEED_KMH, 1e-6 * ke)),
@@ -117,7 +118,7 @@ pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, String> {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let mut asked: Vec<((f64, f64), f64, f64)> = CLEARANCES_2A_M
         .iter()
         .map(|clearance| ((KE_N_PER_M, *clearance), SPEED_KMH, 1e3 * clearance))
@@ -170,14 +171,14 @@ pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
 /// Dampers (stiffness, clearance), speed (km/h) and the place on the plots' axis.
 type Asked = ((f64, f64), f64, f64);
 
-fn ridden(basis: &Basis<'_>, asked: &[Asked]) -> Result<Vec<Ridden>, String> {
+fn ridden(basis: &Basis<'_>, asked: &[Asked]) -> Result<Vec<Ridden>, EvidenceError> {
     let procedure =
         ride::Procedure { seeds: basis.procedure.seeds.clone(), ..ride::Procedure::default() };
     asked
         .par_iter()
         .map(|(damper, speed_kmh, x)| {
             let run = run_with(basis, *damper, *speed_kmh, &[])?;
-            let equipped = Equipped::of(&run).map_err(|why| why.to_string())?;
+            let equipped = Equipped::of(&run)?;
             let ride = Ride::of(&run, &equipped, &procedure)?;
             let (ke_n_per_m, clearance_2a_m) = *damper;
             let at = vec![

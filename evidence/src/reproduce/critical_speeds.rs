@@ -8,6 +8,7 @@ use super::Basis;
 use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M, Locomotive};
 use super::null_models::{constant_kmh, line_kmh};
 use super::row::{Figure, Role, Row};
+use crate::error::EvidenceError;
 use rayon::prelude::*;
 use report::Plot;
 use vehicle_studies::critical_speed::Procedure;
@@ -54,10 +55,10 @@ impl Found {
         locomotive: &Locomotive,
         procedure: &Procedure,
         (ke_n_per_m, clearance_2a_m): (f64, f64),
-    ) -> Result<Self, String> {
+    ) -> Result<Self, EvidenceError> {
         let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
         let ascent = Ascent::of(&equipped, procedure)?;
-        let fold = Fold::of(&equipped, procedure).map_err(|why| why.to_string())?;
+        let fold = Fold::of(&equipped, procedure)?;
         Ok(Self { ke_n_per_m, clearance_2a_m, ascent, fold })
     }
 
@@ -103,7 +104,7 @@ fn published(ke_n_per_m: f64, clearance_2a_m: f64) -> Option<Published> {
 ///
 /// # Errors
 /// The vehicle does not run steadily.
-pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let found = all(basis, STIFFNESS_N_PER_M.map(|ke| (ke, CLEARANCE_2A_M)))?;
     let x: Vec<f64> = found.iter().map(|found| 1e-6 * found.ke_n_per_m).collect();
     Ok(Figure {
@@ -122,7 +123,7 @@ pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, String> {
 ///
 /// # Errors
 /// The vehicle does not run steadily.
-pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let found = all(basis, CLEARANCES_2A_M.map(|clearance| (KE_N_PER_M, clearance)))?;
     let x: Vec<f64> = found.iter().map(|found| 1e3 * found.clearance_2a_m).collect();
     Ok(Figure {
@@ -137,7 +138,10 @@ pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
     })
 }
 
-fn all<const N: usize>(basis: &Basis<'_>, dampers: [(f64, f64); N]) -> Result<Vec<Found>, String> {
+fn all<const N: usize>(
+    basis: &Basis<'_>,
+    dampers: [(f64, f64); N],
+) -> Result<Vec<Found>, EvidenceError> {
     dampers.par_iter().map(|damper| Found::of(basis.locomotive, basis.procedure, *damper)).collect()
 }
 

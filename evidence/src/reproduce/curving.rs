@@ -7,6 +7,7 @@
 use super::Basis;
 use super::locomotive::{KE_N_PER_M, dampers};
 use super::row::{Figure, Row};
+use crate::error::EvidenceError;
 use rayon::prelude::*;
 use report::Plot;
 use scenario::run::{Overrides, Run};
@@ -37,7 +38,7 @@ struct Passed {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let passed = passages(basis, &STIFFNESS_N_PER_M.map(|ke| (ke, STIFFNESS_AT_2A_M)))?;
     let x: Vec<f64> = passed.iter().map(|passed| 1e-6 * passed.ke_n_per_m).collect();
     Ok(Figure {
@@ -55,7 +56,7 @@ pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, String> {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let passed = passages(basis, &CLEARANCES_2A_M.map(|clearance| (KE_N_PER_M, clearance)))?;
     let x: Vec<f64> = passed.iter().map(|passed| 1e3 * passed.clearance_2a_m).collect();
     let mut plots: Vec<Plot> = drawn(&passed, &x, ("clearance 2a", "mm")).into();
@@ -86,7 +87,7 @@ pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, String> {
     })
 }
 
-fn passages(basis: &Basis<'_>, each: &[(f64, f64)]) -> Result<Vec<Passed>, String> {
+fn passages(basis: &Basis<'_>, each: &[(f64, f64)]) -> Result<Vec<Passed>, EvidenceError> {
     let scenario = basis.scenario.with_file_name(SCENARIO);
     let procedure =
         curve::Procedure { seeds: basis.procedure.seeds.clone(), ..curve::Procedure::default() };
@@ -96,9 +97,8 @@ fn passages(basis: &Basis<'_>, each: &[(f64, f64)]) -> Result<Vec<Passed>, Strin
             let relief = Setting::to("damper.f_relief_n", relief_n);
             let settings = [&dampers(*ke_n_per_m, *clearance_2a_m), slice::from_ref(&relief)];
             let overrides = Overrides { duration_s: None, speed_kmh: None };
-            let run = Run::load_with(&scenario, overrides, &settings.concat())
-                .map_err(|why| why.to_string())?;
-            let equipped = Equipped::of(&run).map_err(|why| why.to_string())?;
+            let run = Run::load_with(&scenario, overrides, &settings.concat())?;
+            let equipped = Equipped::of(&run)?;
             let curve = Curve::of(&run, &equipped, &procedure)?;
             Ok(Passed { ke_n_per_m: *ke_n_per_m, clearance_2a_m: *clearance_2a_m, curve })
         })

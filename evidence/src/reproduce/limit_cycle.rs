@@ -6,6 +6,7 @@
 use super::Basis;
 use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M};
 use super::row::{Figure, Role, Row};
+use crate::error::EvidenceError;
 use firmware_core::track::Track;
 use rayon::prelude::*;
 use report::Plot;
@@ -73,7 +74,7 @@ impl Excursion {
 ///
 /// # Errors
 /// The vehicle does not run steadily.
-pub fn with_speed(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let procedure = basis.procedure;
     let equipped = basis.locomotive.with(KE_N_PER_M, CLEARANCE_2A_M);
     let found = excursions(&equipped, procedure, &SPEEDS_KMH)?;
@@ -114,7 +115,7 @@ pub fn with_speed(basis: &Basis<'_>) -> Result<Figure, String> {
 ///
 /// # Errors
 /// The vehicle does not run steadily.
-pub fn suspended(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn suspended(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let procedure = basis.procedure;
     let equipped = basis.locomotive.with(KE_N_PER_M, SUSPENDED_2A_M);
     let found = excursions(&equipped, procedure, &WORN_KMH)?;
@@ -135,7 +136,7 @@ fn excursions(
     equipped: &Equipped,
     procedure: &Procedure,
     speeds_kmh: &[f64],
-) -> Result<Vec<Vec<Excursion>>, String> {
+) -> Result<Vec<Vec<Excursion>>, EvidenceError> {
     let tracks: Vec<OwnedTrack> = procedure
         .seeds
         .iter()
@@ -147,7 +148,7 @@ fn excursions(
         .par_iter()
         .map(|kmh| tracks.iter().map(|track| over(track, *kmh)).collect())
         .collect();
-    found.map_err(|why| why.to_string())
+    Ok(found?)
 }
 
 fn rows_of(

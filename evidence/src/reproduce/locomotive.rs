@@ -1,10 +1,11 @@
 //! The locomotive of the study, with one set of yaw dampers at a time.
 
+use crate::error::EvidenceError;
 use firmware_core::damper::{Damper, Nominal};
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
-use scenario::source::ScenarioError;
 use std::path::Path;
+use vehicle_studies::StudyError;
 use vehicle_studies::trip::Equipped;
 
 /// Effective stiffness of a damper in good condition (N/m).
@@ -36,15 +37,14 @@ impl Locomotive {
     ///
     /// # Errors
     /// A scenario that cannot run, or one whose vehicle has no damper.
-    pub fn load(scenario: &Path, changes: &[Setting]) -> Result<Self, ScenarioError> {
+    pub fn load(scenario: &Path, changes: &[Setting]) -> Result<Self, EvidenceError> {
         let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
         let run = Run::load_with(scenario, overrides, changes)?;
-        let refused =
-            |message: String| ScenarioError { file: scenario.to_owned(), line: None, message };
-        let equipped = Equipped::of(&run).map_err(|why| refused(why.to_string()))?;
+        let in_file = |why| StudyError::InFile(scenario.to_owned(), Box::new(why));
+        let equipped = Equipped::of(&run).map_err(|why| in_file(why.into()))?;
         let first = equipped.dampers.first().map(|damper| *damper.nominal());
-        let nominal =
-            first.ok_or_else(|| refused("the vehicle has no yaw damper to vary".to_owned()))?;
+        let no_damper = || EvidenceError::NoYawDamper(scenario.to_owned());
+        let nominal = first.ok_or_else(no_damper)?;
         Ok(Self { equipped, nominal, title: run.title, about: run.about })
     }
 

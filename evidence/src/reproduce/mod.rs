@@ -30,6 +30,7 @@ pub mod running;
 pub mod spread;
 pub mod working_point;
 
+use crate::error::EvidenceError;
 use locomotive::Locomotive;
 use row::Figure;
 use std::path::Path;
@@ -53,7 +54,7 @@ pub struct Recipe {
     pub number: &'static str,
     /// What it shows.
     pub title: &'static str,
-    make: fn(&Basis<'_>) -> Result<Figure, String>,
+    make: fn(&Basis<'_>) -> Result<Figure, EvidenceError>,
 }
 
 impl Recipe {
@@ -61,8 +62,8 @@ impl Recipe {
     ///
     /// # Errors
     /// The vehicle does not run steadily, or cannot be changed so.
-    pub fn make(&self, basis: &Basis<'_>) -> Result<Figure, String> {
-        (self.make)(basis).map_err(|why| format!("figure {}: {why}", self.number))
+    pub fn make(&self, basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+        (self.make)(basis).map_err(|why| EvidenceError::InFigure(self.number, Box::new(why)))
     }
 }
 

@@ -10,6 +10,7 @@
 
 use super::Basis;
 use super::row::{Figure, Row};
+use crate::error::EvidenceError;
 use firmware_core::damper::Nominal;
 use identification::start::nominal_fit;
 use identification::tests_at_hand::TestsAtHand;
@@ -45,8 +46,8 @@ struct Estimated {
 ///
 /// # Errors
 /// No damper follows the records, or the vehicle does not run steadily.
-pub fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, String> {
-    let found: Result<Vec<Estimated>, String> =
+pub fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+    let found: Result<Vec<Estimated>, EvidenceError> =
         OIL.par_iter().map(|(degc, air_share)| estimated(basis, *degc, *air_share)).collect();
     let found = found?;
     let mut rows: Vec<Row> = found.iter().flat_map(rows_of).collect();
@@ -82,19 +83,21 @@ pub fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, String> {
     })
 }
 
-fn estimated(basis: &Basis<'_>, degc: f64, air_share: f64) -> Result<Estimated, String> {
+fn estimated(basis: &Basis<'_>, degc: f64, air_share: f64) -> Result<Estimated, EvidenceError> {
     let text = include_str!("../../../scenarios/dampers/hydraulic-yaw-damper.toml");
     let source = Source::from_text(Path::new("hydraulic-yaw-damper.toml"), text);
-    let mut damper = HydraulicDamper::from_source(&source).map_err(|why| why.to_string())?;
+    let mut damper = HydraulicDamper::from_source(&source)?;
     damper.oil.air_share = air_share;
     let sensors = Sensors::exact(RATE_HZ);
     let tests = protocol::short();
     let fitted = tests.iter().filter(|test| !test.test_only);
     let records: Vec<RawRecord> =
         fitted.map(|test| record_from(&damper, test, &sensors, SEED, degc)).collect();
-    let tests = TestsAtHand::new(measurements(&records).map_err(|why| why.to_string())?);
-    let fit = nominal_fit(&tests, None).ok_or("no damper follows the physical one")?.fit;
-    let fitted = fit.model.damper(&fit.values).ok_or("no damper has the fitted values")?;
+    let tests = TestsAtHand::new(measurements(&records)?);
+    let fit =
+        nominal_fit(&tests, None).ok_or(EvidenceError::NoFit("follows the physical one"))?.fit;
+    let fitted =
+        fit.model.damper(&fit.values).ok_or(EvidenceError::NoFit("has the fitted values"))?;
     let nominal = *fitted.nominal();
     let equipped = basis.locomotive.with_dampers(nominal);
     let ascent = Ascent::of(&equipped, basis.procedure)?;

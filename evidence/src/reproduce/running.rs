@@ -6,6 +6,7 @@
 use super::Basis;
 use super::locomotive::dampers;
 use super::row::{Figure, Role, Row};
+use crate::error::EvidenceError;
 use firmware_core::track::{IrregularitySample, Layout};
 use rayon::prelude::*;
 use report::Plot;
@@ -42,10 +43,10 @@ pub fn run_with(
     (ke_n_per_m, clearance_2a_m): (f64, f64),
     speed_kmh: f64,
     further: &[Setting],
-) -> Result<Run, String> {
+) -> Result<Run, EvidenceError> {
     let settings = [&dampers(ke_n_per_m, clearance_2a_m), further].concat();
     let overrides = Overrides { duration_s: Some(1.0), speed_kmh: Some(speed_kmh) };
-    Run::load_as_fine_as_needed(basis.scenario, overrides, &settings).map_err(|why| why.to_string())
+    Ok(Run::load_as_fine_as_needed(basis.scenario, overrides, &settings)?)
 }
 
 /// Finds an acceleration among signals.
@@ -58,8 +59,12 @@ pub type Channel = fn(&mut IrregularitySample);
 ///
 /// # Errors
 /// The vehicle does not run steadily, or leaves the track.
-pub fn signals(run: &Run, seeds: &[u64], changed: Option<Channel>) -> Result<Vec<Signals>, String> {
-    let equipped = Equipped::of(run).map_err(|why| why.to_string())?;
+pub fn signals(
+    run: &Run,
+    seeds: &[u64],
+    changed: Option<Channel>,
+) -> Result<Vec<Signals>, EvidenceError> {
+    let equipped = Equipped::of(run)?;
     let places = Places::of(run, FLOOR_M);
     let [run_in_s, counted_s] = TIMES_S;
     let end_m = START_M + run.speed_m_per_s * (run_in_s + counted_s) + 30.0;
@@ -72,10 +77,10 @@ pub fn signals(run: &Run, seeds: &[u64], changed: Option<Channel>) -> Result<Vec
         .map(|track| {
             let track = track.view();
             let trip = Trip::new(&equipped, &track, run.speed_m_per_s, run.substeps);
-            let mut state = trip.begin(&[]).map_err(|why| why.to_string())?;
+            let mut state = trip.begin(&[])?;
             let stays = trip.go(&mut state, run_in_s, |_| {});
             let signals = Signals::of(&trip, &mut state, counted_s, &places, Wheels::LeftOut);
-            if stays && !signals.derailed { Ok(signals) } else { Err("off the track".to_owned()) }
+            if stays && !signals.derailed { Ok(signals) } else { Err(EvidenceError::OffTheTrack) }
         })
         .collect()
 }
@@ -84,7 +89,7 @@ pub fn signals(run: &Run, seeds: &[u64], changed: Option<Channel>) -> Result<Vec
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn accelerations(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn accelerations(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let nominal = basis.locomotive.nominal();
     let run = run_with(basis, (nominal.ke_n_per_m, nominal.clearance_2a_m), SPEED_KMH, &[])?;
     let tracks = signals(&run, &basis.procedure.seeds, None)?;
@@ -138,7 +143,7 @@ pub fn accelerations(basis: &Basis<'_>) -> Result<Figure, String> {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn damper_forces(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn damper_forces(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let run = run_with(basis, (WORKING_KE_N_PER_M, WORKING_2A_M), SPEED_KMH, &[])?;
     let tracks = signals(&run, &basis.procedure.seeds, None)?;
     let at = || {

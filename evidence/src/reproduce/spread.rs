@@ -9,6 +9,7 @@ use super::Basis;
 use super::critical_speeds::PUBLISHED;
 use super::locomotive::Locomotive;
 use super::row::{Figure, Row};
+use crate::error::EvidenceError;
 use firmware_core::vehicle::{Axle, Vehicle};
 use rayon::prelude::*;
 use report::{Cell, Plot, Table};
@@ -75,7 +76,7 @@ impl Input {
 ///
 /// # Errors
 /// The vehicle cannot be changed so, or does not run steadily.
-pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, String> {
+pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let seeds = basis.procedure.seeds.iter().take(TRACKS).copied().collect();
     let procedure = &Procedure { seeds, ..basis.procedure.clone() };
     let basis = &Basis { procedure, ..basis.clone() };
@@ -86,11 +87,10 @@ pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, String> {
         })
         .collect();
     let vehicle = &basis.locomotive.as_built().vehicle;
-    let speeds: Result<Vec<Vec<Option<f64>>>, String> = ends
+    let speeds: Result<Vec<Vec<Option<f64>>>, EvidenceError> = ends
         .par_iter()
         .map(|(input, factor)| {
-            let changed = Locomotive::load(basis.scenario, &input.settings(vehicle, *factor))
-                .map_err(|why| why.to_string())?;
+            let changed = Locomotive::load(basis.scenario, &input.settings(vehicle, *factor))?;
             speeds_kmh(&changed, basis)
         })
         .collect();
@@ -127,7 +127,10 @@ pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, String> {
     })
 }
 
-fn speeds_kmh(locomotive: &Locomotive, basis: &Basis<'_>) -> Result<Vec<Option<f64>>, String> {
+fn speeds_kmh(
+    locomotive: &Locomotive,
+    basis: &Basis<'_>,
+) -> Result<Vec<Option<f64>>, EvidenceError> {
     PUBLISHED
         .par_iter()
         .map(|(ke_n_per_m, clearance_2a_m, ..)| {

@@ -10,6 +10,7 @@ use super::running::{
     Channel, SPEED_KMH, WORKING_2A_M, WORKING_KE_N_PER_M, WORKING_POINT, run_with, signals,
     working_point_of,
 };
+use crate::error::EvidenceError;
 use firmware_core::track::IrregularitySample;
 use rayon::prelude::*;
 use report::{Cell, Table};
@@ -132,8 +133,8 @@ const CHANGES: [Change; 17] = [
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn tried(basis: &Basis<'_>) -> Result<Figure, String> {
-    let rows: Result<Vec<[Row; 4]>, String> =
+pub fn tried(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+    let rows: Result<Vec<[Row; 4]>, EvidenceError> =
         CHANGES.par_iter().map(|change| rows_of(basis, change)).collect();
     let rows = rows?;
     Ok(Figure {
@@ -172,7 +173,7 @@ fn compact(rows: &[[Row; 4]]) -> Table {
     }))
 }
 
-fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<[Row; 4], String> {
+fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<[Row; 4], EvidenceError> {
     let settings: Vec<Setting> = change
         .settings
         .iter()
@@ -184,7 +185,7 @@ fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<[Row; 4], String> {
     {
         let placement = *contact.pair.placement();
         let other = Contact::new(&wheel(), cn60(), placement, axle.wheel.radius_m);
-        run.contact = Some(other.map_err(|why| why.to_string())?);
+        run.contact = Some(other?);
     }
     let seeds = change.own_seeds.map_or(basis.procedure.seeds.clone(), |seeds| seeds.to_vec());
     let tracks = signals(&run, &seeds, change.channel)?;

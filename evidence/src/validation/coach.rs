@@ -7,7 +7,8 @@
 //! ([`vehicle_studies::modes`]).
 
 use super::check::{Check, Reference};
-use super::{Failure, vehicles};
+use super::vehicles;
+use crate::error::EvidenceError;
 use firmware_core::vehicle::{VERTICAL, Vehicle, VehicleState};
 use firmware_core::wheel_rail::table::ContactTable;
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -28,7 +29,7 @@ const SECONDARY_N_PER_M: f64 = 0.430e6;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not stand.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let coach = vehicles::manchester_coach()?;
     let table = coach.table()?;
     let degrees = coach.vehicle.degrees_of_freedom() as f64;
@@ -67,7 +68,7 @@ fn carried_n(vehicle: &Vehicle, state: &VehicleState) -> f64 {
     wheels.map(|wheel| -wheel.vertical_n).sum()
 }
 
-fn standing(vehicle: &Vehicle, table: &ContactTable) -> Result<Vec<Check>, Failure> {
+fn standing(vehicle: &Vehicle, table: &ContactTable) -> Result<Vec<Check>, EvidenceError> {
     let rest = equilibrium::at_rest(vehicle, Some(table))?;
     let steady = equilibrium::running(vehicle, Some(table), SPEED_M_PER_S)?;
     let weight_n = (CAR_KG + 2.0 * BOGIE_KG + 4.0 * WHEELSET_KG) * GRAVITY;
@@ -176,7 +177,7 @@ fn sway_hz() -> Vec<f64> {
 /// Secondary springs below the carbody's centre and above the bogie's; axles below the bogie's (m).
 const ARMS_M: [f64; 3] = [1.8 - 0.8275, 0.8275 - 0.6, 0.6 - 0.46];
 
-fn on_its_wheels(vehicle: &Vehicle, table: &ContactTable) -> Result<Vec<Check>, Failure> {
+fn on_its_wheels(vehicle: &Vehicle, table: &ContactTable) -> Result<Vec<Check>, EvidenceError> {
     let start = equilibrium::running(vehicle, Some(table), SPEED_M_PER_S)?;
     let mut undamped = vehicle.clone();
     for element in &mut undamped.suspensions {
@@ -184,7 +185,7 @@ fn on_its_wheels(vehicle: &Vehicle, table: &ContactTable) -> Result<Vec<Check>, 
     }
     let values = small_motions(&undamped, table, &start.state)
         .eigenvalues()
-        .ok_or("the eigenvalue solver did not settle")?;
+        .ok_or(EvidenceError::NotComputed("the eigenvalue solver did not settle"))?;
     let frequencies: Vec<f64> = values.iter().map(|value| value.im.abs() / TAU).collect();
     let [held_hz, _] = bounce_hz();
     let values = [held_hz, nearest(&frequencies, held_hz)];

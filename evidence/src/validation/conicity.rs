@@ -7,7 +7,8 @@
 //! ([`scenario::conicity::RollingRadiusDifference`]).
 
 use super::check::{Check, Reference};
-use super::{Failure, columns};
+use super::columns;
+use crate::error::EvidenceError;
 use report::Plot;
 use scenario::conicity::RollingRadiusDifference;
 
@@ -31,7 +32,7 @@ const STEP_M: f64 = 0.1e-3;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let mut checks = Vec::new();
     let mut plots = Vec::new();
     let mut beyond = 0;
@@ -73,7 +74,7 @@ struct Benchmark {
 }
 
 impl Benchmark {
-    fn new(case: &'static str, differences: &str) -> Result<Self, Failure> {
+    fn new(case: &'static str, differences: &str) -> Result<Self, EvidenceError> {
         let [shifts_mm, differences_mm] = columns(differences, ["shift_mm", "difference_mm"])?;
         let first_m = shifts_mm.first().copied().unwrap_or(0.0) * 1e-3;
         let differences_m = differences_mm.iter().map(|value| value * 1e-3).collect();

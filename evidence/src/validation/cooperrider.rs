@@ -6,7 +6,8 @@
 
 use super::check::{Check, Reference};
 use super::kaas_petersen::{Parameters, State};
-use super::{Failure, vehicles};
+use super::vehicles;
+use crate::error::EvidenceError;
 use firmware_core::lanes::Lanes;
 use firmware_core::track::Track;
 use firmware_core::vehicle::{LATERAL, Running, Vehicle, VehicleState};
@@ -14,7 +15,7 @@ use nalgebra::Complex;
 use report::Plot;
 use signal::statistics;
 use std::f64::consts::TAU;
-use vehicle_studies::critical_speed::fold::{Fold, Point};
+use vehicle_studies::critical_speed::fold::{CyclePoint, Fold};
 use vehicle_studies::critical_speed::{Critical, Procedure};
 use vehicle_studies::modes::{Coordinate, Impedances, Jacobians};
 use vehicle_studies::trip::Equipped;
@@ -44,7 +45,7 @@ const COARSE_S: f64 = 0.5e-3;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not run steadily.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let vehicle = vehicles::cooperrider()?.vehicle;
     let degrees = vehicle.degrees_of_freedom() as f64;
     let mut checks = vec![Check::near("degrees of freedom", "vehicle's file", [7.0, degrees], 0.0)];
@@ -84,15 +85,17 @@ pub fn reference() -> Result<Reference, Failure> {
 }
 
 /// The least damped eigenvalue (1/s) of the vehicle.
-fn least_damped(vehicle: &Vehicle, speed_m_per_s: f64) -> Result<Complex<f64>, Failure> {
+fn least_damped(vehicle: &Vehicle, speed_m_per_s: f64) -> Result<Complex<f64>, EvidenceError> {
     let (state, bodies) = (VehicleState::default(), Coordinate::of_bodies(vehicle));
     let at = (&state, speed_m_per_s);
     let values = Jacobians::about(vehicle, None, at, Impedances::default(), &bodies);
-    let values = values.eigenvalues().ok_or("the eigenvalue solver did not settle")?;
-    Ok(*values.first().ok_or("a vehicle without coordinates")?)
+    let values = values
+        .eigenvalues()
+        .ok_or(EvidenceError::NotComputed("the eigenvalue solver did not settle"))?;
+    Ok(*values.first().ok_or(EvidenceError::NotComputed("a vehicle without coordinates"))?)
 }
 
-fn eigenvalues(vehicle: &Vehicle) -> Result<Vec<Check>, Failure> {
+fn eigenvalues(vehicle: &Vehicle) -> Result<Vec<Check>, EvidenceError> {
     const ACCURACY: f64 = 1e-5;
     let mut checks = Vec::new();
     for (speed, growth, rate) in EIGENVALUES {
@@ -110,7 +113,7 @@ fn eigenvalues(vehicle: &Vehicle) -> Result<Vec<Check>, Failure> {
     Ok(checks)
 }
 
-fn hopf_points(vehicle: &Vehicle) -> Result<Vec<Check>, Failure> {
+fn hopf_points(vehicle: &Vehicle) -> Result<Vec<Check>, EvidenceError> {
     let (mut stable, mut unstable) = (60.0, 80.0);
     while unstable - stable > 1e-5 {
         let middle = 0.5 * (stable + unstable);
@@ -255,7 +258,7 @@ fn beside_the_other_program(written: &[Cycle]) -> String {
 }
 
 /// The limit cycle followed down from 252 km/h.
-fn descent(vehicle: Vehicle) -> Result<Fold, Failure> {
+fn descent(vehicle: Vehicle) -> Result<Fold, EvidenceError> {
     let bogie = Equipped::without_dampers(vehicle);
     let procedure = Procedure {
         from_kmh: 230.0,
@@ -268,12 +271,12 @@ fn descent(vehicle: Vehicle) -> Result<Fold, Failure> {
     let fold = Fold::of(&bogie, &procedure)?;
     match fold.dies {
         Critical::At(_) => Ok(fold),
-        other => Err(format!("Cooperrider's bogie: the cycle dies {other}").into()),
+        other => Err(EvidenceError::NoFold(other.to_string())),
     }
 }
 
 fn bifurcation(fold: &Fold, fine: &[Cycle], written: &[Cycle]) -> Plot {
-    let mm = |point: &Point| point.motion.amplitude_m.map_or(f64::NAN, |m| 1e3 * m);
+    let mm = |point: &CyclePoint| point.motion.amplitude_m.map_or(f64::NAN, |m| 1e3 * m);
     let followed: Vec<f64> = fold.cycle.iter().map(|point| point.kmh / 3.6).collect();
     let amplitudes: Vec<f64> = fold.cycle.iter().map(mm).collect();
     let (speeds, other): (Vec<f64>, Vec<f64>) =

@@ -8,9 +8,9 @@
 //! Without dampers it has to stay; with dampers it only falls, and what has left is the work that they
 //! took.
 
-use super::Failure;
 use super::check::{Check, Reference};
 use super::locomotive::{Dampers, Locomotive, SPEED_M_PER_S, SUBSTEP_S};
+use crate::error::EvidenceError;
 use firmware_core::lanes::Lanes;
 use firmware_core::track::Track;
 use firmware_core::vehicle::{
@@ -24,7 +24,7 @@ use report::Plot;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not stand.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let (without, with) = rayon::join(|| Pushed::new(false), || Pushed::new(true));
     let (without, with) = (without?, with?);
     let (kept, taken) = rayon::join(|| without.looks(20.0), || with.looks(5.0));
@@ -39,7 +39,7 @@ pub fn reference() -> Result<Reference, Failure> {
     let total = |look: &Look| look.energy_j + look.yaw_stored_j;
     let rises = taken.windows(2).map(|two| total(&two[1]) - total(&two[0]));
     let highest_j = rises.fold(f64::MIN, f64::max);
-    let last = taken.last().ok_or("a run without an end")?;
+    let last = taken.last().ok_or(EvidenceError::NotComputed("a run without an end"))?;
     let left_j = total(&taken[0]) - total(last);
     // What went into the yaw dampers is lost but for what their springs hold.
     let dampers_j = last.yaw_work_j - last.yaw_stored_j + last.linear_j;
@@ -123,7 +123,7 @@ struct Pushed {
 }
 
 impl Pushed {
-    fn new(damped: bool) -> Result<Self, Failure> {
+    fn new(damped: bool) -> Result<Self, EvidenceError> {
         let Locomotive { mut vehicle, contact, start, dampers } = Locomotive::new()?;
         for axle in &mut vehicle.axles {
             axle.wheel.friction = 0.0;

@@ -7,7 +7,8 @@
 //! cell of no length.
 
 use super::check::{Check, Reference};
-use super::{Failure, columns};
+use super::columns;
+use crate::error::EvidenceError;
 use firmware_core::wheel_rail::creep::{CreepForce, CreepLaw, Creepage, Fastsim, Patch};
 use firmware_core::wheel_rail::kalker::coefficients;
 use report::Plot;
@@ -30,7 +31,7 @@ const CELLS: u16 = 220;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let [creepages, full, theirs] =
         columns(TRACTION_CURVE, ["longitudinal_creepage", "contact", "fastsim"])?;
     let patch = eurosprinter();
@@ -84,8 +85,9 @@ const GRID: f64 = 1.0 / CELLS as f64;
 /// Four printed digits, and cells that the edge of the ellipse cuts.
 const OTHER: f64 = 5e-3;
 
-fn law(cells: u16) -> Result<CreepLaw, Failure> {
-    let grid = Fastsim::new(cells, cells).ok_or("a grid of FASTSIM that does not fit")?;
+fn law(cells: u16) -> Result<CreepLaw, EvidenceError> {
+    let grid = Fastsim::new(cells, cells)
+        .ok_or(EvidenceError::NotComputed("a grid of FASTSIM that does not fit"))?;
     Ok(CreepLaw::Fastsim(grid))
 }
 
@@ -118,7 +120,7 @@ fn spin_case(law: &CreepLaw, patch: &Patch) -> f64 {
 }
 
 /// How far ours is from the full theory at most, over the friction limit.
-pub(super) fn share_beside_full_theory() -> Result<f64, Failure> {
+pub(super) fn share_beside_full_theory() -> Result<f64, EvidenceError> {
     let [creepages, full] = columns(TRACTION_CURVE, ["longitudinal_creepage", "contact"])?;
     let (law, patch) = (law(CELLS)?, eurosprinter());
     let off = |(xi, full): (&f64, &f64)| (traction(&law, &patch, *xi) - full).abs();

@@ -8,8 +8,8 @@
 //! band; what a band should hold is the integral of the equations by Simpson's rule, apart from the closed
 //! integrals that the generator works with. Those are held to the same rule.
 
-use super::Failure;
 use super::check::{Check, Reference};
+use crate::error::EvidenceError;
 use firmware_core::track::IrregularitySample;
 use report::Plot;
 use scenario::irregularity::{
@@ -51,7 +51,7 @@ fn equation_2(w: f64) -> f64 {
 ///
 /// # Errors
 /// A spectrum that cannot be formed.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let track = aar6(&BAND, 0.0, LENGTH_M);
     let begin = ((PERFECT_M + FADE_IN_M) / SAMPLE_STEP_M) as usize + 1;
     let (mut checks, mut plots) = (Vec::new(), Vec::new());

@@ -6,7 +6,8 @@
 //! Poisson's ratios `1/C` is quadratic; slender ellipses, up to a ratio of 0.101, follow the asymptotes.
 
 use super::check::{Check, Reference};
-use super::{Failure, columns};
+use super::columns;
+use crate::error::EvidenceError;
 use firmware_core::wheel_rail::kalker::{KalkerCoefficients, coefficients};
 use std::f64::consts::PI;
 
@@ -35,7 +36,7 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let rows = rows()?;
     let mut checks = tabulated(&rows);
     checks.extend(between_poisson_ratios(&rows));
@@ -72,7 +73,7 @@ struct Row {
     c: [[f64; 3]; 3],
 }
 
-fn rows() -> Result<Vec<Row>, Failure> {
+fn rows() -> Result<Vec<Row>, EvidenceError> {
     let columns = columns(TABLE, HEADS)?;
     let row = |index: usize| {
         let [side, ratio, c @ ..] = columns.each_ref().map(|column| column[index]);

@@ -1,6 +1,7 @@
 //! The SS9 with four new yaw dampers, stepped without the host: for references that look at every step.
 
-use super::{Failure, vehicles};
+use super::vehicles;
+use crate::error::EvidenceError;
 use firmware_core::damper::{Damper, DamperState, Motion};
 use firmware_core::vehicle::{DAMPER_SLOTS, DamperForces, Vehicle, VehicleState};
 use scenario::equilibrium;
@@ -21,9 +22,9 @@ pub(super) struct Locomotive {
 }
 
 impl Locomotive {
-    pub(super) fn new() -> Result<Self, Failure> {
+    pub(super) fn new() -> Result<Self, EvidenceError> {
         let built = vehicles::ss9()?;
-        let contact = built.contact.ok_or("an SS9 without profiles")?;
+        let contact = built.contact.ok_or(EvidenceError::NotComputed("an SS9 without profiles"))?;
         let table = Some(&*contact.table);
         let start = equilibrium::running(&built.vehicle, table, SPEED_M_PER_S)?.state;
         // A rig without a file has a new SS9 yaw damper on it.

@@ -11,7 +11,8 @@
 //! of the track, ours those of a wheel.
 
 use super::check::{Check, Reference};
-use super::{Failure, columns, fastsim};
+use super::{columns, fastsim};
+use crate::error::EvidenceError;
 use firmware_core::wheel_rail::creep::{CreepLaw, Fastsim};
 use firmware_core::wheel_rail::geometry::TABLE_FIRST_SHIFT_M;
 use firmware_core::wheel_rail::hertz::Material;
@@ -51,9 +52,12 @@ const SOFTNESS_M: f64 = 5e-6;
 ///
 /// # Errors
 /// Profiles or a table that do not fit.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let bench = Bench::new()?;
-    let creep = CreepLaw::Fastsim(Fastsim::new(100, 100).ok_or("a grid that does not fit")?);
+    let creep = CreepLaw::Fastsim(
+        Fastsim::new(100, 100)
+            .ok_or(EvidenceError::NotComputed("a grid of FASTSIM that does not fit"))?,
+    );
     let (mut checks, mut plots) = (Vec::new(), Vec::new());
     let mut outside = Vec::new();
     let (mut roll_rad, mut spin_ratio) = (0.0_f64, 1.0_f64);
@@ -146,7 +150,7 @@ struct Case {
     across_n: f64,
 }
 
-fn cases(side: f64, text: &str) -> Result<Vec<Case>, Failure> {
+fn cases(side: f64, text: &str) -> Result<Vec<Case>, EvidenceError> {
     let columns = columns(text, HEADS)?;
     let case = |row: usize| {
         let [
@@ -219,7 +223,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn new() -> Result<Self, Failure> {
+    fn new() -> Result<Self, EvidenceError> {
         let pair = ContactPair::new(&s1002(), uic60(), Placement::UIC)?;
         let table = ContactTable::new(&pair.tables(), RADIUS_M, Material::STEEL);
         let rail = PlacedRail::new(uic60(), &Placement::UIC)?;

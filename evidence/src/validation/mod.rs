@@ -33,14 +33,12 @@ mod vehicles;
 
 pub use check::{Check, Reference};
 
+use crate::error::EvidenceError;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Why a reference could not be computed at all.
-pub type Failure = Box<dyn std::error::Error + Send + Sync>;
-
 /// Computes one reference.
-pub type Compute = fn() -> Result<Reference, Failure>;
+pub type Compute = fn() -> Result<Reference, EvidenceError>;
 
 /// Every reference, in the order of the page.
 pub const REFERENCES: [Compute; 10] = [
@@ -61,7 +59,9 @@ pub const REFERENCES: [Compute; 10] = [
 ///
 /// # Errors
 /// A reference that could not be computed at all.
-pub fn all(progress: &(dyn Fn(&str, usize, usize) + Sync)) -> Result<Vec<Reference>, Failure> {
+pub fn all(
+    progress: &(dyn Fn(&str, usize, usize) + Sync),
+) -> Result<Vec<Reference>, EvidenceError> {
     let done = AtomicUsize::new(0);
     let one = |compute: &Compute| {
         let reference = compute()?;
@@ -72,17 +72,21 @@ pub fn all(progress: &(dyn Fn(&str, usize, usize) + Sync)) -> Result<Vec<Referen
 }
 
 /// The columns of a table in CSV, by the words of its head.
-fn columns<const N: usize>(text: &str, heads: [&str; N]) -> Result<[Vec<f64>; N], Failure> {
+fn columns<const N: usize>(
+    text: &str,
+    heads: [&'static str; N],
+) -> Result<[Vec<f64>; N], EvidenceError> {
+    let unreadable = |why: csv::Error| EvidenceError::Table(why.to_string());
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let found = reader.headers()?.clone();
+    let found = reader.headers().map_err(unreadable)?.clone();
     let mut places = [0; N];
     for (place, head) in places.iter_mut().zip(heads) {
         let at = found.iter().position(|name| name == head);
-        *place = at.ok_or_else(|| format!("no column {head}"))?;
+        *place = at.ok_or(EvidenceError::NoColumn(head))?;
     }
     let mut columns = [const { Vec::new() }; N];
     for record in reader.records() {
-        let record = record?;
+        let record = record.map_err(unreadable)?;
         for (column, place) in columns.iter_mut().zip(places) {
             column.push(record.get(place).unwrap_or_default().parse::<f64>()?);
         }

@@ -5,8 +5,8 @@
 //! Wb and Wd ([`vehicle_studies::ride::weighting`]) are tabulated as factors in third octaves, at nominal frequencies in
 //! ISO 2631-1 and at true ones in ISO 8041-1.
 
-use super::Failure;
 use super::check::{Check, Reference};
+use crate::error::EvidenceError;
 use report::Plot;
 use signal::statistics;
 use std::f64::consts::TAU;
@@ -58,7 +58,7 @@ const WB: [(i32, f64); 3] = [(0, 0.3853), (8, 1.054), (20, 0.1154)];
 ///
 /// # Errors
 /// A signal that cannot be assessed.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let mut checks = sines()?;
     checks.extend(factors());
     checks.extend(weighted_sines()?);
@@ -95,7 +95,7 @@ fn sine(amplitude: f64, hz: f64, seconds: f64) -> Vec<f64> {
     (0..count).map(|n| amplitude * libm::sin(TAU * hz * f64::from(n) / RATE_HZ)).collect()
 }
 
-fn sines() -> Result<Vec<Check>, Failure> {
+fn sines() -> Result<Vec<Check>, EvidenceError> {
     // Frequency, vertical and lateral factor; in 5 s lines are 0.2 Hz apart.
     let factors = [
         (1.0, 0.325, 0.8),
@@ -139,7 +139,7 @@ fn factors() -> Vec<Check> {
 }
 
 /// A sine through the weighting against the factor of its frequency.
-fn weighted_sines() -> Result<Vec<Check>, Failure> {
+fn weighted_sines() -> Result<Vec<Check>, EvidenceError> {
     let mut checks = Vec::new();
     for (name, weighting) in [("Wb", Weighting::WB), ("Wd", Weighting::WD)] {
         for hz in [0.8, 2.0, 3.5, 8.0, 20.0] {

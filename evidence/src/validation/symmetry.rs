@@ -5,9 +5,9 @@
 //! image: lateral, roll and yaw change their sign, left and right wheels change places, and nothing else
 //! differs, not even the last bit.
 
-use super::Failure;
 use super::check::{Check, Reference};
 use super::locomotive::{Locomotive, SUBSTEP_S};
+use crate::error::EvidenceError;
 use firmware_core::lanes::Lanes;
 use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
 use firmware_core::vehicle::{LATERAL, ROLL, Running, Vehicle, VehicleState, YAW};
@@ -24,7 +24,7 @@ const WHEELSET_3: usize = 5;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not stand.
-pub fn reference() -> Result<Reference, Failure> {
+pub fn reference() -> Result<Reference, EvidenceError> {
     let locomotive = Locomotive::new()?;
     let band = Band { seed: 1, shortest: 1.0, longest: 100.0, scale: 1.0 };
     let track = aar6(&band, 0.0, DURATION_S * SPEED_M_PER_S + 50.0);
@@ -116,9 +116,9 @@ fn mirrored_state(state: &VehicleState) -> VehicleState {
 }
 
 /// A transition from 40 m on into a curve of 400 m; a positive sign turns right.
-fn curve(sign: f64) -> Result<Layout, Failure> {
+fn curve(sign: f64) -> Result<Layout, EvidenceError> {
     let mut layout = Layout::tangent();
-    let full = |_| "a layout that does not fit";
+    let full = |_| EvidenceError::NotComputed("a layout that does not fit");
     layout.hold(40.0).map_err(full)?;
     layout.ramp(60.0, sign / 400.0, sign * 0.08, 6.0).map_err(full)?;
     Ok(layout)
@@ -129,7 +129,7 @@ fn bumpy_run(
     vehicle: &Vehicle,
     sign: f64,
     samples: &Samples,
-) -> Result<VehicleState, Failure> {
+) -> Result<VehicleState, EvidenceError> {
     let Samples { samples, first_m, step_m } = samples;
     let irregularity = Irregularity { samples, first_m: *first_m, step_m: *step_m };
     let track = Track { layout: curve(sign)?, irregularity };

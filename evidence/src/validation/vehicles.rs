@@ -1,7 +1,7 @@
 //! The vehicles that references are about, from the scenarios' own files, kept in the program: a page of
 //! validation has to come out the same wherever it is asked for.
 
-use super::Failure;
+use crate::error::EvidenceError;
 use firmware_core::vehicle::Vehicle;
 use firmware_core::wheel_rail::table::ContactTable;
 use scenario::source::Source;
@@ -17,13 +17,17 @@ pub(super) struct Built {
 
 impl Built {
     /// The table of its wheels.
-    pub(super) fn table(&self) -> Result<&ContactTable, Failure> {
-        Ok(&self.contact.as_ref().ok_or("a vehicle without profiles")?.table)
+    pub(super) fn table(&self) -> Result<&ContactTable, EvidenceError> {
+        Ok(&self
+            .contact
+            .as_ref()
+            .ok_or(EvidenceError::NotComputed("a vehicle without profiles"))?
+            .table)
     }
 }
 
 /// Cooperrider's bogie.
-pub(super) fn cooperrider() -> Result<Built, Failure> {
+pub(super) fn cooperrider() -> Result<Built, EvidenceError> {
     built(
         "cooperrider-bogie.toml",
         include_str!("../../../scenarios/vehicles/cooperrider-bogie.toml"),
@@ -31,7 +35,7 @@ pub(super) fn cooperrider() -> Result<Built, Failure> {
 }
 
 /// The Manchester benchmark's coach.
-pub(super) fn manchester_coach() -> Result<Built, Failure> {
+pub(super) fn manchester_coach() -> Result<Built, EvidenceError> {
     built(
         "manchester-coach.toml",
         include_str!("../../../scenarios/vehicles/manchester-coach.toml"),
@@ -39,11 +43,11 @@ pub(super) fn manchester_coach() -> Result<Built, Failure> {
 }
 
 /// The SS9.
-pub(super) fn ss9() -> Result<Built, Failure> {
+pub(super) fn ss9() -> Result<Built, EvidenceError> {
     built("ss9.toml", include_str!("../../../scenarios/vehicles/ss9.toml"))
 }
 
-fn built(name: &str, text: &str) -> Result<Built, Failure> {
+fn built(name: &str, text: &str) -> Result<Built, EvidenceError> {
     let source = Source::from_text(Path::new(name), text);
     let file: VehicleFile = source.parse()?;
     Ok(Built { vehicle: file.build(&source)?, contact: file.wheel_rail.contact(&source)? })

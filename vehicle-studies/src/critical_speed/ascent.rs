@@ -4,10 +4,11 @@
 //! hunting is what moves by more than the threshold after 14 s of it. With the irregularity kept on
 //! there is no clear threshold: it moves the wheelsets by as much as a small limit cycle.
 
-use super::bracket::{Critical, first};
+use super::bracket::{Critical, first_unstable};
 use super::hunting::{Hunting, after};
 use super::procedure::{Criterion, Procedure};
 use super::stability;
+use crate::error::StudyError;
 use crate::trip::track::rough_start;
 use crate::trip::{Equipped, Trip};
 use firmware_core::line::LineState;
@@ -41,9 +42,9 @@ impl Ascent {
     /// Asks on the tracks of all seeds.
     ///
     /// # Errors
-    /// In one line: the vehicle does not run steadily at some speed.
-    pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, String> {
-        let seeds: Result<Vec<OnTrack>, String> = procedure
+    /// The vehicle does not run steadily at some speed.
+    pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, StudyError> {
+        let seeds: Result<Vec<OnTrack>, StudyError> = procedure
             .seeds
             .par_iter()
             .map(|&seed| Ok(OnTrack { seed, critical: critical(equipped, procedure, seed)? }))
@@ -81,24 +82,24 @@ impl Ascent {
     }
 }
 
-fn critical(equipped: &Equipped, procedure: &Procedure, seed: u64) -> Result<Critical, String> {
+fn critical(equipped: &Equipped, procedure: &Procedure, seed: u64) -> Result<Critical, StudyError> {
     let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
     let track = match procedure.criterion {
         Criterion::LimitCycle => rough_start(&procedure.band(seed), procedure.rough_m),
         Criterion::En14363 => stability::rough(procedure, seed),
     };
     let track = track.view();
-    let unstable = |kmh: f64| -> Result<bool, String> {
+    let unstable = |kmh: f64| -> Result<bool, StudyError> {
         Ok(match procedure.criterion {
-            Criterion::LimitCycle => settled(equipped, procedure, &track, kmh)
-                .map_err(|why| why.to_string())?
-                .is_beyond(procedure.threshold_m),
+            Criterion::LimitCycle => {
+                settled(equipped, procedure, &track, kmh)?.is_beyond(procedure.threshold_m)
+            }
             Criterion::En14363 => stability::greatest_over_limit(equipped, procedure, &track, kmh)?
                 .is_none_or(|over| over > 1.0),
         })
     };
     let mut failed = None;
-    let found = first([from_kmh, to_kmh], step_kmh, resolution_kmh, |kmh| {
+    let found = first_unstable([from_kmh, to_kmh], step_kmh, resolution_kmh, |kmh| {
         unstable(kmh).unwrap_or_else(|why| {
             failed = Some(why);
             true

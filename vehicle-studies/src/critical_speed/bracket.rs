@@ -66,11 +66,11 @@ impl std::fmt::Display for Critical {
 /// step. Speeds in km/h.
 ///
 /// ```
-/// use vehicle_studies::critical_speed::{Critical, bracket::first};
-/// assert_eq!(first([100.0, 300.0], 5.0, 0.5, |kmh| kmh >= 211.3), Critical::At(211.5625));
-/// assert_eq!(first([100.0, 300.0], 5.0, 0.5, |_| false), Critical::Above(300.0));
+/// use vehicle_studies::critical_speed::{Critical, first_unstable};
+/// assert_eq!(first_unstable([100.0, 300.0], 5.0, 0.5, |kmh| kmh >= 211.3), Critical::At(211.5625));
+/// assert_eq!(first_unstable([100.0, 300.0], 5.0, 0.5, |_| false), Critical::Above(300.0));
 /// ```
-pub fn first(
+pub fn first_unstable(
     [from, to]: [f64; 2],
     step: f64,
     resolution: f64,

@@ -34,7 +34,7 @@ const SAMPLE_M: f64 = 0.1;
 
 /// A hunting motion at a speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct CyclePoint {
     /// Speed (km/h).
     pub kmh: f64,
     /// The motion.
@@ -47,7 +47,7 @@ pub struct Fold {
     /// Where it dies.
     pub dies: Critical,
     /// The motion on the way, from the highest speed down; the last is the last that stayed.
-    pub cycle: Vec<Point>,
+    pub cycle: Vec<CyclePoint>,
 }
 
 impl Fold {
@@ -59,7 +59,7 @@ impl Fold {
         let Procedure { from_kmh, to_kmh, resolution_kmh, alive_m, .. } = *procedure;
         let alive = |motion: &Hunting| motion.amplitude_m.is_some_and(|m| m > alive_m);
         let (motion, mut state) = swinging(equipped, procedure)?;
-        let mut cycle = vec![Point { kmh: to_kmh, motion }];
+        let mut cycle = vec![CyclePoint { kmh: to_kmh, motion }];
         if !alive(&motion) {
             return Ok(Self { dies: Critical::Above(to_kmh), cycle: Vec::new() });
         }
@@ -69,7 +69,7 @@ impl Fold {
             let mut tried = state.clone();
             let motion = held(equipped, procedure, next, &mut tried);
             if alive(&motion) {
-                cycle.push(Point { kmh: next, motion });
+                cycle.push(CyclePoint { kmh: next, motion });
                 (at, state) = (next, tried);
                 if at <= from_kmh {
                     return Ok(Self { dies: Critical::Below(from_kmh), cycle });

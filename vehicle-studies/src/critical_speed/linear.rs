@@ -5,7 +5,7 @@
 //! frequency is that of the least damped mode, found by repetition. At zero stroke a clearance would mean
 //! that there is no damper: a stroke has to be given.
 
-use super::bracket::{Critical, first};
+use super::bracket::{Critical, first_unstable};
 use super::procedure::Procedure;
 use crate::describing_function::impedance;
 use crate::modes::{Coordinate, Impedances, Jacobians};
@@ -51,7 +51,7 @@ pub struct AtSpeed {
 /// The linear critical speed at one stroke of the dampers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LinearSpeed {
-    /// Stroke of the dampers, half the travel (m).
+    /// Stroke of the dampers, half the travel (m); zero for a vehicle without dampers.
     pub stroke_m: f64,
     /// Where the least damped mode begins to grow.
     pub critical: Critical,
@@ -62,11 +62,27 @@ pub struct LinearSpeed {
 }
 
 impl LinearSpeed {
-    /// Asks at a stroke (m, positive).
+    /// At each of some strokes (m, positive); once for a vehicle without dampers, to which a stroke means
+    /// nothing.
+    pub fn at_strokes(equipped: &Equipped, procedure: &Procedure, strokes_m: &[f64]) -> Vec<Self> {
+        let none = equipped.dampers.is_empty() && !strokes_m.is_empty();
+        let strokes_m = if none { &[0.0] } else { strokes_m };
+        strokes_m.iter().map(|stroke_m| Self::of(equipped, procedure, *stroke_m)).collect()
+    }
+
+    /// The stroke in words.
+    pub(super) fn stroke_in_words(&self) -> String {
+        if self.stroke_m == 0.0 {
+            return "no dampers".to_owned();
+        }
+        format!("stroke {} mm", 1e3 * self.stroke_m)
+    }
+
+    /// At one stroke (m, positive).
     pub fn of(equipped: &Equipped, procedure: &Procedure, stroke_m: f64) -> Self {
         let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
         let mut growing = None;
-        let critical = first([from_kmh, to_kmh], 2.0 * step_kmh, resolution_kmh, |kmh| {
+        let critical = first_unstable([from_kmh, to_kmh], 2.0 * step_kmh, resolution_kmh, |kmh| {
             let mode = least_damped(equipped, kmh / 3.6, stroke_m);
             let grows = mode.filter(|mode| mode.growth_per_s > 0.0);
             // The last one found is that of the speed that is told.

@@ -1,7 +1,7 @@
 //! The root locus drawn: where the modes of hunting go as the speed rises.
 
+use super::answer::Point;
 use super::linear::{AtSpeed, LinearSpeed};
-use super::study::Point;
 use report::{Plot, Section};
 
 /// Points of the grid whose loci are drawn, at most.
@@ -10,8 +10,8 @@ const DRAWN: usize = 4;
 const FASTEST_PER_S: f64 = -20.0;
 
 /// The root loci of the first points, and the growth of their least damped modes over speed.
-pub fn section(points: &[Point]) -> Option<Section> {
-    let with: Vec<&Point> = points.iter().filter(|point| !point.found.linear.is_empty()).collect();
+pub(super) fn section(points: &[Point]) -> Option<Section> {
+    let with: Vec<&Point> = points.iter().filter(|point| !point.answer.linear.is_empty()).collect();
     if with.is_empty() {
         return None;
     }
@@ -37,13 +37,13 @@ fn plots(point: &Point) -> [Plot; 2] {
         .x("growth rate", "1/s")
         .y("frequency", "Hz")
         .at("grows", 0.0)
-        .caption(&format!("Every mode of {} at every speed.", speeds(&point.found.linear)));
+        .caption(&format!("Every mode of {} at every speed.", speeds(&point.answer.linear)));
     let mut growth = Plot::new(&title("Growth of the least damped mode"))
         .x("speed", "km/h")
         .y("growth rate", "1/s")
         .limit("grows", 0.0);
-    for linear in &point.found.linear {
-        let name = format!("stroke {} mm", 1e3 * linear.stroke_m);
+    for linear in &point.answer.linear {
+        let name = linear.stroke_in_words();
         let modes = || linear.locus.iter().flat_map(|at| &at.modes);
         let slow = modes().filter(|mode| mode.growth_per_s > FASTEST_PER_S);
         let (x, y): (Vec<f64>, Vec<f64>) =

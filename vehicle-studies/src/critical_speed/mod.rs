@@ -12,18 +12,20 @@
 //! quietly or hunts, as it comes. The third says little with clearance and relief, and is told for several
 //! strokes.
 
+mod answer;
 pub mod ascent;
-pub mod bracket;
+mod bracket;
 pub mod fold;
 pub mod hunting;
 pub mod linear;
-pub mod locus;
-pub mod page;
-pub mod procedure;
-pub mod stability;
-pub mod study;
-pub mod text;
+mod locus;
+mod page;
+mod procedure;
+mod stability;
+mod study;
+mod text;
 
-pub use bracket::Critical;
+pub use answer::{CriticalSpeeds, Point};
+pub use bracket::{Critical, first_unstable};
 pub use procedure::{Criterion, Procedure};
-pub use study::{Point, Question};
+pub use study::Question;

@@ -1,11 +1,12 @@
 //! The report of a study of critical speeds: what was found, over what was varied, and the hunting motions
 //! behind it.
 
+use super::answer::Point;
 use super::ascent::Ascent;
 use super::fold::Fold;
+use super::linear::LinearSpeed;
 use super::locus;
 use super::procedure::Procedure;
-use super::study::Point;
 use super::text::conditions;
 use crate::over_keys;
 use report::{Cell, Plot, Report, Section, Table};
@@ -15,7 +16,7 @@ use scenario::setting::Setting;
 const DRAWN: usize = 6;
 
 /// The report, behind its title and facts.
-pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
+pub(super) fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
     let mut found = Section::new("Critical speeds").table(table(points));
     for line in conditions(points, procedure) {
         found = found.text(&line);
@@ -30,14 +31,14 @@ pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
 /// The columns that some point has an entry for.
 fn table(points: &[Point]) -> Table {
     let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
-    let strokes_m: Vec<f64> = points
+    let strokes: Vec<String> = points
         .iter()
-        .max_by_key(|point| point.found.linear.len())
-        .map(|point| point.found.linear.iter().map(|linear| linear.stroke_m).collect())
+        .max_by_key(|point| point.answer.linear.len())
+        .map(|point| point.answer.linear.iter().map(LinearSpeed::stroke_in_words).collect())
         .unwrap_or_default();
     let has = |of: fn(&Point) -> bool| points.iter().any(of);
-    let ascent = has(|point| point.found.ascent.is_some());
-    let fold = has(|point| point.found.fold.is_some());
+    let ascent = has(|point| point.answer.ascent.is_some());
+    let fold = has(|point| point.answer.fold.is_some());
     let failure = has(|point| point.failure.is_some());
     let mut table = keys
         .iter()
@@ -48,14 +49,14 @@ fn table(points: &[Point]) -> Table {
     if fold {
         table = table.text("no cycle below");
     }
-    for stroke_m in &strokes_m {
-        table = table.text(&format!("by eigenvalues at {} mm", 1e3 * stroke_m));
+    for stroke in &strokes {
+        table = table.text(&format!("by eigenvalues, {stroke}"));
     }
     if failure {
         table = table.text("no answer");
     }
     table.rows(points.iter().map(|point| {
-        let found = &point.found;
+        let found = &point.answer;
         let mut row: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
         if ascent {
             row.push(found.ascent.as_ref().map(Ascent::mean).into());
@@ -64,7 +65,7 @@ fn table(points: &[Point]) -> Table {
         if fold {
             row.push(found.fold.as_ref().map(|fold| fold.dies.to_string()).into());
         }
-        let linear = (0..strokes_m.len()).map(|index| found.linear.get(index));
+        let linear = (0..strokes.len()).map(|index| found.linear.get(index));
         row.extend(linear.map(|linear| linear.map(|linear| linear.critical.to_string()).into()));
         if failure {
             row.push(point.failure.clone().into());
@@ -85,7 +86,8 @@ fn over_keys(points: &[Point]) -> Option<Section> {
             let (name, speed) = plain_speed(points);
             let title = format!("Critical speed, {name}");
             let z = |point: &Point| speed(point).unwrap_or(f64::NAN);
-            Some(section.plot(over_keys::map(&title, [name, "km/h"], [slow, quick], points, z)))
+            let keys = [slow.as_str(), quick];
+            Some(section.plot(over_keys::over_two(&title, [name, "km/h"], keys, points, z)))
         }
         _ => None,
     }
@@ -97,25 +99,24 @@ fn over_one(points: &[Point], key: &str, x: &[f64]) -> Plot {
         x.iter().map(|value| at(*value).and_then(of).unwrap_or(f64::NAN)).collect()
     };
     let mut plot = Plot::new("Critical speed").x(key, "").y("critical speed", "km/h");
-    if points.iter().any(|point| point.found.ascent.is_some()) {
+    if points.iter().any(|point| point.answer.ascent.is_some()) {
         let range = |end: usize| {
-            line(&|point| point.found.ascent.as_ref()?.range_kmh.map(|range| range[end]))
+            line(&|point| point.answer.ascent.as_ref()?.range_kmh.map(|range| range[end]))
         };
         plot = plot.band("range over seeds", x, &range(0), &range(1)).points(
             "hunts from, mean",
             x,
-            &line(&|point| point.found.ascent.as_ref()?.mean_kmh),
+            &line(&|point| point.answer.ascent.as_ref()?.mean_kmh),
         );
     }
-    if points.iter().any(|point| point.found.fold.is_some()) {
-        let dies = line(&|point| point.found.fold.as_ref()?.dies.kmh());
+    if points.iter().any(|point| point.answer.fold.is_some()) {
+        let dies = line(&|point| point.answer.fold.as_ref()?.dies.kmh());
         plot = plot.points("no cycle below", x, &dies);
     }
-    for index in 0..points.first().map_or(0, |point| point.found.linear.len()) {
-        let stroke_mm =
-            points.first().map_or(0.0, |point| 1e3 * point.found.linear[index].stroke_m);
-        let speeds = line(&|point| point.found.linear.get(index)?.critical.kmh());
-        plot = plot.dashed(&format!("eigenvalues, {stroke_mm} mm"), x, &speeds);
+    let linear = points.first().map_or(&[][..], |point| &point.answer.linear);
+    for (index, first) in linear.iter().enumerate() {
+        let speeds = line(&|point| point.answer.linear.get(index)?.critical.kmh());
+        plot = plot.dashed(&format!("eigenvalues, {}", first.stroke_in_words()), x, &speeds);
     }
     plot
 }
@@ -123,12 +124,12 @@ fn over_one(points: &[Point], key: &str, x: &[f64]) -> Plot {
 /// One speed of a point, and which it is.
 fn plain_speed(points: &[Point]) -> (&'static str, fn(&Point) -> Option<f64>) {
     let has = |of: fn(&Point) -> bool| points.iter().any(of);
-    if has(|point| point.found.ascent.is_some()) {
-        ("hunts from", |point| point.found.ascent.as_ref()?.mean_kmh)
-    } else if has(|point| point.found.fold.is_some()) {
-        ("no cycle below", |point| point.found.fold.as_ref()?.dies.kmh())
+    if has(|point| point.answer.ascent.is_some()) {
+        ("hunts from", |point| point.answer.ascent.as_ref()?.mean_kmh)
+    } else if has(|point| point.answer.fold.is_some()) {
+        ("no cycle below", |point| point.answer.fold.as_ref()?.dies.kmh())
     } else {
-        ("by eigenvalues", |point| point.found.linear.first()?.critical.kmh())
+        ("by eigenvalues", |point| point.answer.linear.first()?.critical.kmh())
     }
 }
 
@@ -136,7 +137,7 @@ fn plain_speed(points: &[Point]) -> (&'static str, fn(&Point) -> Option<f64>) {
 fn bifurcation(points: &[Point], procedure: &Procedure) -> Option<Section> {
     let followed: Vec<(&Point, &Fold)> = points
         .iter()
-        .filter_map(|point| Some((point, point.found.fold.as_ref()?)))
+        .filter_map(|point| Some((point, point.answer.fold.as_ref()?)))
         .filter(|(_, fold)| !fold.cycle.is_empty())
         .collect();
     if followed.is_empty() {

@@ -9,8 +9,9 @@
 //! Limits: straight track, and 400 m of it behind a run-in.
 
 use super::procedure::Procedure;
+use crate::curve::Passed;
 use crate::curve::limits::AxleLimits;
-use crate::curve::passed::Passed;
+use crate::error::StudyError;
 use crate::trip::{Equipped, START_M, Trip};
 use firmware_core::track::{Layout, Track};
 use scenario::irregularity::aar6;
@@ -23,7 +24,7 @@ const JUDGED_M: Range<f64> = 200.0..600.0;
 const BEHIND_M: f64 = 60.0;
 
 /// The irregular track of a seed, rough from end to end.
-pub fn rough(procedure: &Procedure, seed: u64) -> OwnedTrack {
+pub(super) fn rough(procedure: &Procedure, seed: u64) -> OwnedTrack {
     let samples = aar6(&procedure.band(seed), 0.0, JUDGED_M.end + 2.0 * BEHIND_M);
     OwnedTrack { layout: Layout::tangent(), samples }
 }
@@ -31,13 +32,13 @@ pub fn rough(procedure: &Procedure, seed: u64) -> OwnedTrack {
 /// The greatest rms over its limit of any wheelset at a speed; above one it is unstable. None off the track.
 ///
 /// # Errors
-/// In one line: no steady running, or a signal that cannot be filtered.
-pub fn greatest_over_limit(
+/// No steady running, or a signal that cannot be filtered.
+pub(super) fn greatest_over_limit(
     equipped: &Equipped,
     procedure: &Procedure,
     track: &Track<'_>,
     kmh: f64,
-) -> Result<Option<f64>, String> {
+) -> Result<Option<f64>, StudyError> {
     let speed_m_per_s = kmh / 3.6;
     let trip = Trip::new(equipped, track, speed_m_per_s, procedure.substeps);
     let duration_s = (JUDGED_M.end + BEHIND_M - START_M) / speed_m_per_s;

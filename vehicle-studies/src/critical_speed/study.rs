@@ -1,18 +1,20 @@
 //! Critical speeds of a scenario at every point of a grid.
 
+use super::answer::{CriticalSpeeds, Point};
 use super::ascent::Ascent;
 use super::fold::Fold;
 use super::linear::LinearSpeed;
 use super::page::page;
 use super::procedure::Procedure;
 use super::text::text;
-use crate::study::{self, Study};
+use crate::error::StudyError;
+use crate::study::Study;
 use crate::trip::Equipped;
 use firmware_core::wheel_rail::wheel::Surface;
 use report::Report;
 use scenario::conicity::RollingRadiusDifference;
 use scenario::run::Run;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Amplitude at which equivalent conicity is told (m).
 const CONICITY_AT_M: f64 = 3e-3;
@@ -33,42 +35,28 @@ pub struct Question {
     pub strokes_m: Vec<f64>,
 }
 
-/// A point of the grid and its critical speeds.
-pub type Point = study::Point<Found>;
-
-/// What was found at a point.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Found {
-    /// Equivalent conicity at 3 mm (UIC 519), or that of the cone.
-    pub equivalent_conicity_at_3_mm: Option<f64>,
-    /// Coefficient of friction.
-    pub friction: Option<f64>,
-    /// Over irregular track.
-    pub ascent: Option<Ascent>,
-    /// Down the limit cycle.
-    pub fold: Option<Fold>,
-    /// By eigenvalues, for every stroke.
-    pub linear: Vec<LinearSpeed>,
-}
-
 impl Study for Question {
-    const CALLED: &'static str = "critical-speed";
+    const NAME: &'static str = "critical-speed";
     const ANSWERS: &'static str = "critical speeds";
-    type Found = Found;
+    type Answer = CriticalSpeeds;
 
-    fn answer(&self, _run: &Run, equipped: &Equipped, found: &mut Found) -> Result<(), String> {
-        found.equivalent_conicity_at_3_mm = conicity(equipped);
-        found.friction = equipped.vehicle.axles.first().map(|axle| axle.wheel.friction);
+    fn answer(
+        &self,
+        _run: &Run,
+        equipped: &Equipped,
+        answer: &mut CriticalSpeeds,
+    ) -> Result<(), StudyError> {
+        answer.equivalent_conicity_at_3_mm = conicity(equipped);
+        answer.friction = equipped.vehicle.axles.first().map(|axle| axle.wheel.friction);
         if self.ascent {
             let ascent = Ascent::of(equipped, &self.procedure)?;
-            found.ascent = Some(ascent);
+            answer.ascent = Some(ascent);
         }
         if self.fold {
-            let fold = Fold::of(equipped, &self.procedure).map_err(|why| why.to_string())?;
-            found.fold = Some(fold);
+            let fold = Fold::of(equipped, &self.procedure)?;
+            answer.fold = Some(fold);
         }
-        let linear = |stroke_m: &f64| LinearSpeed::of(equipped, &self.procedure, *stroke_m);
-        found.linear = self.strokes_m.iter().map(linear).collect();
+        answer.linear = LinearSpeed::at_strokes(equipped, &self.procedure, &self.strokes_m);
         Ok(())
     }
 

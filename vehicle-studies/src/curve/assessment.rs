@@ -9,8 +9,9 @@ use super::limits::AxleLimits;
 use super::passed::Passed;
 use super::procedure::Procedure;
 use super::sections::{Part, Section, sections};
-use super::wheelset::WheelsetCurve;
-use crate::study::OverSeeds;
+use super::wheelset::{WheelCurve, WheelsetCurve};
+use crate::error::StudyError;
+use crate::over_seeds::OverSeeds;
 use crate::trip::track::Roughness;
 use crate::trip::{Equipped, START_M, Trip};
 use firmware_core::vehicle::GRAVITY_M_PER_S2;
@@ -76,12 +77,12 @@ impl Curve {
     /// The vehicle of a run goes through the curve on the tracks of all seeds.
     ///
     /// # Errors
-    /// In one line: no curve, no steady running, a track that the vehicle leaves.
-    pub fn of(run: &Run, equipped: &Equipped, procedure: &Procedure) -> Result<Self, String> {
+    /// No curve, no steady running, a track that the vehicle leaves.
+    pub fn of(run: &Run, equipped: &Equipped, procedure: &Procedure) -> Result<Self, StudyError> {
         let layout = &run.track.layout;
         let sections = sections(layout);
         let full = sections.iter().find(|section| section.part == Part::Curve);
-        let full = full.ok_or("the track has no curve")?;
+        let full = full.ok_or(StudyError::NoCurve)?;
         let place = layout.at(0.5 * (full.from_m + full.to_m));
         let sign = libm::copysign(1.0, place.curvature_per_m);
         let centripetal = run.speed_m_per_s * run.speed_m_per_s * place.curvature_per_m;
@@ -91,10 +92,10 @@ impl Curve {
         let tracks = track.tracks(run, layout, START_M + run.speed_m_per_s * duration_s + 30.0);
         let through = |(number, track): (usize, &OwnedTrack)| {
             passed(run, equipped, track, duration_s)
-                .map_err(|why| format!("track {}: {why}", number + 1))
+                .map_err(|why| StudyError::OnTrack(number + 1, Box::new(why)))
                 .and_then(|passed| on_track(passed, &sections, sign > 0.0))
         };
-        let found: Result<Vec<OnTrack>, String> =
+        let found: Result<Vec<OnTrack>, StudyError> =
             tracks.par_iter().enumerate().map(through).collect();
         let found = found?;
         let loads = found.first().map(|on| on.loads.as_slice()).unwrap_or_default();
@@ -142,7 +143,7 @@ impl Curve {
 }
 
 /// How long a vehicle runs until its last wheelset is behind the curve (s).
-pub fn duration_s(run: &Run) -> f64 {
+pub(super) fn duration_s(run: &Run) -> f64 {
     let stations = run
         .vehicle
         .axles
@@ -165,24 +166,35 @@ fn passed(
     equipped: &Equipped,
     track: &OwnedTrack,
     duration_s: f64,
-) -> Result<Passed, String> {
+) -> Result<Passed, StudyError> {
     let track = track.view();
     let trip = Trip::new(equipped, &track, run.speed_m_per_s, run.substeps);
     let passed = Passed::over(&trip, run.speed_m_per_s, duration_s)?;
     if passed.signals.derailed {
         let at_m = passed.signals.distance_m.last().copied().unwrap_or_default();
-        return Err(format!("off the track at {at_m:.0} m"));
+        return Err(StudyError::OffTheTrack(at_m));
     }
     Ok(passed)
 }
 
-fn on_track(passed: Passed, sections: &[Section], right_hand: bool) -> Result<OnTrack, String> {
+fn on_track(passed: Passed, sections: &[Section], right_hand: bool) -> Result<OnTrack, StudyError> {
     let of = |section: &Section| passed.forces(&(section.from_m..section.to_m), right_hand);
-    let found: Result<Vec<_>, String> = sections.iter().map(of).collect();
+    let found: Result<Vec<_>, StudyError> = sections.iter().map(of).collect();
     Ok(OnTrack { sections: found?, loads: passed.loads })
 }
 
 impl SectionCurve {
+    /// A quantity of the wheelset where its mean over seeds is greatest.
+    pub fn worst(&self, of: impl Fn(&WheelsetCurve) -> Option<OverSeeds>) -> Option<OverSeeds> {
+        self.wheelsets.iter().filter_map(of).max_by(|a, b| a.mean.total_cmp(&b.mean))
+    }
+
+    /// A quantity of the wheel where its mean over seeds is greatest.
+    pub fn worst_wheel(&self, of: impl Fn(&WheelCurve) -> OverSeeds) -> Option<OverSeeds> {
+        let wheels = self.wheelsets.iter().flat_map(|wheelset| [&wheelset.outer, &wheelset.inner]);
+        wheels.map(of).max_by(|a, b| a.mean.total_cmp(&b.mean))
+    }
+
     /// From the wheelsets of every track.
     fn over(section: Section, tracks: &[&[AxleForces]]) -> Option<Self> {
         let axles = tracks.first()?.len();

@@ -15,7 +15,7 @@
 
 use crate::trip::signals::{RATE_HZ, WheelSignal, WheelsetSignal};
 use realfft::num_complex::Complex;
-use signal::error::SignalError;
+use signal::SignalError;
 use signal::guiding_force::{CORNER_HZ, MEAN_OVER_M, low_pass, sliding_mean};
 use signal::response::through;
 use signal::spectrum::Spectrum;
@@ -33,7 +33,7 @@ const DELAY: f64 = 2.613;
 /// Least load in a quotient, over the static one.
 const LEAST_LOAD: f64 = 0.01;
 /// Segments of the spectrum (s).
-pub const SEGMENT_S: f64 = 4.096;
+pub(super) const SEGMENT_S: f64 = 4.096;
 /// Where the frequency of an instability is looked for (Hz), and the band around it (Hz).
 const UNSTABLE_HZ: ([f64; 2], f64) = ([1.0, 10.0], 2.0);
 /// Length of the sliding rms and distance between its values (m).
@@ -43,7 +43,7 @@ const SETTLE_S: f64 = 2.0;
 
 /// Forces of a wheelset in a section; outward is away from the centre of the curve.
 #[derive(Debug, Clone, PartialEq)]
-pub struct AxleForces {
+pub(crate) struct AxleForces {
     /// Sum of guiding forces, outward: 0.15 %, median, 99.85 % (N).
     pub sum_n: [f64; 3],
     /// Greatest rms of it over 100 m around the frequency of an instability (N); none in a shorter
@@ -59,7 +59,7 @@ pub struct AxleForces {
 
 /// Forces of a wheel in a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WheelForces {
+pub(crate) struct WheelForces {
     /// Y/Q: median and 99.85 %.
     pub y_over_q: [f64; 2],
     /// Quasi-static guiding force, towards the outside of the track (N).
@@ -78,7 +78,7 @@ pub struct WheelForces {
 
 /// A wheelset on its way.
 #[derive(Debug, Clone, Copy)]
-pub struct Passage<'a> {
+pub(super) struct Passage<'a> {
     /// Its signals.
     pub wheelset: &'a WheelsetSignal,
     /// Where it stood at the first sample (m).
@@ -96,7 +96,7 @@ impl Passage<'_> {
     ///
     /// # Errors
     /// A section that was not passed, or a signal that is not finite.
-    pub fn forces(&self, stretch_m: &Range<f64>) -> Result<AxleForces, SignalError> {
+    pub(super) fn forces(&self, stretch_m: &Range<f64>) -> Result<AxleForces, SignalError> {
         let outward = if self.right_hand { -1.0 } else { 1.0 };
         let sum_n: Vec<f64> =
             self.wheelset.axle_force_n().into_iter().map(|n| outward * n).collect();

@@ -12,19 +12,23 @@
 //! study's seeds where it is random. The straight lead-in is the run-in. A wheelset is judged by where
 //! it stands itself, not the vehicle.
 
-pub mod assessment;
-pub mod forces;
+mod answer;
+mod assessment;
+mod forces;
 pub mod limits;
-pub mod page;
-pub mod passed;
-pub mod procedure;
-pub mod sections;
-pub mod study;
+mod page;
+mod passed;
+mod procedure;
+mod sections;
+mod study;
 #[cfg(test)]
 mod tests;
-pub mod text;
-pub mod wheelset;
+mod text;
+mod wheelset;
 
-pub use assessment::Curve;
+pub use answer::{CurveAnswer, Point};
+pub use assessment::{Curve, ForceSpectrum, SectionCurve};
+pub(crate) use passed::Passed;
 pub use procedure::Procedure;
-pub use study::{Found, Point};
+pub use sections::{Part, Section};
+pub use wheelset::{WheelCurve, WheelsetCurve};

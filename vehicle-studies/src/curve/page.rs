@@ -1,21 +1,21 @@
 //! The report of a study of curving: forces with their limits over what was varied, wheelsets, spectra.
 
+use super::answer::{CurveAnswer, Point};
 use super::assessment::{Curve, SectionCurve};
 use super::limits::{UNLOADING, Y_OVER_Q};
 use super::procedure::Procedure;
 use super::sections::Part;
-use super::study::{Found, Point};
 use super::text::conditions;
 use super::wheelset::WheelCurve;
 use crate::over_keys::{self, Line};
-use crate::study::OverSeeds;
+use crate::over_seeds::OverSeeds;
 use report::{Cell, Plot, Report, Section, Table};
 
 /// Points whose spectra are drawn, at most.
 const DRAWN: usize = 8;
 
 /// The report, behind its title and facts.
-pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
+pub(super) fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
     let mut found = Section::new("Curve").table(table(points));
     for line in conditions(points, procedure) {
         found = found.text(&line);
@@ -25,7 +25,7 @@ pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
     if !plots.is_empty() {
         report = report.section(Section::new("Over what was varied").plots(plots));
     }
-    let first = points.iter().find_map(|point| point.found.curve.as_ref());
+    let first = points.iter().find_map(|point| point.answer.curve.as_ref());
     if let Some(curve) = first {
         report = report.section(wheelsets(curve)).section(spectra(points));
     }
@@ -48,7 +48,7 @@ fn table(points: &[Point]) -> Table {
         .number_with_digits("T gamma", "N", 3);
     let rows = points.iter().flat_map(|point| {
         let keys: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
-        let sections = point.found.curve.as_ref().map_or(&[][..], |curve| &curve.sections);
+        let sections = point.answer.curve.as_ref().map_or(&[][..], |curve| &curve.sections);
         let mut rows: Vec<Vec<Cell>> = sections
             .iter()
             .map(|section| {
@@ -78,10 +78,10 @@ fn table(points: &[Point]) -> Table {
 }
 
 fn over_what_was_varied(points: &[Point]) -> Vec<Plot> {
-    let first = points.iter().find_map(|point| point.found.curve.as_ref());
+    let first = points.iter().find_map(|point| point.answer.curve.as_ref());
     let Some(limits) = first.and_then(|curve| curve.limits.first()) else { return Vec::new() };
     let at = |part: Part| {
-        move |found: &Found| -> Option<SectionCurve> {
+        move |found: &CurveAnswer| -> Option<SectionCurve> {
             let sections = &found.curve.as_ref()?.sections;
             sections.iter().find(|section| section.section.part == part).cloned()
         }
@@ -91,9 +91,10 @@ fn over_what_was_varied(points: &[Point]) -> Vec<Plot> {
                 of: &dyn Fn(&SectionCurve) -> Option<OverSeeds>,
                 scale: f64,
                 limits: &[(&str, f64)]| {
-        let mean = |part: Part| move |found: &Found| Some(scale * of(&at(part)(found)?)?.mean);
+        let mean =
+            |part: Part| move |found: &CurveAnswer| Some(scale * of(&at(part)(found)?)?.mean);
         let (curve, entry, exit) = (mean(Part::Curve), mean(Part::Entry), mean(Part::Exit));
-        let range = |found: &Found| {
+        let range = |found: &CurveAnswer| {
             let over = of(&at(Part::Curve)(found)?)?;
             Some([scale * over.lowest, scale * over.highest])
         };
@@ -193,7 +194,7 @@ fn spectra(points: &[Point]) -> Section {
         .y("density", "kN2/Hz")
         .log_x()
         .log_y();
-    let curves = points.iter().filter_map(|point| Some((point, point.found.curve.as_ref()?)));
+    let curves = points.iter().filter_map(|point| Some((point, point.answer.curve.as_ref()?)));
     let with = curves.filter_map(|(point, curve)| Some((point, curve.spectrum.as_ref()?)));
     let all: Vec<_> = with.collect();
     let mut section = Section::new("Spectrum of the lateral axle force");

@@ -1,13 +1,14 @@
 //! One trip from steady running, with what every wheel did on it.
 
 use super::forces::{AxleForces, Passage};
+use crate::error::StudyError;
 use crate::trip::signals::{Places, Signals, Wheels};
 use crate::trip::{START_M, Trip};
 use std::ops::Range;
 
 /// A trip that was run, to its end or off the track.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Passed {
+pub(crate) struct Passed {
     /// Its signals, wheels among them.
     pub signals: Signals,
     /// Static loads of the wheels of every wheelset, left and right (N).
@@ -19,9 +20,13 @@ impl Passed {
     /// Runs for a time at the trip's speed.
     ///
     /// # Errors
-    /// In one line: the vehicle does not run steadily.
-    pub fn over(trip: &Trip<'_>, speed_m_per_s: f64, duration_s: f64) -> Result<Self, String> {
-        let mut state = trip.begin(&[]).map_err(|why| why.to_string())?;
+    /// The vehicle does not run steadily.
+    pub(crate) fn over(
+        trip: &Trip<'_>,
+        speed_m_per_s: f64,
+        duration_s: f64,
+    ) -> Result<Self, StudyError> {
+        let mut state = trip.begin(&[])?;
         let axles = state.vehicle.wheels.iter().take(trip.vehicle().axles.len());
         let loads = axles.map(|[[left], [right]]| [-left.vertical_n, -right.vertical_n]).collect();
         let places = Places::wheelsets_of(trip.vehicle());
@@ -32,12 +37,12 @@ impl Passed {
     /// The forces of every wheelset on a stretch of track (m).
     ///
     /// # Errors
-    /// In one line: a stretch that was not passed, or a signal that is not finite.
-    pub fn forces(
+    /// A stretch that was not passed, or a signal that is not finite.
+    pub(crate) fn forces(
         &self,
         stretch_m: &Range<f64>,
         right_hand: bool,
-    ) -> Result<Vec<AxleForces>, String> {
+    ) -> Result<Vec<AxleForces>, StudyError> {
         let first_m = self.signals.distance_m.first().copied().unwrap_or(START_M);
         let axles = self.signals.wheelsets.iter().zip(&self.loads);
         let forces = axles.map(|(wheelset, static_n)| {
@@ -48,7 +53,7 @@ impl Passed {
                 static_n: *static_n,
                 right_hand,
             };
-            passage.forces(stretch_m).map_err(|why| why.to_string())
+            Ok(passage.forces(stretch_m)?)
         });
         forces.collect()
     }

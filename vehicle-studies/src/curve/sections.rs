@@ -63,7 +63,7 @@ pub struct Section {
 /// assert_eq!(ends, [160.0, 360.0, 420.0]);
 /// # Ok::<(), firmware_core::track::LayoutError>(())
 /// ```
-pub fn sections(layout: &Layout) -> Vec<Section> {
+pub(super) fn sections(layout: &Layout) -> Vec<Section> {
     let mut found: Vec<Section> = Vec::new();
     let steps = libm::ceil(layout.end_m() / STEP_M) as usize;
     for step in 0..steps {

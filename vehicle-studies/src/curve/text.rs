@@ -1,22 +1,23 @@
 //! Curving as a table in print, with the conditions for which it holds.
 
+use super::answer::Point;
 use super::assessment::{Curve, SectionCurve};
 use super::limits::{UNLOADING, Y_OVER_Q};
 use super::procedure::Procedure;
-use super::study::Point;
 use super::wheelset::{WheelCurve, WheelsetCurve};
-use crate::study::{OverSeeds, pace, table};
+use crate::over_seeds::OverSeeds;
+use crate::text_table::{pace, table};
 use scenario::setting::Setting;
 
 /// The points as a table for a terminal, and under which conditions they hold. A single point is told
 /// wheelset by wheelset as well.
-pub fn text(points: &[Point], procedure: &Procedure) -> String {
+pub(super) fn text(points: &[Point], procedure: &Procedure) -> String {
     let mut rows = vec![heads(points)];
     rows.extend(points.iter().flat_map(cells));
     let mut lines = table(&rows, points);
     lines.push(String::new());
-    if let [Point { found, .. }] = points
-        && let Some(full) = found.curve.as_ref().and_then(Curve::full)
+    if let [Point { answer, .. }] = points
+        && let Some(full) = answer.curve.as_ref().and_then(Curve::full)
     {
         lines.extend(table(&wheelsets(full), points));
         lines.push(String::new());
@@ -51,7 +52,7 @@ fn heads(points: &[Point]) -> Vec<String> {
 /// A row for each section of a point: the worst wheelset or wheel.
 fn cells(point: &Point) -> Vec<Vec<String>> {
     let keys: Vec<String> = point.values_in_words();
-    let Some(curve) = &point.found.curve else { return vec![keys] };
+    let Some(curve) = &point.answer.curve else { return vec![keys] };
     let row = |section: &SectionCurve| {
         let sum_n = section.worst(|wheelset| Some(wheelset.sum_n));
         let range =
@@ -128,23 +129,10 @@ fn dash() -> String {
     "-".to_owned()
 }
 
-impl SectionCurve {
-    /// A quantity of the wheelset where its mean over seeds is greatest.
-    pub fn worst(&self, of: impl Fn(&WheelsetCurve) -> Option<OverSeeds>) -> Option<OverSeeds> {
-        self.wheelsets.iter().filter_map(of).max_by(|a, b| a.mean.total_cmp(&b.mean))
-    }
-
-    /// A quantity of the wheel where its mean over seeds is greatest.
-    pub fn worst_wheel(&self, of: impl Fn(&WheelCurve) -> OverSeeds) -> Option<OverSeeds> {
-        let wheels = self.wheelsets.iter().flat_map(|wheelset| [&wheelset.outer, &wheelset.inner]);
-        wheels.map(of).max_by(|a, b| a.mean.total_cmp(&b.mean))
-    }
-}
-
 /// What curving holds for.
-pub fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String> {
+pub(super) fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String> {
     let mut lines = Vec::new();
-    for curve in points.iter().filter_map(|point| point.found.curve.as_ref()) {
+    for curve in points.iter().filter_map(|point| point.answer.curve.as_ref()) {
         let ends = curve.sections.iter().map(|section| {
             let section = section.section;
             format!("{} {:.0} to {:.0} m", section.part.name(), section.from_m, section.to_m)
@@ -171,7 +159,7 @@ pub fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String> {
         lines.truncate(1);
         lines.push(format!("and {more} other conditions, in curve.json"));
     }
-    let curve = points.iter().find_map(|point| point.found.curve.as_ref());
+    let curve = points.iter().find_map(|point| point.answer.curve.as_ref());
     if let Some(limits) = curve.and_then(|curve| curve.limits.first()) {
         lines.push(format!(
             "limits at {:.1} kN an axle: sum of Y {:.1} kN (Prud'homme, k1 {}), its rms around an instability \

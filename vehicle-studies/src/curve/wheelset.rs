@@ -1,7 +1,7 @@
 //! Forces of a wheelset and its wheels over the tracks of several seeds.
 
 use super::forces::{AxleForces, WheelForces};
-use crate::study::OverSeeds;
+use crate::over_seeds::OverSeeds;
 use serde::{Deserialize, Serialize};
 
 /// A wheelset in a section.

@@ -10,7 +10,8 @@
 use super::procedure::Procedure;
 use super::shake::{Group, PlaceShaken, Shaken};
 use super::sperling::Direction;
-use crate::study::OverSeeds;
+use super::vibration::{PlaceRide, PlaceSpectrum};
+use crate::error::StudyError;
 use crate::trip::signals::{Places, Signals, Wheels};
 use crate::trip::track::Roughness;
 use crate::trip::{Equipped, START_M, Trip};
@@ -41,85 +42,36 @@ pub struct Ride {
     pub spectra: Vec<PlaceSpectrum>,
 }
 
-/// A place and how it is shaken.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PlaceRide {
-    /// What it is called.
-    pub place: String,
-    /// To the sides.
-    pub lateral: Vibration,
-    /// Up and down.
-    pub vertical: Vibration,
-    /// Mean comfort of EN 12299, on the floor.
-    pub n_mv: Option<f64>,
-}
-
-/// Vibration of a place in one direction.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Vibration {
-    /// Root of the mean square (m/s2).
-    pub rms_m_per_s2: OverSeeds,
-    /// Greatest acceleration (m/s2).
-    pub peak_m_per_s2: OverSeeds,
-    /// Sperling index with windows of 20 s; on the floor.
-    pub sperling_1985: Option<OverSeeds>,
-    /// Sperling index with windows of 5 s; on the floor.
-    pub sperling_2019: Option<OverSeeds>,
-    /// 95th percentile of weighted rms over 5 s (m/s2); on the floor.
-    pub weighted_p95_m_per_s2: Option<f64>,
-    /// The highest peaks of the spectrum, the highest first.
-    pub peaks: Vec<Peak>,
-}
-
-/// A peak of a spectrum.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Peak {
-    /// Its frequency (Hz).
-    pub frequency_hz: f64,
-    /// Its density ((m/s2)2/Hz).
-    pub density: f64,
-}
-
-/// A spectrum of acceleration.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PlaceSpectrum {
-    /// The place.
-    pub place: String,
-    /// The direction.
-    pub direction: Direction,
-    /// Density at multiples of the resolution, from zero ((m/s2)2/Hz).
-    pub density: Vec<f64>,
-}
-
 impl Ride {
     /// The vehicle of a run rides on the tracks of all seeds.
     ///
     /// # Errors
-    /// In one line: no steady running, a track that the vehicle leaves, a section too short.
-    pub fn of(run: &Run, equipped: &Equipped, procedure: &Procedure) -> Result<Self, String> {
+    /// No steady running, a track that the vehicle leaves, a section too short.
+    pub fn of(run: &Run, equipped: &Equipped, procedure: &Procedure) -> Result<Self, StudyError> {
         let places = Places::of(run, procedure.floor_height_m);
         let track = Roughness::of(run, &procedure.seeds);
         let duration_s = procedure.run_in_s + procedure.section_s;
         let end_m = START_M + run.speed_m_per_s * duration_s + 30.0;
         let tracks = track.tracks(run, &Layout::tangent(), end_m);
-        let on_track = |(number, track): (usize, &OwnedTrack)| -> Result<Signals, String> {
+        let on_track = |(number, track): (usize, &OwnedTrack)| -> Result<Signals, StudyError> {
             let track = track.view();
             let trip = Trip::new(equipped, &track, run.speed_m_per_s, run.substeps);
-            let mut state = trip.begin(&[]).map_err(|why| why.to_string())?;
+            let mut state = trip.begin(&[])?;
             let signals = Signals::of(&trip, &mut state, duration_s, &places, Wheels::LeftOut);
             if signals.derailed {
                 let at_m = signals.distance_m.last().copied().unwrap_or_default();
-                return Err(format!("track {}: off the track at {at_m:.0} m", number + 1));
+                let off = Box::new(StudyError::OffTheTrack(at_m));
+                return Err(StudyError::OnTrack(number + 1, off));
             }
             Ok(signals)
         };
         let shaken = |numbered| {
             let signals = on_track(numbered)?;
-            Shaken::of(&signals, procedure.run_in_s).map_err(|why| why.to_string())
+            Ok(Shaken::of(&signals, procedure.run_in_s)?)
         };
-        let shaken: Result<Vec<Shaken>, String> =
+        let shaken: Result<Vec<Shaken>, StudyError> =
             tracks.par_iter().enumerate().map(shaken).collect();
-        Self::over(&shaken?, run, track).ok_or_else(|| "no track".to_owned())
+        Self::over(&shaken?, run, track).ok_or(StudyError::NoTrack)
     }
 
     fn over(tracks: &[Shaken], run: &Run, track: Roughness) -> Option<Self> {
@@ -172,15 +124,5 @@ impl Ride {
     /// The greatest of a quantity over the ends of the floor.
     pub fn worst(&self, of: impl Fn(&PlaceRide) -> Option<f64>) -> Option<f64> {
         self.ends().iter().filter_map(of).reduce(f64::max)
-    }
-}
-
-impl PlaceRide {
-    /// Its vibration in a direction.
-    pub const fn along(&self, direction: Direction) -> &Vibration {
-        match direction {
-            Direction::Lateral => &self.lateral,
-            Direction::Vertical => &self.vertical,
-        }
     }
 }

@@ -11,16 +11,19 @@
 //! study's seeds, or measured; a scenario without any is refused. The vehicle has no longitudinal motion, so
 //! mean comfort is that of two directions.
 
-pub mod assessment;
+mod answer;
+mod assessment;
 pub mod grade;
-pub mod page;
-pub mod procedure;
+mod page;
+mod procedure;
 mod shake;
 pub mod sperling;
-pub mod study;
-pub mod text;
+mod study;
+mod text;
+mod vibration;
 pub mod weighting;
 
+pub use answer::{Point, RideAnswer};
 pub use assessment::Ride;
 pub use procedure::Procedure;
-pub use study::{Found, Point};
+pub use vibration::{Peak, PlaceRide, PlaceSpectrum, Vibration};

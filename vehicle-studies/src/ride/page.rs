@@ -1,13 +1,14 @@
 //! The report of a study of ride: indices with their grades over what was varied, spectra.
 
-use super::assessment::{PlaceRide, Ride, Vibration};
+use super::answer::{Point, RideAnswer};
+use super::assessment::Ride;
 use super::grade::{Grade, Kind, LOCOMOTIVE_PEAK_M_PER_S2, MEAN_COMFORT};
 use super::procedure::Procedure;
 use super::sperling::Direction;
-use super::study::{Found, Point};
 use super::text::{conditions, worst_sperling};
+use super::vibration::{PlaceRide, Vibration};
 use crate::over_keys::{self, Line};
-use crate::study::OverSeeds;
+use crate::over_seeds::OverSeeds;
 use report::{Cell, Plot, Report, Section, Table};
 
 /// Points whose spectra are drawn, at most.
@@ -15,7 +16,7 @@ const DRAWN: usize = 8;
 const DIRECTIONS: [Direction; 2] = [Direction::Lateral, Direction::Vertical];
 
 /// The report, behind its title and facts.
-pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
+pub(super) fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
     let mut found = Section::new("Ride").table(table(points, procedure));
     for line in conditions(points, procedure) {
         found = found.text(&line);
@@ -26,7 +27,7 @@ pub fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
         report = report.section(Section::new("Over what was varied").plots(plots));
     }
     // With no answer at all there is nothing to draw.
-    if points.iter().any(|point| point.found.ride.is_some()) {
+    if points.iter().any(|point| point.answer.ride.is_some()) {
         report = report.section(spectra(points)).section(places(points));
     }
     report
@@ -45,7 +46,7 @@ fn table(points: &[Point], procedure: &Procedure) -> Table {
     table = table.number_with_digits("N_MV", "", 3).text("EN 12299");
     table.rows(points.iter().map(|point| {
         let mut row: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
-        let ride = point.found.ride.as_ref();
+        let ride = point.answer.ride.as_ref();
         for direction in DIRECTIONS {
             let index = ride.and_then(|ride| worst_sperling(ride, direction)).map(|over| over.mean);
             row.push(index.into());
@@ -65,8 +66,8 @@ fn over_what_was_varied(points: &[Point], procedure: &Procedure) -> Vec<Plot> {
     };
     let mut plots = Vec::new();
     for direction in DIRECTIONS {
-        let over = move |found: &Found| worst_sperling(found.ride.as_ref()?, direction);
-        let later = move |found: &Found| {
+        let over = move |found: &RideAnswer| worst_sperling(found.ride.as_ref()?, direction);
+        let later = move |found: &RideAnswer| {
             let index = |place: &PlaceRide| Some(place.along(direction).sperling_2019?.mean);
             found.ride.as_ref()?.worst(index)
         };
@@ -98,7 +99,7 @@ fn over_what_was_varied(points: &[Point], procedure: &Procedure) -> Vec<Plot> {
     ));
     for (direction, limits) in DIRECTIONS.into_iter().zip(LOCOMOTIVE_PEAK_M_PER_S2) {
         let of = move |of: fn(&Vibration) -> f64| {
-            move |found: &Found| {
+            move |found: &RideAnswer| {
                 found.ride.as_ref()?.worst(|place| Some(of(place.along(direction))))
             }
         };
@@ -128,7 +129,7 @@ fn ends(over: OverSeeds) -> [f64; 2] {
 /// Spectra of the first floor place and bogie, a line for each of the first points.
 fn spectra(points: &[Point]) -> Section {
     let rides: Vec<(&Point, &Ride)> =
-        points.iter().filter_map(|point| Some((point, point.found.ride.as_ref()?))).collect();
+        points.iter().filter_map(|point| Some((point, point.answer.ride.as_ref()?))).collect();
     let mut section = Section::new("Spectra of acceleration");
     let Some((_, first)) = rides.first() else { return section };
     for (number, of) in first.spectra.iter().enumerate() {
@@ -163,7 +164,7 @@ fn places(points: &[Point]) -> Section {
         .number_with_digits("greatest", "m/s2", 3)
         .number_with_digits("weighted, 95 %", "m/s2", 3)
         .text("peaks, Hz");
-    let first = points.iter().find_map(|point| point.found.ride.as_ref());
+    let first = points.iter().find_map(|point| point.answer.ride.as_ref());
     let all = first.map(|ride| ride.floor.iter().chain(&ride.bogies));
     for place in all.into_iter().flatten() {
         for direction in DIRECTIONS {

@@ -1,11 +1,11 @@
 //! What one track does to the places of a vehicle, and all tracks together.
 
-use super::assessment::{Peak, PlaceRide, Vibration};
 use super::sperling::{self, Direction, WINDOW_1985_S, WINDOW_2019_S};
+use super::vibration::{Peak, PlaceRide, Vibration};
 use super::weighting::Weighting;
-use crate::study::OverSeeds;
+use crate::over_seeds::OverSeeds;
 use crate::trip::signals::{Acceleration, RATE_HZ, Signals};
-use signal::error::SignalError;
+use signal::SignalError;
 use signal::guiding_force::low_pass;
 use signal::spectrum::Spectrum;
 use signal::statistics;

@@ -1,14 +1,16 @@
 //! Rides as a table in print, with the conditions for which they hold.
 
-use super::assessment::{Ride, Vibration};
+use super::answer::Point;
+use super::assessment::Ride;
 use super::procedure::Procedure;
 use super::sperling::Direction;
-use super::study::Point;
-use crate::study::{OverSeeds, pace, table};
+use super::vibration::Vibration;
+use crate::over_seeds::OverSeeds;
+use crate::text_table::{pace, table};
 use scenario::setting::Setting;
 
 /// The points as a table for a terminal, and under which conditions they hold.
-pub fn text(points: &[Point], procedure: &Procedure) -> String {
+pub(super) fn text(points: &[Point], procedure: &Procedure) -> String {
     let mut rows = vec![heads(points)];
     rows.extend(points.iter().map(|point| cells(point, procedure)));
     let mut lines = table(&rows, points);
@@ -45,7 +47,7 @@ fn heads(points: &[Point]) -> Vec<String> {
 
 fn cells(point: &Point, procedure: &Procedure) -> Vec<String> {
     let mut cells: Vec<String> = point.values_in_words();
-    let Some(ride) = &point.found.ride else { return cells };
+    let Some(ride) = &point.answer.ride else { return cells };
     for direction in [Direction::Lateral, Direction::Vertical] {
         let index = worst_sperling(ride, direction);
         cells.push(index.map_or_else(dash, |index| format!("{:.2}", index.mean)));
@@ -74,14 +76,14 @@ fn dash() -> String {
 }
 
 /// The index of the floor's worse end, by windows of 20 s.
-pub fn worst_sperling(ride: &Ride, direction: Direction) -> Option<OverSeeds> {
+pub(super) fn worst_sperling(ride: &Ride, direction: Direction) -> Option<OverSeeds> {
     let all = ride.ends().iter().filter_map(|place| place.along(direction).sperling_1985);
     all.max_by(|a, b| a.mean.total_cmp(&b.mean))
 }
 
 /// What every ride holds for.
-pub fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String> {
-    let rides = || points.iter().filter_map(|point| point.found.ride.as_ref());
+pub(super) fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String> {
+    let rides = || points.iter().filter_map(|point| point.answer.ride.as_ref());
     let mut tracks: Vec<String> = rides().map(|ride| ride.track.in_words()).collect();
     tracks.dedup();
     let speeds: Vec<f64> = rides().map(|ride| ride.speed_kmh).collect();

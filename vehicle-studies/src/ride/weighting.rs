@@ -10,7 +10,7 @@
 //! stand for them.
 
 use realfft::num_complex::Complex;
-use signal::error::SignalError;
+use signal::SignalError;
 use signal::response::through;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 

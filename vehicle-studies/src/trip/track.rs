@@ -80,7 +80,7 @@ impl Roughness {
     pub fn in_words(&self) -> String {
         match (self.wavelengths_m, self.scale) {
             (Some([shortest, longest]), Some(scale)) => {
-                let seeds = crate::study::seeds_in_words(&self.seeds);
+                let seeds = crate::over_seeds::seeds_in_words(&self.seeds);
                 let scaled = if scale == 1.0 { String::new() } else { format!(" times {scale}") };
                 format!(
                     "class-6 track{scaled}, wavelengths {shortest} to {longest} m, seeds {seeds}"

@@ -7,13 +7,14 @@
 //! ```
 //! The first axis changes slowest.
 
+use crate::error::StudyError;
 use scenario::setting::{Change, Setting};
 use std::str::FromStr;
 
 /// Most points of a study.
 const POINTS_MAX: usize = 1_000_000;
 
-/// A key and its values.
+/// A key that is varied and its values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// The key, as [`Setting`] understands it.
@@ -22,17 +23,23 @@ pub struct Axis {
     pub changes: Vec<Change>,
 }
 
+impl Axis {
+    /// The key with each of its values or factors.
+    pub fn settings(&self) -> impl Iterator<Item = Setting> + '_ {
+        self.changes.iter().map(|change| Setting { key: self.key.clone(), change: *change })
+    }
+}
+
 impl FromStr for Axis {
-    type Err = String;
+    type Err = StudyError;
 
     /// ```
-    /// let axis: vehicle_studies::sweep::Axis = "damper.ke_n_per_m=3e6:15e6:5".parse().unwrap();
+    /// let axis: vehicle_studies::grid::Axis = "damper.ke_n_per_m=3e6:15e6:5".parse().unwrap();
     /// assert_eq!(axis.changes, [3e6, 6e6, 9e6, 12e6, 15e6].map(scenario::setting::Change::Value));
-    /// assert!("ke=3:4".parse::<crate::sweep::Axis>().is_err());
+    /// assert!("ke=3:4".parse::<vehicle_studies::grid::Axis>().is_err());
     /// ```
-    fn from_str(text: &str) -> Result<Self, String> {
-        let expected =
-            || format!("found \"{text}\", expected KEY=from:to:n, KEY=value,value or KEY*=factors");
+    fn from_str(text: &str) -> Result<Self, StudyError> {
+        let expected = || StudyError::NoAxis(text.to_owned());
         let (key, values) = text.split_once('=').ok_or_else(expected)?;
         let number = |text: &str| {
             text.trim().parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(expected)
@@ -45,9 +52,8 @@ impl FromStr for Axis {
             [from, to, count] => {
                 let (from, to) = (number(from)?, number(to)?);
                 let count: usize = count.trim().parse().map_err(|_| expected())?;
-                even(from, to, count).ok_or_else(|| {
-                    format!("found {count} values in \"{text}\", expected 2 to {POINTS_MAX}")
-                })?
+                even(from, to, count)
+                    .ok_or_else(|| StudyError::AxisCount(count, text.to_owned(), POINTS_MAX))?
             }
             [list] => list.split(',').map(number).collect::<Result<_, _>>()?,
             _ => return Err(expected()),
@@ -58,7 +64,7 @@ impl FromStr for Axis {
         let mut sorted = values.clone();
         sorted.sort_unstable_by(f64::total_cmp);
         if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
-            return Err(format!("found a value twice in \"{text}\", expected each once"));
+            return Err(StudyError::ValueTwice(text.to_owned()));
         }
         let changes = values.into_iter().map(change).collect();
         Ok(Self { key: key.trim().to_owned(), changes })
@@ -90,16 +96,16 @@ impl Grid {
     ///
     /// # Errors
     /// More than a million points, or a key given twice.
-    pub fn new(axes: Vec<Axis>) -> Result<Self, String> {
+    pub fn new(axes: Vec<Axis>) -> Result<Self, StudyError> {
         for (index, axis) in axes.iter().enumerate() {
             if axes.iter().take(index).any(|earlier| earlier.key == axis.key) {
-                return Err(format!("`{}` is varied twice", axis.key));
+                return Err(StudyError::KeyTwice(axis.key.clone()));
             }
         }
         let points = axes.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.changes.len()));
         match points {
             Some(points) if points <= POINTS_MAX => Ok(Self { axes }),
-            _ => Err(format!("more than {POINTS_MAX} points")),
+            _ => Err(StudyError::TooManyPoints(POINTS_MAX)),
         }
     }
 
@@ -115,14 +121,13 @@ impl Grid {
 
     /// The values of a point.
     pub fn point(&self, index: usize) -> Vec<Setting> {
-        let mut left = index;
+        debug_assert!(index < self.len(), "{index} lies outside a grid of {}", self.len());
+        let mut rest = index;
         let mut settings: Vec<Setting> = Vec::new();
         for axis in self.axes.iter().rev() {
             let count = axis.changes.len().max(1);
-            let changes = axis.changes.get(left % count);
-            settings
-                .extend(changes.map(|change| Setting { key: axis.key.clone(), change: *change }));
-            left /= count;
+            settings.extend(axis.settings().nth(rest % count));
+            rest /= count;
         }
         settings.reverse();
         settings
@@ -166,6 +171,6 @@ mod tests {
             assert!(text.parse::<Axis>().is_err(), "{text}");
         }
         let twice = Grid::new(vec!["a=1".parse().unwrap(), "a=2".parse().unwrap()]);
-        assert_eq!(twice.unwrap_err(), "`a` is varied twice");
+        assert_eq!(twice.unwrap_err().to_string(), "`a` is varied twice");
     }
 }

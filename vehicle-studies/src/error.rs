@@ -1,0 +1,148 @@
+//! Why a study cannot be asked, or a point has no answer.
+
+use files::quoted;
+use firmware_core::damper::DamperError;
+use scenario::equilibrium::NoEquilibrium;
+use scenario::source::ScenarioError;
+use signal::SignalError;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Everything that can go wrong in this crate.
+#[derive(Debug)]
+pub enum StudyError {
+    /// A scenario that cannot be read.
+    Scenario(ScenarioError),
+    /// A damper that cannot be.
+    Damper(DamperError),
+    /// A vehicle that does not run steadily.
+    NoSteadyRunning(NoEquilibrium),
+    /// A signal that cannot be analysed, or the file of a shard.
+    Signal(SignalError),
+    /// The vehicle left the track: where (m).
+    OffTheTrack(f64),
+    /// An error on one of several tracks: its number from 1.
+    OnTrack(usize, Box<Self>),
+    /// A study without any track.
+    NoTrack,
+    /// A track without a curve.
+    NoCurve,
+    /// A track without irregularity.
+    NoIrregularity,
+    /// No body with this name: expected, the names there are.
+    NoBody(&'static str, Vec<String>),
+    /// An error in a file that does not name it.
+    InFile(PathBuf, Box<Self>),
+    /// The content of files changed while the study ran: scenario, what changed.
+    Changed(PathBuf, Vec<String>),
+    /// Text that is no axis of a grid: found.
+    NoAxis(String),
+    /// An axis with too few values or too many: number of values, axis, most values.
+    AxisCount(usize, String, usize),
+    /// An axis that holds a value twice: the axis.
+    ValueTwice(String),
+    /// Two axes of the same key: the key.
+    KeyTwice(String),
+    /// A grid with too many points: most points.
+    TooManyPoints(usize),
+    /// A question that cannot be serialised: reason.
+    NotSerialised(String),
+}
+
+impl StudyError {
+    /// True where the user's input is at fault, false where the operation failed.
+    pub const fn is_bad_input(&self) -> bool {
+        match self {
+            Self::OnTrack(_, why) | Self::InFile(_, why) => why.is_bad_input(),
+            Self::Signal(
+                SignalError::TooShort(..) | SignalError::Parameter(..) | SignalError::NotFinite(_),
+            )
+            | Self::NoSteadyRunning(_)
+            | Self::OffTheTrack(_)
+            | Self::NoTrack
+            | Self::NotSerialised(_)
+            | Self::Changed(..) => false,
+            Self::Signal(why) => why.is_bad_input(),
+            Self::Scenario(_)
+            | Self::Damper(_)
+            | Self::NoCurve
+            | Self::NoIrregularity
+            | Self::NoBody(..)
+            | Self::NoAxis(_)
+            | Self::AxisCount(..)
+            | Self::ValueTwice(_)
+            | Self::KeyTwice(_)
+            | Self::TooManyPoints(_) => true,
+        }
+    }
+}
+
+impl fmt::Display for StudyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown = |path: &Path| path.display().to_string();
+        match self {
+            Self::Scenario(why) => why.fmt(f),
+            Self::Damper(why) => why.fmt(f),
+            Self::NoSteadyRunning(why) => why.fmt(f),
+            Self::Signal(why) => why.fmt(f),
+            Self::OffTheTrack(at_m) => write!(f, "off the track at {at_m:.0} m"),
+            Self::OnTrack(number, why) => write!(f, "track {number}: {why}"),
+            Self::NoTrack => write!(f, "found no track, expected at least one"),
+            Self::NoCurve => write!(f, "the track has no curve, expected [track.curve]"),
+            Self::NoIrregularity => {
+                write!(f, "the track has no irregularity, expected [track.irregularity]")
+            }
+            Self::NoBody(name, names) => {
+                write!(f, "no body is named \"{name}\", found {}", quoted(&names.join(", ")))
+            }
+            Self::InFile(path, why) => write!(f, "{}: {why}", quoted(&shown(path))),
+            Self::Changed(path, changes) => write!(
+                f,
+                "{}: changed while the study ran ({}), expected the same content throughout: run the \
+                 study again",
+                quoted(&shown(path)),
+                changes.join(", ")
+            ),
+            Self::NoAxis(text) => write!(
+                f,
+                "found \"{}\", expected KEY=from:to:n, KEY=value,value or KEY*=factors",
+                quoted(text)
+            ),
+            Self::AxisCount(count, text, most) => {
+                write!(f, "found {count} values in \"{}\", expected 2 to {most}", quoted(text))
+            }
+            Self::ValueTwice(text) => {
+                write!(f, "found a value twice in \"{}\", expected each once", quoted(text))
+            }
+            Self::KeyTwice(key) => write!(f, "`{}` is varied twice", quoted(key)),
+            Self::TooManyPoints(most) => write!(f, "more than {most} points"),
+            Self::NotSerialised(why) => write!(f, "the question cannot be serialised: {why}"),
+        }
+    }
+}
+
+impl std::error::Error for StudyError {}
+
+impl From<ScenarioError> for StudyError {
+    fn from(why: ScenarioError) -> Self {
+        Self::Scenario(why)
+    }
+}
+
+impl From<DamperError> for StudyError {
+    fn from(why: DamperError) -> Self {
+        Self::Damper(why)
+    }
+}
+
+impl From<NoEquilibrium> for StudyError {
+    fn from(why: NoEquilibrium) -> Self {
+        Self::NoSteadyRunning(why)
+    }
+}
+
+impl From<SignalError> for StudyError {
+    fn from(why: SignalError) -> Self {
+        Self::Signal(why)
+    }
+}
