@@ -4,6 +4,7 @@ use crate::bench_options::{RealtimeArgs, WireArgs};
 use crate::exit::SAFE_STATE;
 use crate::output::{print, stem};
 use crate::stop;
+use crate::value::number;
 use clap::Args;
 use hil_host::run::{self, BusChoice, PaceChoice, RunOptions};
 use hil_host::summary::Summary;
@@ -23,10 +24,12 @@ pub(crate) struct RunArgs {
     #[arg(long, value_enum, default_value_t = PaceChoice::Realtime)]
     pace: PaceChoice,
     /// Another duration (s).
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S",
+        value_parser = number("a duration from 0.001 to 86400 s", |s| (1e-3..=86_400.0).contains(&s)))]
     duration: Option<f64>,
     /// Another speed (km/h).
-    #[arg(long, value_name = "KMH")]
+    #[arg(long, value_name = "KMH",
+        value_parser = number("a speed over 0 and up to 600 km/h", |kmh| kmh > 0.0 && kmh <= 600.0))]
     speed_kmh: Option<f64>,
     /// Folder for the files of the run [default: runs/SCENARIO-N].
     #[arg(long, value_name = "DIR")]
