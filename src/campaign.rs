@@ -1,24 +1,50 @@
-//! `yawbench identify --campaign` and `--merge`: the proof of `identify` on records whose truth is known.
+//! `yawbench campaign`: the proof of `identify` on records whose truth is known.
 
-use crate::identify::IdentifyArgs;
 use crate::output::print;
 use crate::progress;
 use anyhow::bail;
+use clap::Args;
 use evidence::campaign::score::Line;
 use evidence::campaign::{Campaign, Table, page, run, table};
 use hil_host::record::RunFolder;
 use signal::shards::{Shard, merge};
 use std::path::{Path, PathBuf};
 
+/// Options of `campaign`.
+#[derive(Debug, Args)]
+pub(crate) struct CampaignArgs {
+    /// Number of cases; 773 hold every kind. A folder that has some of them is completed.
+    #[arg(long, value_name = "N", requires = "seed", required_unless_present = "merge")]
+    cases: Option<usize>,
+    /// Seed of the campaign.
+    #[arg(long, value_name = "S", requires = "cases")]
+    seed: Option<u64>,
+    /// The part of the campaign to run, such as 1/4.
+    #[arg(long, value_name = "I/N", requires = "cases")]
+    shard: Option<Shard>,
+    /// Fewer and shorter tests per case, to try the campaign itself.
+    #[arg(long, requires = "cases")]
+    brief: bool,
+    /// The table of cases that shards have run.
+    #[arg(long, value_name = "JSONL", num_args = 1.., conflicts_with = "cases")]
+    merge: Vec<PathBuf>,
+    /// Folder for the files [default: runs/campaign-SEED].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the table as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
 /// Runs a campaign or a shard of it, or merges what others have run.
 ///
 /// # Errors
 /// Bad input; files that are no lines of this campaign; a disk that fails.
-pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
+pub(crate) fn command(args: &CampaignArgs) -> anyhow::Result<()> {
     if !args.merge.is_empty() {
         return tell(args, &args.merge, None);
     }
-    let Some(cases) = args.campaign else { bail!("--campaign: no number of cases") };
+    let Some(cases) = args.cases else { bail!("--cases: no number of cases") };
     let Some(seed) = args.seed else { bail!("--seed: no seed") };
     let campaign = Campaign { cases, seed, brief: args.brief };
     let shard = args.shard.unwrap_or(Shard::WHOLE);
@@ -41,7 +67,7 @@ fn last(line: &Line) -> String {
 }
 
 /// Prints the table and writes it where there is a folder.
-fn tell(args: &IdentifyArgs, files: &[PathBuf], folder: Option<&Path>) -> anyhow::Result<()> {
+fn tell(args: &CampaignArgs, files: &[PathBuf], folder: Option<&Path>) -> anyhow::Result<()> {
     let table = Table::new(&merge(files)?);
     let (json, text) = (serde_json::to_string_pretty(&table)?, page::text(&table));
     if let Some(folder) = folder.or(args.out.as_deref()) {

@@ -10,6 +10,9 @@ pub(crate) const BAD_INPUT: u8 = 2;
 /// The run ended in the safe state.
 pub(crate) const SAFE_STATE: u8 = 3;
 
+/// Ended by Ctrl-C or SIGTERM, with the files of what was done until then.
+pub(crate) const INTERRUPTED: u8 = 130;
+
 /// The exit code of an error.
 pub(crate) fn code(error: &anyhow::Error) -> u8 {
     match () {

@@ -8,13 +8,13 @@ mod curve;
 mod exit;
 mod identify;
 mod output;
-mod predictions;
 mod progress;
 mod reproduce;
 mod ride;
 mod rig;
 mod run;
 mod simulate;
+mod stop;
 mod study;
 mod validation;
 
@@ -49,10 +49,14 @@ enum Command {
     Characterise(characterise::CharacteriseArgs),
     /// Find the effect that a damper model lacks on measured records, and add it.
     #[command(
-        after_help = "Examples: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv
-          yawbench identify --campaign 773 --seed 1 --shard 1/2 --out campaign"
+        after_help = "Example: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv"
     )]
     Identify(identify::IdentifyArgs),
+    /// Run `identify` on records whose truth is known.
+    #[command(
+        after_help = "Example: yawbench campaign --cases 773 --seed 1 --shard 1/2 --out campaign"
+    )]
+    Campaign(campaign::CampaignArgs),
     /// The force of a model on a record, free-running from its displacement.
     #[command(after_help = "Example: yawbench simulate model.toml sine.csv --out predicted.csv")]
     Simulate(simulate::SimulateArgs),
@@ -98,7 +102,8 @@ fn main() -> ExitCode {
         Command::Run(args) => run::command(args),
         Command::Rig(args) => rig::command(args),
         Command::Characterise(args) => characterise::command(args).map(|()| ExitCode::SUCCESS),
-        Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Identify(args) => identify::command(args),
+        Command::Campaign(args) => campaign::command(args).map(|()| ExitCode::SUCCESS),
         Command::Simulate(args) => simulate::command(args).map(|()| ExitCode::SUCCESS),
         Command::CriticalSpeed(args) => critical_speed::command(args),
         Command::Reproduce(args) => reproduce::command(args),
