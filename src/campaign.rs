@@ -91,7 +91,11 @@ fn merged(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
 
 /// The folder of a merged table: that of the campaign where this program has run the cases, else one of
 /// its own, known by the content of the files.
-fn folder_of_merged(out: &Path, files: &[PathBuf], table: &Table) -> Result<ResultFolder, CommandError> {
+fn folder_of_merged(
+    out: &Path,
+    files: &[PathBuf],
+    table: &Table,
+) -> Result<ResultFolder, CommandError> {
     let Table { cases, seed, brief, .. } = *table;
     let campaign = Campaign { cases, seed, brief }.identity()?;
     let identity = match merge::<CaseResult>(files, Some(&campaign)) {

@@ -5,15 +5,17 @@
 //! in the safe state ([`SAFE_STATE`]).
 
 use crate::exit::{BAD_INPUT, FAILED, SAFE_STATE};
+use evidence::error::EvidenceError;
 use files::{FolderError, InputError};
 use hil_host::run::SilentRigs;
-use identification::IdentifyError;
+use identification::IdentificationError;
 use measurement::MeasurementError;
 use scenario::source::ScenarioError;
-use signal::shards::ShardError;
+use signal::SignalError;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
+use vehicle_studies::StudyError;
 
 /// Declares [`CommandError`]: the errors of other crates with their exit codes, and the command line's
 /// own.
@@ -93,9 +95,13 @@ command_error! {
     /// A folder that takes no result.
     Folder(FolderError) => |why| input_or_failure(!matches!(why, FolderError::Disk(..)));
     /// Shards that do not belong together.
-    Shards(ShardError) => |_| BAD_INPUT;
+    Shards(SignalError) => |why| input_or_failure(why.is_bad_input());
     /// Records that no damper follows.
-    Identification(IdentifyError) => |_| BAD_INPUT;
+    Identification(IdentificationError) => |why| input_or_failure(why.is_bad_input());
+    /// A study of a vehicle that has no answer.
+    Study(StudyError) => |why| input_or_failure(why.is_bad_input());
+    /// A campaign, a reproduction or a reference that cannot be computed.
+    Evidence(EvidenceError) => |why| input_or_failure(why.is_bad_input());
     /// A report page that is not written.
     Report(report::Error) => |_| FAILED;
     /// Rigs that never answered.

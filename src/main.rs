@@ -13,7 +13,6 @@ mod error;
 mod exit;
 mod identify;
 mod output;
-mod predictions;
 mod progress;
 mod reproduce;
 mod ride;
@@ -134,8 +133,8 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
         Command::Run(args) => run::command(args)?,
         Command::Rig(args) => rig::command(args)?,
         Command::Characterise(args) => characterise::command(args).map(done)?,
-        Command::Identify(args) => identify::command(args).map(done)?,
-        Command::Campaign(args) => campaign::command(args).map(done)?,
+        Command::Identify(args) => identify::command(args)?,
+        Command::Campaign(args) => campaign::command(args)?,
         Command::Simulate(args) => simulate::command(args).map(done)?,
         Command::CriticalSpeed(args) => critical_speed::command(args)?,
         Command::Reproduce(args) => reproduce::command(args)?,

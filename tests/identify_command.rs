@@ -158,7 +158,14 @@ fn predictions_fit_the_result(result: &Value, place: &Path) {
 
 fn simulate_gives_the_predictions_again(place: &Path) {
     for name in ["service", "work"] {
-        let args = ["simulate", "full/model.toml", &format!("bench/{name}.csv"), "--out", "s.csv"];
+        let args = [
+            "simulate",
+            "full/model.toml",
+            &format!("bench/{name}.csv"),
+            "--out",
+            "s.csv",
+            "--overwrite",
+        ];
         let done = output(yawbench().args(args).current_dir(&*VISIT));
         assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
         let (names, again) = rows(&VISIT.join("s.csv"));
@@ -233,8 +240,8 @@ fn without_a_declared_direction_a_side_is_a_letter() {
     assert_eq!(effect["name"], "asymmetric_damping", "{}", result["rejected"]);
     assert_eq!(effect["direction"], "not declared: positive is side A, negative side B");
     assert_eq!(result["errors"]["datasheet"], Value::Null);
-    let first = text_of(&place.join("predictions/small.csv"));
-    assert!(first.starts_with("# extension: unknown\n"), "{}", &first[..40]);
+    let mapping = text_of(&place.join("predictions/small.toml"));
+    assert!(mapping.ends_with("\nextension = \"unknown\"\n"), "{mapping}");
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use firmware_core::damper::effects::Effect;
 use firmware_core::damper::{Damper, Nominal};
 use identification::result::Verdict;
-use identification::{Identification, Question, identify, page};
+use identification::{Control, Identification, Question, identify, page};
 use measurement::{Measurement, Series};
 use std::path::PathBuf;
 use virtual_bench::bench_visit::excitation::Excitation;
@@ -50,7 +50,7 @@ fn records(effects: &[Effect], names: &[&str]) -> Vec<Measurement> {
 /// Writes the page, opens it, and returns its text without the scripts' own.
 fn opened(found: &Identification, name: &str) -> String {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    page::page(found).write_to(&path).unwrap();
+    page(found).write_to(&path).unwrap();
     if let Some(page) = report::browser::open(&path).unwrap() {
         page.assert_complete();
     }
@@ -73,7 +73,7 @@ fn the_page_tells_what_was_found_and_shows_every_held_out_test() {
         thorough: false,
         notes: vec!["a note <that is told>".to_owned()],
     };
-    let found = identify(question, &|_| ()).unwrap();
+    let found = identify(question, Control::QUIET).unwrap();
     let (effects, rejected) = (&found.result.effects, &found.result.rejected);
     assert!(effects.iter().any(|effect| effect.name == "asymmetric_damping"), "{rejected:?}");
     let text = opened(&found, "identify-asymmetry.html");
@@ -124,7 +124,7 @@ fn a_page_of_one_test_without_datasheet_and_holdout_says_so() {
         thorough: false,
         notes: Vec::new(),
     };
-    let found = identify(question, &|_| ()).unwrap();
+    let found = identify(question, Control::QUIET).unwrap();
     assert_eq!(found.result.verdict, Verdict::NoMissingEffect, "{:?}", found.result.unexplained);
     let text = opened(&found, "identify-one-test.html");
     assert!(text.contains("<h1>Damper identification: nothing is missing</h1>"), "no verdict");
@@ -162,7 +162,7 @@ fn a_map_that_was_asked_for_comes_last_and_is_called_no_physics() {
         thorough: false,
         notes: Vec::new(),
     };
-    let found = identify(question, &|_| ()).unwrap();
+    let found = identify(question, Control::QUIET).unwrap();
     assert!(found.empirical.as_ref().unwrap().kept, "{:?}", found.result.empirical);
     let text = opened(&found, "identify-empirical.html");
     let section = text.split_once("<h2>An empirical map (no physics)</h2>").unwrap().1;

@@ -7,9 +7,11 @@
 
 use super::candidate::Candidate;
 use super::cautions::impossible_beyond;
+use super::evidence::{Evidence, LEAST_GAIN};
 use super::grey_box::{CE, KE, RELIEF};
-use super::tests_at_hand::TestsAtHand;
-use super::trial::{Evidence, Judged, LEAST_GAIN, Trial};
+use super::judged::Judged;
+use super::test_set::TestSet;
+use super::trial::Trial;
 
 /// Pieces that must be improved or unchanged.
 const LEAST_IMPROVED: f64 = 0.8;
@@ -23,11 +25,11 @@ const MARGIN: f64 = 2.5;
 const OTHER_SIZE: f64 = 3.0;
 
 /// The trial to accept, with the trials that cannot be told from it.
-pub fn choose(
+pub(crate) fn choose(
     standing: &Judged,
     trials: &[Trial],
     tried: &[Candidate],
-    tests: &TestsAtHand,
+    tests: &TestSet,
 ) -> Option<(usize, Vec<usize>)> {
     let fit_for_it: Vec<usize> = (0..trials.len())
         .filter(|index| objection(standing, &trials[*index], tried.len(), tests).is_none())
@@ -36,7 +38,7 @@ pub fn choose(
     let alike: Vec<usize> = fit_for_it
         .iter()
         .copied()
-        .filter(|index| !told_apart(&trials[best].judged, &trials[*index].judged, tests))
+        .filter(|index| !distinguishable(&trials[best].judged, &trials[*index].judged, tests))
         .collect();
     // Among equals one that leaves the damper the size it has, then the one with fewest parameters.
     let parameters = |index: &usize| tried[trials[*index].candidate].effect.parameters.len();
@@ -57,7 +59,7 @@ pub fn choose(
     let rivals = (0..trials.len()).filter(|index| {
         *index != winner
             && no_gain(standing, &trials[*index], tried.len()).is_none()
-            && !told_apart(&trials[best].judged, &trials[*index].judged, tests)
+            && !distinguishable(&trials[best].judged, &trials[*index].judged, tests)
     });
     Some((winner, rivals.collect()))
 }
@@ -65,8 +67,8 @@ pub fn choose(
 /// True when a trial needs another damper altogether: damping, stiffness or relief force of another
 /// size. A valve stage on a hundredfold Ce does the same as dry friction.
 pub(super) fn remakes(standing: &Judged, trial: &Trial) -> bool {
-    let before = &standing.standing.fit.values;
-    let after = &trial.judged.standing.fit.values;
+    let before = &standing.fit().values;
+    let after = &trial.judged.fit().values;
     [CE, KE, RELIEF].into_iter().any(|place| {
         let ratio = after[place] / before[place];
         !(1.0 / OTHER_SIZE..=OTHER_SIZE).contains(&ratio)
@@ -74,11 +76,11 @@ pub(super) fn remakes(standing: &Judged, trial: &Trial) -> bool {
 }
 
 /// Why a trial cannot be accepted, if anything speaks against it.
-pub fn objection(
+pub(crate) fn objection(
     standing: &Judged,
     trial: &Trial,
     candidates: usize,
-    tests: &TestsAtHand,
+    tests: &TestSet,
 ) -> Option<String> {
     no_gain(standing, trial, candidates).or_else(|| {
         at_a_bound(standing, trial, tests).map(|name| format!("{name} runs to its bound"))
@@ -88,8 +90,8 @@ pub fn objection(
 /// Why a trial does not predict better than the standing model, if it does not.
 fn no_gain(standing: &Judged, trial: &Trial, candidates: usize) -> Option<String> {
     let Evidence { holdout_gain, improved, p_value } = trial.evidence;
-    let before = standing.standing.fit.total_n2();
-    let seen_gain = 1.0 - trial.judged.standing.fit.total_n2() / before;
+    let before = standing.fit().total_n2();
+    let seen_gain = 1.0 - trial.judged.fit().total_n2() / before;
     let p = (p_value * candidates as f64).min(1.0);
     let gains = [(seen_gain, "the tests it is fitted to"), (holdout_gain, "tests left out")];
     let unfit = gains.into_iter().find_map(|(gain, of)| too_little(gain, of));
@@ -117,9 +119,9 @@ pub(super) fn too_seldom(improved: f64) -> Option<String> {
 
 /// The first parameter of a new effect that ends on a bound that only the impossible lies beyond, and
 /// whose value matters there.
-fn at_a_bound(standing: &Judged, trial: &Trial, tests: &TestsAtHand) -> Option<&'static str> {
-    let fit = &trial.judged.standing.fit;
-    let known = standing.standing.fit.model.effects.len();
+fn at_a_bound(standing: &Judged, trial: &Trial, tests: &TestSet) -> Option<&'static str> {
+    let fit = trial.judged.fit();
+    let known = standing.fit().model.effects.len();
     let of_effect =
         |effect: usize| fit.model.effects[effect].parameters.iter().zip(fit.model.range_of(effect));
     let free = fit.model.free(&fit.values);
@@ -130,7 +132,7 @@ fn at_a_bound(standing: &Judged, trial: &Trial, tests: &TestsAtHand) -> Option<&
         let value = fit.values[index];
         let beyond = impossible_beyond(value, (lower, upper)).is_some();
         let slope = fit.model.coordinates()[index].slope(free[index]).max(1e-12 * span);
-        let columns = &trial.judged.standing.slopes[index];
+        let columns = &trial.judged.linearised.slopes[index];
         let squares: f64 = columns.iter().flatten().map(|s| s * s).sum();
         let moved_n = (squares / tests.counted_samples() as f64).sqrt() * 0.01 * span / slope;
         (beyond && moved_n > 0.1 * error_n).then_some(row.name)
@@ -138,7 +140,7 @@ fn at_a_bound(standing: &Judged, trial: &Trial, tests: &TestsAtHand) -> Option<&
 }
 
 /// True when the second model is worse on left-out blocks by more than its scatter.
-pub(super) fn told_apart(best: &Judged, rival: &Judged, tests: &TestsAtHand) -> bool {
+pub(super) fn distinguishable(best: &Judged, rival: &Judged, tests: &TestSet) -> bool {
     let ours = best.left_out.block_squares(tests);
     let theirs = rival.left_out.block_squares(tests);
     let differences: Vec<f64> = ours.iter().zip(&theirs).map(|(a, b)| b - a).collect();

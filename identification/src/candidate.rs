@@ -1,12 +1,12 @@
 //! The effects of the catalogue as candidates on the records at hand.
 
 use super::grey_box::GreyBox;
-use super::tests_at_hand::TestsAtHand;
+use super::test_set::TestSet;
 use firmware_core::damper::effects::{CATALOGUE, EffectInfo};
 
 /// An effect that may be missing, with start values for its parameters.
 #[derive(Debug, Clone)]
-pub struct Candidate {
+pub(crate) struct Candidate {
     /// The effect.
     pub effect: &'static EffectInfo,
     /// Start values in the order of its table; the usual ones first.
@@ -15,7 +15,7 @@ pub struct Candidate {
 
 /// All candidates that the model does not have yet, that the sampling rate can hold, and whose traces
 /// the laboratory's processing has left in the training records.
-pub fn candidates(model: &GreyBox, tests: &TestsAtHand) -> Vec<Candidate> {
+pub(crate) fn candidates(model: &GreyBox, tests: &TestSet) -> Vec<Candidate> {
     let has = |info: &EffectInfo| model.effects.iter().any(|effect| effect.name == info.name);
     let rate_hz = rate_hz(tests);
     CATALOGUE
@@ -36,12 +36,12 @@ pub fn candidates(model: &GreyBox, tests: &TestsAtHand) -> Vec<Candidate> {
 }
 
 /// What was done to a training record that has destroyed the traces of an effect.
-pub fn destroyed<'a>(tests: &'a TestsAtHand, name: &str) -> Option<&'a str> {
+pub(crate) fn destroyed<'a>(tests: &'a TestSet, name: &str) -> Option<&'a str> {
     tests.tests.iter().find_map(|test| test.record.destroyed.get(name).map(String::as_str))
 }
 
 /// The lowest sampling rate of the records, Hz.
-pub fn rate_hz(tests: &TestsAtHand) -> f64 {
+pub(crate) fn rate_hz(tests: &TestSet) -> f64 {
     let rates = tests.tests.iter().map(|test| 1.0 / test.record.step_s);
     // A rate that a time column in milliseconds rounds is the rate.
     rates.fold(f64::INFINITY, f64::min) * (1.0 + 1e-6)

@@ -10,13 +10,13 @@
 
 use super::fit::Fit;
 use super::grey_box::{C2, CE, RELIEF};
-use super::tests_at_hand::TestsAtHand;
+use super::test_set::TestSet;
 
 /// Share by which the squared error may differ.
 const SAME: f64 = 1e-9;
 
 /// The same fit in the agreed parameters; as it is where it is in them, or where nothing is the same.
-pub fn canonical(fit: Fit, tests: &TestsAtHand) -> Fit {
+pub(crate) fn canonical(fit: Fit, tests: &TestSet) -> Fit {
     let stage = fit.model.effects.iter().position(|info| info.name == "second_valve_stage");
     let Some(start) = stage.map(|effect| fit.model.range_of(effect).start) else { return fit };
     let mut values = fit.values.clone();
@@ -27,7 +27,7 @@ pub fn canonical(fit: Fit, tests: &TestsAtHand) -> Fit {
     (values[start], values[start + 1]) = (values[RELIEF], values[C2] / values[CE]);
     (values[RELIEF], values[C2]) = (knee, ratio * values[C2]);
     let values = fit.model.values(&fit.model.free(&values));
-    match Fit::of(&fit.model, &values, tests) {
+    match Fit::evaluate(&fit.model, &values, tests) {
         Some(same) if same.total_n2() <= (1.0 + SAME) * fit.total_n2() => same,
         _ => fit,
     }
@@ -54,12 +54,12 @@ mod tests {
             (0..3000).map(|n| damper.advance(&mut state, motion(n), 1e-3)).collect();
         let displacement_m = (0..3000).map(|n| motion(n).displacement_m).collect();
         let series = Series::sampled("a", 1e3, displacement_m, force_n);
-        let tests = TestsAtHand::new(vec![Measurement::from_series(series).unwrap()]);
+        let tests = TestSet::new(vec![Measurement::from_series(series).unwrap()]);
         let stage = CATALOGUE.iter().find(|info| info.name == "second_valve_stage").unwrap();
         let model = GreyBox::nominal(&tests.scale).with(stage, &tests.scale);
         let nominal = Nominal { f_relief_n: 6e3, c2_n_s_per_m: 4e5, ..Nominal::NEW };
         let values = [vector_of(&nominal), vec![15e3, 0.2]].concat();
-        let fit = canonical(Fit::of(&model, &values, &tests).unwrap(), &tests);
+        let fit = canonical(Fit::evaluate(&model, &values, &tests).unwrap(), &tests);
         for (value, expected) in fit.values[3..].iter().zip([15e3, 8e4, 6e3, 0.4]) {
             assert!((value / expected - 1.0).abs() < 1e-6, "{:?}", fit.values);
         }

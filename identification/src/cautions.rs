@@ -1,9 +1,11 @@
 //! What a careful colleague would ask before believing the numbers.
 
+use super::budget::MOST_PASSES;
 use super::coordinate::Coordinate;
+use super::finding::Findings;
 use super::fit::Fit;
-use super::left_over::Unexplained;
-use super::tests_at_hand::{Test, TestsAtHand};
+use super::residual::Unexplained;
+use super::test_set::{Test, TestSet};
 use signal::statistics::{min_max, rms};
 
 /// A test held out may go this much beyond the training tests, of their range.
@@ -19,8 +21,58 @@ const ON_BOUND: f64 = 1e-3;
 /// A signal of a test.
 type Signal = fn(&Test) -> &[f64];
 
+/// All cautions about an identification, a line each.
+pub(crate) fn all(
+    findings: &Findings,
+    datasheet: Option<&Fit>,
+    (train, holdout): (&TestSet, &TestSet),
+) -> Vec<String> {
+    let mut lines = Vec::new();
+    lines.extend(few_tests(train));
+    lines.extend(cut_short(findings));
+    lines.extend(other_unit(datasheet, train));
+    lines.extend(extrapolations(train, holdout));
+    lines.extend(on_bounds(findings.with_effects.fit(), train));
+    lines.extend(accepted_together(findings));
+    lines
+}
+
+fn few_tests(train: &TestSet) -> Option<String> {
+    let (tests, pieces) = (train.tests.len(), train.pieces.len());
+    (!train.whole_tests).then(|| {
+        format!(
+            "training tests: {tests}, fewer than four: folds leave out {pieces} runs of whole cycles \
+             with a guard gap between them, and not whole tests"
+        )
+    })
+}
+
+fn cut_short(findings: &Findings) -> Option<String> {
+    findings.cut_short.then(|| {
+        format!(
+            "the search ended at its limit of work, {MOST_PASSES} passes of a model over the \
+             training tests: --thorough goes on"
+        )
+    })
+}
+
+/// Pairs of which neither effect was accepted alone.
+fn accepted_together(findings: &Findings) -> impl Iterator<Item = String> {
+    findings.accepted.iter().filter_map(|first| {
+        let second = first.together_with?;
+        let still_there = findings.accepted.iter().any(|other| other.name == second);
+        let first = first.name;
+        still_there.then(|| {
+            format!(
+                "{first} and {second} were accepted together, neither of them alone: the evidence of \
+                 {first} is that of both"
+            )
+        })
+    })
+}
+
 /// Tests held out that ask for more than the training tests have shown, a line each.
-pub fn extrapolations(train: &TestsAtHand, holdout: &TestsAtHand) -> Vec<String> {
+pub(crate) fn extrapolations(train: &TestSet, holdout: &TestSet) -> Vec<String> {
     let quantities: [(&str, &str, Signal); 3] = [
         ("force", "N", |test| &test.record.force_n),
         ("velocity", "m/s", |test| &test.record.velocity_m_per_s),
@@ -48,9 +100,9 @@ pub fn extrapolations(train: &TestsAtHand, holdout: &TestsAtHand) -> Vec<String>
 
 /// Tests held out that the model does not follow, where all of them together are missed by far more than the
 /// fitted ones: what is wrong there, no fitted test shows.
-pub fn not_followed(
-    (on_train, train): (&Fit, &TestsAtHand),
-    (on_holdout, holdout): (&Fit, &TestsAtHand),
+pub(crate) fn not_followed(
+    (on_train, train): (&Fit, &TestSet),
+    (on_holdout, holdout): (&Fit, &TestSet),
 ) -> Option<Unexplained> {
     let (seen_n, held_n) = (on_train.rms_n(train), holdout.rmse_n(&on_holdout.force_n)?);
     if held_n <= NOT_FOLLOWED * seen_n {
@@ -71,7 +123,7 @@ pub fn not_followed(
 }
 
 /// Tests in which the datasheet's forces are of another size than the measured ones: a line for all, or one each.
-pub fn other_unit(datasheet: Option<&Fit>, tests: &TestsAtHand) -> Vec<String> {
+pub(crate) fn other_unit(datasheet: Option<&Fit>, tests: &TestSet) -> Vec<String> {
     let Some(fit) = datasheet else { return Vec::new() };
     let ratio = |test: &Test, force_n: &[f64]| rms(force_n) / rms(&test.record.force_n);
     let ratios = tests.tests.iter().zip(&fit.force_n).map(|(test, force_n)| ratio(test, force_n));
@@ -93,7 +145,7 @@ pub fn other_unit(datasheet: Option<&Fit>, tests: &TestsAtHand) -> Vec<String> {
 }
 
 /// Parameters of effects that lie on a bound which only the impossible lies beyond, a line each.
-pub fn on_bounds(fit: &Fit, tests: &TestsAtHand) -> Vec<String> {
+pub(crate) fn on_bounds(fit: &Fit, tests: &TestSet) -> Vec<String> {
     let mut lines = Vec::new();
     for (index, info) in fit.model.effects.iter().enumerate() {
         for (row, place) in info.parameters.iter().zip(fit.model.range_of(index)) {
@@ -136,13 +188,13 @@ mod tests {
     use measurement::{Measurement, Series};
 
     /// A damper of 1 MN s/m below relief at 3 Hz.
-    fn tests(amplitude_m: f64, force_gain: f64) -> TestsAtHand {
+    fn tests(amplitude_m: f64, force_gain: f64) -> TestSet {
         let w = std::f64::consts::TAU * 3.0;
         let x = |n: usize| amplitude_m * libm::sin(w * n as f64 * 1e-3);
         let f = |n: usize| force_gain * 1e6 * amplitude_m * w * libm::cos(w * n as f64 * 1e-3);
         let series =
             Series::sampled("a", 1e3, (0..2000).map(x).collect(), (0..2000).map(f).collect());
-        TestsAtHand::new(vec![Measurement::from_series(series).unwrap()])
+        TestSet::new(vec![Measurement::from_series(series).unwrap()])
     }
 
     #[test]
@@ -161,7 +213,7 @@ mod tests {
         let model = GreyBox::nominal(&tests.scale).with(stage, &tests.scale);
         let told = |ratio: f64| {
             let values = [vector_of(&Nominal::NEW), vec![5e3, ratio]].concat();
-            on_bounds(&Fit::of(&model, &values, &tests).unwrap(), &tests)
+            on_bounds(&Fit::evaluate(&model, &values, &tests).unwrap(), &tests)
         };
         assert_eq!(told(0.5), [""; 0]);
         let expected = "second_valve_stage: slope_ratio = 1.000e-2 lies on its bound";
@@ -178,7 +230,7 @@ mod tests {
             let value = lower + share * (upper - lower);
             let others = vec![0.0; info.parameters.len() - 1];
             let values = [vector_of(&Nominal::NEW), vec![value], others].concat();
-            on_bounds(&Fit::of(&model, &values, &tests).unwrap(), &tests)
+            on_bounds(&Fit::evaluate(&model, &values, &tests).unwrap(), &tests)
         };
         assert_eq!(told(0.4), [""; 0]);
         assert!(told(0.0)[0].ends_with("\"as negative as can be\""), "{:?}", told(0.0));
@@ -190,9 +242,10 @@ mod tests {
         // The dashpot that they were made with, on a stiff attachment.
         let damper =
             Nominal { ke_n_per_m: 1e9, clearance_2a_m: 0.0, f_relief_n: 1e6, ..Nominal::NEW };
-        let own_fit = Fit::of(&GreyBox::nominal(&own.scale), &vector_of(&damper), &own).unwrap();
+        let own_fit =
+            Fit::evaluate(&GreyBox::nominal(&own.scale), &vector_of(&damper), &own).unwrap();
         assert_eq!(not_followed((&own_fit, &own), (&own_fit, &own)), None);
-        let on_other = Fit::of(&own_fit.model, &own_fit.values, &other).unwrap();
+        let on_other = Fit::evaluate(&own_fit.model, &own_fit.values, &other).unwrap();
         let left = not_followed((&own_fit, &own), (&on_other, &other)).unwrap();
         assert_eq!(left.coordinate, "held_out_tests");
         assert!(left.description.contains(", a most with "), "{left:?}");
@@ -201,8 +254,8 @@ mod tests {
     #[test]
     fn kilonewtons_are_suspected() {
         let tests = [tests(1e-3, 1.0), tests(1e-3, 1e-3)];
-        let fit = |tests: &TestsAtHand| {
-            Fit::of(&GreyBox::nominal(&tests.scale), &vector_of(&Nominal::NEW), tests)
+        let fit = |tests: &TestSet| {
+            Fit::evaluate(&GreyBox::nominal(&tests.scale), &vector_of(&Nominal::NEW), tests)
         };
         assert_eq!(other_unit(fit(&tests[0]).as_ref(), &tests[0]), [""; 0]);
         let told = other_unit(fit(&tests[1]).as_ref(), &tests[1]);

@@ -22,7 +22,7 @@ pub struct Colour {
 
 impl Colour {
     /// The colour of a residual.
-    pub fn of(residual: &[f64]) -> Self {
+    pub fn estimate(residual: &[f64]) -> Self {
         let n = residual.len();
         let covariance: Vec<f64> = (0..=HIGHEST_ORDER.min(n.saturating_sub(1)))
             .map(|lag| {
@@ -91,7 +91,7 @@ mod tests {
             (before, last) = (last, now);
             series.push(now);
         }
-        let colour = Colour::of(&series);
+        let colour = Colour::estimate(&series);
         assert!((colour.coefficients[0] - 1.5).abs() < 0.02, "{colour:?}");
         assert!((colour.coefficients[1] + 0.7).abs() < 0.02, "{colour:?}");
         // Uniform over one: its rms is 1 / sqrt(12).

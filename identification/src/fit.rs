@@ -4,9 +4,10 @@
 //! of simulations, one per parameter and test, side by side on all cores; sums are formed in the
 //! order of tests, so the result does not depend on how many cores there are.
 
+use super::control::Control;
 use super::grey_box::GreyBox;
 use super::simulation::{simulate, start_deflection_m};
-use super::tests_at_hand::TestsAtHand;
+use super::test_set::TestSet;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
@@ -14,6 +15,7 @@ use rayon::prelude::*;
 
 /// Step of a derivative, in a free coordinate.
 const DERIVATIVE_STEP: f64 = 2e-4;
+
 /// How long a fit goes on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
@@ -51,7 +53,8 @@ pub struct Fit {
 
 impl Fit {
     /// A model as it is, simulated on every test.
-    pub fn of(model: &GreyBox, values: &[f64], tests: &TestsAtHand) -> Option<Self> {
+    pub fn evaluate(model: &GreyBox, values: &[f64], tests: &TestSet) -> Option<Self> {
+        debug_assert_eq!(values.len(), model.coordinates().len(), "one value per parameter");
         let damper = model.damper(values)?;
         let runs: Vec<(f64, Vec<f64>)> = tests
             .tests
@@ -67,42 +70,61 @@ impl Fit {
         Some(Self { model, values: values.to_vec(), starts_m, force_n, squares_n2 })
     }
 
+    /// The same model simulated on other tests.
+    pub fn on(&self, tests: &TestSet) -> Option<Self> {
+        Self::evaluate(&self.model, &self.values, tests)
+    }
+
     /// Sum over all pieces, N2.
     pub fn total_n2(&self) -> f64 {
         self.squares_n2.iter().sum()
     }
 
     /// rms error over all pieces, N.
-    pub fn rms_n(&self, tests: &TestsAtHand) -> f64 {
+    pub fn rms_n(&self, tests: &TestSet) -> f64 {
         (self.total_n2() / tests.counted_samples() as f64).sqrt()
     }
 
     /// Measured less simulated force of a test, N.
-    pub fn residual_n(&self, tests: &TestsAtHand, test: usize) -> Vec<f64> {
+    pub fn residual_n(&self, tests: &TestSet, test: usize) -> Vec<f64> {
         let measured = &tests.tests[test].record.force_n;
         measured.iter().zip(&self.force_n[test]).map(|(y, f)| y - f).collect()
     }
 }
 
 /// Sum of squared errors of every piece.
-pub fn squares_of(tests: &TestsAtHand, force_n: &[Vec<f64>]) -> Vec<f64> {
+pub(crate) fn squares_of(tests: &TestSet, force_n: &[Vec<f64>]) -> Vec<f64> {
+    debug_assert_eq!(force_n.len(), tests.tests.len(), "one force per test");
     let squares = tests.pieces.iter().map(|piece| {
         tests.tests[piece.test].squares_n2(&force_n[piece.test], piece.samples.clone())
     });
     squares.collect()
 }
 
-/// Fits the parameters of a model, from given values.
-pub fn fit(model: &GreyBox, from: &[f64], tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
-    fit_on(Fit::of(model, from, tests)?, tests, effort)
+/// Fits the parameters of a model, from given values; none where they make no damper or the work is
+/// stopped.
+pub fn fit(
+    model: &GreyBox,
+    from: &[f64],
+    tests: &TestSet,
+    effort: Effort,
+    control: Control<'_>,
+) -> Option<Fit> {
+    fit_on(Fit::evaluate(model, from, tests)?, tests, effort, control)
 }
 
-/// Fits on from a model that has been simulated.
-pub fn fit_on(from: Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
+/// Continues the fit of a model that has been simulated.
+pub(crate) fn fit_on(
+    from: Fit,
+    tests: &TestSet,
+    effort: Effort,
+    control: Control<'_>,
+) -> Option<Fit> {
+    let start_n2 = from.total_n2();
     let mut best = from;
     for round in 0..effort.rounds {
         let before = best.total_n2();
-        let fitted = descend(&best, tests, effort)?;
+        let fitted = descend(&best, tests, effort, control)?;
         let gained = before - fitted.total_n2();
         if gained > 0.0 {
             best = fitted;
@@ -112,24 +134,38 @@ pub fn fit_on(from: Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
             break;
         }
     }
+    debug_assert!(
+        best.total_n2() <= start_n2 || start_n2.is_nan(),
+        "a fit must not end with a larger error than it started with"
+    );
     Some(best)
 }
 
-/// The same, and once more with what got stuck at zero lifted off it: on the way a parameter may fall
-/// to zero that belongs elsewhere, a clearance while the air beside it is still too large.
-pub fn fit_freely(from: Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
-    let fitted = fit_on(from, tests, effort)?;
+/// The same, and once more with parameters that are stuck at zero lifted off it: on the way a
+/// parameter may fall to zero that belongs elsewhere, such as a clearance while the air in series is
+/// still too large.
+pub(crate) fn fit_freely(
+    from: Fit,
+    tests: &TestSet,
+    effort: Effort,
+    control: Control<'_>,
+) -> Option<Fit> {
+    let fitted = fit_on(from, tests, effort, control)?;
     let Some(freed) = fitted.model.freed(&fitted.values) else { return Some(fitted) };
-    match fit(&fitted.model, &freed, tests, effort) {
+    match fit(&fitted.model, &freed, tests, effort, control) {
         Some(again) if again.total_n2() < fitted.total_n2() => Some(again),
         _ => Some(fitted),
     }
 }
 
 /// One run of the solver with the starts of the dashpots as they are.
-fn descend(from: &Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
+fn descend(from: &Fit, tests: &TestSet, effort: Effort, control: Control<'_>) -> Option<Fit> {
+    if control.is_stopped() {
+        return None;
+    }
     let free = from.model.free(&from.values);
-    let problem = Problem::new(&from.model, free, &from.starts_m, tests);
+    debug_assert!(free.iter().all(|u| u.is_finite()), "a start on a bound is taken inside it");
+    let problem = Problem::new(&from.model, free, &from.starts_m, tests, control);
     let solver = LevenbergMarquardt::new()
         .with_ftol(effort.gain)
         .with_xtol(effort.gain)
@@ -137,14 +173,18 @@ fn descend(from: &Fit, tests: &TestsAtHand, effort: Effort) -> Option<Fit> {
         .with_stepbound(10.0)
         .with_patience(effort.patience);
     let (problem, _) = solver.minimize(problem);
+    if control.is_stopped() {
+        return None;
+    }
     let values = from.model.values(&problem.free);
-    Fit::of(&from.model, &values, tests)
+    Fit::evaluate(&from.model, &values, tests)
 }
 
 struct Problem<'a> {
     model: &'a GreyBox,
-    tests: &'a TestsAtHand,
+    tests: &'a TestSet,
     starts_m: &'a [f64],
+    control: Control<'a>,
     free: Vec<f64>,
     force_n: Option<Vec<Vec<f64>>>,
 }
@@ -154,10 +194,11 @@ impl<'a> Problem<'a> {
         model: &'a GreyBox,
         free: Vec<f64>,
         starts_m: &'a [f64],
-        tests: &'a TestsAtHand,
+        tests: &'a TestSet,
+        control: Control<'a>,
     ) -> Self {
         let force_n = forces(model, &model.values(&free), starts_m, tests);
-        Self { model, tests, starts_m, free, force_n }
+        Self { model, tests, starts_m, control, free, force_n }
     }
 }
 
@@ -167,6 +208,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
 
     fn set_params(&mut self, params: &DVector<f64>) {
+        debug_assert_eq!(params.len(), self.free.len(), "the solver keeps the parameters");
         self.free = params.as_slice().to_vec();
         let values = self.model.values(&self.free);
         self.force_n = forces(self.model, &values, self.starts_m, self.tests);
@@ -177,13 +219,17 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
+        if self.control.is_stopped() {
+            return None;
+        }
         let samples = self.tests.counted_samples();
         let Some(force_n) = &self.force_n else {
-            // No such damper: as wrong as can be, so that the solver turns back.
+            // No such damper: a very large error, so that the solver turns back.
             return Some(DVector::from_element(samples, 10.0 * self.tests.scale.force_n));
         };
         let values = self.tests.pieces.iter().flat_map(|piece| {
             let range = piece.samples.clone();
+            debug_assert!(range.end <= force_n[piece.test].len(), "a piece lies inside its test");
             let measured = &self.tests.tests[piece.test].record.force_n[range.clone()];
             force_n[piece.test][range].iter().zip(measured).map(|(f, y)| f - y)
         });
@@ -191,7 +237,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let force_n = self.force_n.as_ref()?;
+        let force_n = self.force_n.as_ref().filter(|_| !self.control.is_stopped())?;
         let columns = slopes(self.model, &self.free, force_n, self.starts_m, self.tests);
         let samples = self.tests.counted_samples();
         let mut matrix = DMatrix::zeros(samples, self.free.len());
@@ -214,7 +260,7 @@ fn forces(
     model: &GreyBox,
     values: &[f64],
     starts_m: &[f64],
-    tests: &TestsAtHand,
+    tests: &TestSet,
 ) -> Option<Vec<Vec<f64>>> {
     let damper = model.damper(values)?;
     let pairs = tests.tests.par_iter().zip(starts_m);
@@ -222,14 +268,15 @@ fn forces(
 }
 
 /// Change of force per change of each free coordinate: by parameter, by test, by sample.
-pub fn slopes(
+pub(crate) fn slopes(
     model: &GreyBox,
     free: &[f64],
     force_n: &[Vec<f64>],
     starts_m: &[f64],
-    tests: &TestsAtHand,
+    tests: &TestSet,
 ) -> Vec<Vec<Vec<f64>>> {
     let count = tests.tests.len();
+    debug_assert_eq!((force_n.len(), starts_m.len()), (count, count), "one of each per test");
     let dampers: Vec<_> = (0..free.len())
         .map(|index| {
             // Away from where no damper is, if the first side has none.

@@ -14,9 +14,9 @@
 
 use super::fit::Fit;
 use super::gram::Gram;
-use super::screening::Standing;
+use super::linearised::Linearised;
 use super::simulation::simulate;
-use super::tests_at_hand::{Piece, TestsAtHand};
+use super::test_set::{Piece, TestSet};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -42,7 +42,7 @@ pub struct LeftOut {
 
 impl LeftOut {
     /// Leaves out every piece in turn.
-    pub fn of(standing: &Standing, tests: &TestsAtHand) -> Option<Self> {
+    pub fn predict(standing: &Linearised, tests: &TestSet) -> Option<Self> {
         let grams: Vec<Gram> = tests
             .pieces
             .par_iter()
@@ -72,7 +72,7 @@ impl LeftOut {
     }
 
     /// Squared errors block by block, N2, in order of pieces and time.
-    pub fn block_squares(&self, tests: &TestsAtHand) -> Vec<f64> {
+    pub fn block_squares(&self, tests: &TestSet) -> Vec<f64> {
         let mut sums = Vec::new();
         for (piece, force_n) in tests.pieces.iter().zip(&self.force_n) {
             let test = &tests.tests[piece.test];
@@ -89,10 +89,10 @@ impl LeftOut {
 /// Force on the left-out piece, its squared error, and that of the others. `grams` are those of the fit,
 /// one a piece.
 fn fold(
-    standing: &Standing,
+    standing: &Linearised,
     grams: &[Gram],
     out: usize,
-    tests: &TestsAtHand,
+    tests: &TestSet,
 ) -> Option<(Vec<f64>, f64, f64)> {
     let fit = &standing.fit;
     let seen: Vec<&Piece> =
@@ -145,25 +145,25 @@ fn fold(
     Some((force_n[piece.test][piece.samples.clone()].to_vec(), error, squares))
 }
 
-fn squares_on(force_n: &[Vec<f64>], piece: &Piece, tests: &TestsAtHand) -> f64 {
+fn squares_on(force_n: &[Vec<f64>], piece: &Piece, tests: &TestSet) -> f64 {
     tests.tests[piece.test].squares_n2(&force_n[piece.test], piece.samples.clone())
 }
 
 /// Sensitivities of the fit over a piece.
-fn columns<'a>(standing: &'a Standing, piece: &Piece) -> Vec<&'a [f64]> {
+fn columns<'a>(standing: &'a Linearised, piece: &Piece) -> Vec<&'a [f64]> {
     let by_parameter = standing.slopes.iter();
     by_parameter.map(|slope| &slope[piece.test][piece.samples.clone()]).collect()
 }
 
 /// Measured less given force over a piece.
-fn residual(force_n: &[Vec<f64>], piece: &Piece, tests: &TestsAtHand) -> Vec<f64> {
+fn residual(force_n: &[Vec<f64>], piece: &Piece, tests: &TestSet) -> Vec<f64> {
     let range = piece.samples.clone();
     let measured = &tests.tests[piece.test].record.force_n[range.clone()];
     measured.iter().zip(&force_n[piece.test][range]).map(|(y, f)| y - f).collect()
 }
 
 /// Share of the change that a richer model makes which falls on each piece.
-pub fn change_shares(from: &Fit, to: &Fit, tests: &TestsAtHand) -> Vec<f64> {
+pub(crate) fn change_shares(from: &Fit, to: &Fit, tests: &TestSet) -> Vec<f64> {
     let changes: Vec<f64> = tests
         .pieces
         .iter()

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Products of columns with each other and with a residual, over one piece.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Gram {
+pub(crate) struct Gram {
     /// Columns times columns.
     pub columns: DMatrix<f64>,
     /// Columns times residual.
@@ -16,7 +16,7 @@ pub struct Gram {
 
 impl Gram {
     /// Over equally long columns and residual.
-    pub fn over(columns: &[&[f64]], residual: &[f64]) -> Self {
+    pub(crate) fn over(columns: &[&[f64]], residual: &[f64]) -> Self {
         let squares = dot(residual, residual);
         let none = Self { columns: DMatrix::zeros(0, 0), residual: DVector::zeros(0), squares };
         none.extended(columns, residual)
@@ -24,7 +24,7 @@ impl Gram {
 
     /// Over more columns and the same residual, of which the products of the first columns are known.
     #[must_use]
-    pub fn extended(&self, columns: &[&[f64]], residual: &[f64]) -> Self {
+    pub(crate) fn extended(&self, columns: &[&[f64]], residual: &[f64]) -> Self {
         let (known, count) = (self.columns.nrows(), columns.len());
         let mut products = self.columns.clone().resize(count, count, 0.0);
         for row in known..count {
@@ -40,12 +40,12 @@ impl Gram {
     }
 
     /// Columns times a residual alone.
-    pub fn toward(columns: &[&[f64]], residual: &[f64]) -> DVector<f64> {
+    pub(crate) fn toward(columns: &[&[f64]], residual: &[f64]) -> DVector<f64> {
         DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, residual)))
     }
 
     /// The sum of several pieces, in their order.
-    pub fn sum<'a>(pieces: impl Iterator<Item = &'a Self>) -> Option<Self> {
+    pub(crate) fn sum<'a>(pieces: impl Iterator<Item = &'a Self>) -> Option<Self> {
         pieces.fold(None, |sum: Option<Self>, piece| match sum {
             None => Some(piece.clone()),
             Some(sum) => Some(Self {
@@ -57,7 +57,7 @@ impl Gram {
     }
 
     /// Coefficients of least squares, directions that the columns do not hold left at zero.
-    pub fn solve(&self) -> DVector<f64> {
+    pub(crate) fn solve(&self) -> DVector<f64> {
         let count = self.columns.nrows();
         let scale = DVector::from_fn(count, |i, _| {
             let length = self.columns[(i, i)].sqrt();
@@ -78,7 +78,7 @@ impl Gram {
 
     /// With a share of every column's own weight added: steps along weak directions get short.
     #[must_use]
-    pub fn damped(&self, share: f64) -> Self {
+    pub(crate) fn damped(&self, share: f64) -> Self {
         let mut damped = self.clone();
         for i in 0..self.columns.nrows() {
             damped.columns[(i, i)] *= 1.0 + share;
@@ -87,13 +87,13 @@ impl Gram {
     }
 
     /// How much the sum of squares falls when the given coefficients are used.
-    pub fn fall(&self, coefficients: &DVector<f64>) -> f64 {
+    pub(crate) fn fall(&self, coefficients: &DVector<f64>) -> f64 {
         2.0 * coefficients.dot(&self.residual) - coefficients.dot(&(&self.columns * coefficients))
     }
 
     /// The same without what the first `count` columns explain of the others and of the residual.
     #[must_use]
-    pub fn without_first(&self, count: usize) -> Self {
+    pub(crate) fn without_first(&self, count: usize) -> Self {
         let rest = self.columns.nrows() - count;
         let first = Self {
             columns: self.columns.view((0, 0), (count, count)).into_owned(),

@@ -5,7 +5,7 @@ use firmware_core::damper::effects::{EffectInfo, Scale};
 use firmware_core::damper::{Damper, Effect, Nominal};
 
 /// Names and units of the nominal parameters, in the order of the vector.
-pub const NOMINAL: [(&str, &str); 5] = [
+pub(crate) const NOMINAL: [(&str, &str); 5] = [
     ("ce_n_s_per_m", "N s/m"),
     ("ke_n_per_m", "N/m"),
     ("clearance_2a_m", "m"),
@@ -14,15 +14,15 @@ pub const NOMINAL: [(&str, &str); 5] = [
 ];
 
 /// Place of the damping among them.
-pub const CE: usize = 0;
+pub(crate) const CE: usize = 0;
 /// Of the stiffness.
-pub const KE: usize = 1;
+pub(crate) const KE: usize = 1;
 /// Of the clearance.
-pub const CLEARANCE: usize = 2;
+pub(crate) const CLEARANCE: usize = 2;
 /// Of the relief force.
-pub const RELIEF: usize = 3;
+pub(crate) const RELIEF: usize = 3;
 /// Of the slope beyond relief.
-pub const C2: usize = 4;
+pub(crate) const C2: usize = 4;
 
 /// Which effects a model has, and how its parameters are bounded.
 #[derive(Debug, Clone)]

@@ -1,434 +1,193 @@
-//! The whole identification: records in, three models and the story of what was found out.
+//! The whole identification: from records to three models and the findings about them.
 
-use super::cautions::{extrapolations, not_followed, on_bounds, other_unit};
+use super::budget::MOST_PASSES;
+use super::cautions;
+use super::control::Control;
 use super::empirical::{Empirical, FittedMap, empirical};
+use super::error::IdentificationError;
+use super::finding::Findings;
 use super::fit::Fit;
-use super::grey_box::{GreyBox, NOMINAL, vector_of};
-use super::left_over::{LeftOver, Unexplained};
-use super::result::{
-    EffectFound, EffectNotTestable, EffectRejected, EmpiricalPart, Errors, EvidenceFound,
-    IdentifyResult, Models, NominalValue, ParameterValue, PerTest, UnexplainedPart, Verdict,
-};
-use super::search::{Found, MOST_PASSES, Progress, search};
+use super::grey_box::{GreyBox, vector_of};
+use super::question::Question;
+use super::residual::ResidualAnalysis;
+use super::result::{IdentifyResult, Models, Parts, Simulated};
+use super::search::search;
 use super::start::nominal_fit;
-use super::tests_at_hand::{Test, TestsAtHand};
-use super::uncertainty::uncertainty;
-use firmware_core::damper::effects::CATALOGUE;
-use firmware_core::damper::{Damper, MapKnot, Nominal};
-use measurement::Measurement;
-
-/// What an identification starts from.
-#[derive(Debug, Clone)]
-pub struct Question {
-    /// Records to fit.
-    pub train: Vec<Measurement>,
-    /// Records that no fit sees.
-    pub holdout: Vec<Measurement>,
-    /// The maker's numbers, if there are any.
-    pub datasheet: Option<Nominal>,
-    /// A smooth map, which is no physics, is wanted on what is left.
-    pub empirical: bool,
-    /// The search goes on past its usual limit of work.
-    pub thorough: bool,
-    /// What the reader should know of all this.
-    pub notes: Vec<String>,
-}
+use super::test_set::TestSet;
+use firmware_core::damper::{Damper, Nominal};
 
 /// An identification: everything that the result, the predictions and the report are made from.
 #[derive(Debug, Clone)]
 pub struct Identification {
     /// The tests that were fitted.
-    pub train: TestsAtHand,
+    pub train: TestSet,
     /// The tests that no fit has seen.
-    pub holdout: TestsAtHand,
+    pub holdout: TestSet,
     /// The three models on the training tests.
     pub on_train: Models<Option<Fit>>,
     /// The three models on the tests held out.
     pub on_holdout: Models<Option<Fit>>,
     /// What the search found.
-    pub found: Found,
+    pub findings: Findings,
+    /// The damper with every effect that was found.
+    pub damper: Damper,
     /// The residual before any effect was added.
-    pub left_before: LeftOver,
-    /// The residual with all effects that were found.
-    pub left_after: LeftOver,
-    /// What came of the wish for an empirical map; none where nobody had it.
+    pub residual_before: ResidualAnalysis,
+    /// The residual with every effect that was found.
+    pub residual_after: ResidualAnalysis,
+    /// The empirical map, kept or not; none where it was not asked for.
     pub empirical: Option<Empirical>,
     /// The result as it is written.
     pub result: IdentifyResult,
 }
 
-/// Why there is no identification.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum IdentifyError {
-    /// No test has samples beyond its run-in.
-    NothingToFit,
-    /// No damper follows the records at all.
-    NoFit,
-}
-
-impl std::fmt::Display for IdentifyError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::NothingToFit => write!(f, "no training test has samples beyond its run-in"),
-            Self::NoFit => write!(f, "no damper follows these records at all"),
-        }
+impl Identification {
+    /// The empirical map, if it is kept.
+    pub(crate) fn kept_map(&self) -> Option<&FittedMap> {
+        self.empirical.as_ref().and_then(Empirical::kept)
     }
 }
 
-impl std::error::Error for IdentifyError {}
-
-/// Finds what the nominal model lacks. `progress` is told what is being done.
+/// Finds the effects that the nominal model lacks. Once the work is stopped, it ends with the
+/// effects that were accepted so far.
 ///
 /// # Errors
-/// Nothing to fit, or nothing fits.
+/// There is nothing to fit, nothing fits, or the work is stopped before the nominal model is fitted.
 pub fn identify(
     question: Question,
-    progress: Progress<'_>,
-) -> Result<Identification, IdentifyError> {
-    let Question { train, holdout, datasheet, empirical: wanted, thorough, mut notes } = question;
-    let train = TestsAtHand::new(train);
-    let holdout = TestsAtHand::new(holdout);
-    if train.counted_samples() < 2 {
-        return Err(IdentifyError::NothingToFit);
-    }
-    if !train.whole_tests {
-        let (tests, pieces) = (train.tests.len(), train.pieces.len());
-        notes.push(format!(
-            "training tests: {tests}, fewer than four: folds leave out {pieces} runs of whole cycles \
-             with a guard gap between them, and not whole tests"
-        ));
-    }
-    progress("the nominal damper");
-    let given = datasheet.as_ref().map(vector_of);
-    let nominal = nominal_fit(&train, given.as_deref()).ok_or(IdentifyError::NoFit)?;
-    let most_passes = if thorough { f64::INFINITY } else { MOST_PASSES };
-    let found = search(nominal, &train, most_passes, progress).ok_or(IdentifyError::NoFit)?;
-    if found.cut_short {
-        notes.push(format!(
-            "the search ended at its limit of work, {MOST_PASSES} passes of a model over the training tests: \
-             --thorough goes on"
-        ));
-    }
-    progress("what is left");
-    let (refitted, with_effects) = (&found.refitted.standing.fit, &found.with_effects.standing.fit);
-    let sheet =
-        |tests: &TestsAtHand| Fit::of(&GreyBox::nominal(&train.scale), given.as_deref()?, tests);
-    let on_train = Models {
-        datasheet: sheet(&train),
-        refitted: Some(refitted.clone()),
-        with_effects: Some(with_effects.clone()),
-    };
-    let on_holdout = Models {
-        datasheet: sheet(&holdout),
-        refitted: of(refitted, &holdout),
-        with_effects: of(with_effects, &holdout),
-    };
-    notes.extend(other_unit(on_train.datasheet.as_ref(), &train));
-    notes.extend(extrapolations(&train, &holdout));
-    notes.extend(on_bounds(with_effects, &train));
-    notes.extend(found.accepted.iter().filter_map(|first| {
-        let second = found.accepted.iter().find(|other| Some(other.name) == first.together_with)?;
-        Some(format!(
-            "{} and {} were accepted together, neither of them alone: the evidence of {} is that of both",
-            first.name, second.name, first.name
-        ))
-    }));
-    let left = |fit: &Fit| LeftOver::of(fit, &train).ok_or(IdentifyError::NoFit);
-    let (left_before, mut left_after) = (left(refitted)?, left(with_effects)?);
-    if left_after.unexplained.is_none()
-        && let Some(held_out) = &on_holdout.with_effects
-    {
-        left_after.unexplained = not_followed((with_effects, &train), (held_out, &holdout));
-    }
-    let tried = wanted.then(|| {
-        progress("an empirical map");
+    control: Control<'_>,
+) -> Result<Identification, IdentificationError> {
+    let Question { train, holdout, datasheet, empirical: wanted, thorough, notes } = question;
+    let (train, holdout) = (TestSet::new(train), TestSet::new(holdout));
+    let findings = search_from_nominal(&train, datasheet.as_ref(), thorough, control)?;
+    control.report("residual");
+    let damper = damper_of(&findings)?;
+    let models = ThreeModels::new(&train, datasheet.as_ref(), &findings);
+    let (on_train, on_holdout) = (models.on_train(&train), models.on_holdout(&holdout));
+    let (residual_before, residual_after) = residuals(&models, &train, &on_holdout, &holdout)?;
+    let empirical = wanted.then(|| {
         let on_holdout = on_holdout.with_effects.as_ref();
-        empirical(&found.with_effects, &left_after, on_holdout, (&train, &holdout))
+        map_of_residual(&findings, &residual_after, on_holdout, (&train, &holdout), control)
     });
-    let deviations = uncertainty(&found.with_effects.standing, &train);
-    let mut identification = Identification {
-        result: IdentifyResult {
-            verdict: verdict(&found, &left_after),
-            noise_floor_n: left_after.noise_floor_n,
-            noise_floor_method: left_after.noise_floor_method.to_owned(),
-            errors: Models { datasheet: None, refitted: None, with_effects: None },
-            per_test: Vec::new(),
-            nominal: nominal_values(&found, &deviations, datasheet.as_ref()),
-            effects: effects_found(&found, &deviations, &train),
-            rejected: rejected(&found),
-            not_testable: not_testable(&found, &train),
-            unexplained: left_after.unexplained.as_ref().map(unexplained),
-            unexplained_before: left_before.unexplained.as_ref().map(unexplained),
-            empirical: None,
-            notes,
-        },
+    let cautions = cautions::all(&findings, on_train.datasheet.as_ref(), (&train, &holdout));
+    let result = IdentifyResult::new(Parts {
+        train: Simulated { tests: &train, models: &on_train },
+        holdout: Simulated { tests: &holdout, models: &on_holdout },
+        datasheet: datasheet.as_ref(),
+        findings: &findings,
+        residual_before: &residual_before,
+        residual_after: &residual_after,
+        empirical: empirical.as_ref(),
+        notes: notes.into_iter().chain(cautions).collect(),
+    });
+    Ok(Identification {
         train,
         holdout,
         on_train,
         on_holdout,
-        found,
-        left_before,
-        left_after,
-        empirical: tried,
-    };
-    identification.result.empirical = identification.empirical.as_ref().map(|tried| {
-        let errors = |fitted: &FittedMap| {
-            identification.errors_of(&fitted.on_train, Some(&fitted.on_holdout))
-        };
-        empirical_part(tried, tried.fitted.as_ref().and_then(errors))
-    });
-    identification.result.errors = identification.errors();
-    identification.result.per_test = identification.per_test();
-    Ok(identification)
+        findings,
+        damper,
+        residual_before,
+        residual_after,
+        empirical,
+        result,
+    })
 }
 
-impl Identification {
-    /// The damper with everything that was found.
-    pub fn damper(&self) -> Option<Damper> {
-        let fit = &self.found.with_effects.standing.fit;
-        fit.model.damper(&fit.values)
-    }
-
-    fn errors(&self) -> Models<Option<Errors>> {
-        self.on_train.zip_with(&self.on_holdout, |train, holdout| {
-            self.errors_of(&train?.force_n, holdout.map(|fit| fit.force_n.as_slice()))
-        })
-    }
-
-    /// Errors of simulated forces on the training tests and on those held out.
-    fn errors_of(&self, train_n: &[Vec<f64>], holdout_n: Option<&[Vec<f64>]>) -> Option<Errors> {
-        let train = self.train.rmse_n(train_n)?;
-        let held = holdout_n.and_then(|force_n| self.holdout.rmse_n(force_n));
-        Some(Errors {
-            train_rmse_n: train,
-            holdout_rmse_n: held,
-            train_nrmse: train / self.train.measured_rms_n()?,
-            holdout_nrmse: held.zip(self.holdout.measured_rms_n()).map(|(held, rms)| held / rms),
-        })
-    }
-
-    fn per_test(&self) -> Vec<PerTest> {
-        let rows = |tests: &TestsAtHand, models: &Models<Option<Fit>>, role| {
-            let each = tests.tests.iter().enumerate();
-            each.map(|(index, test)| {
-                let forces =
-                    models.map(|fit| fit.as_ref().map(|fit| fit.force_n[index].as_slice()));
-                PerTest {
-                    file: test.record.name.clone(),
-                    role,
-                    samples: test.counted().len(),
-                    run_in_samples: test.record.run_in,
-                    rmse_n: forces.map(|force| force.map(|force| test.rmse_n(force))),
-                    peak_force_error: forces.map(|force| peak_error(test, (*force)?)),
-                    work_per_cycle_error: forces.map(|force| work_error(test, (*force)?)),
-                }
-            })
-            .collect::<Vec<_>>()
-        };
-        let mut all = rows(&self.train, &self.on_train, "train");
-        all.extend(rows(&self.holdout, &self.on_holdout, "holdout"));
-        all
-    }
-}
-
-impl<T> Models<Option<T>> {
-    /// The same for each model.
-    pub fn map<'a, U>(&'a self, to: impl Fn(&'a Option<T>) -> U) -> Models<U> {
-        Models {
-            datasheet: to(&self.datasheet),
-            refitted: to(&self.refitted),
-            with_effects: to(&self.with_effects),
-        }
-    }
-
-    fn zip_with<'a, U>(
-        &'a self,
-        other: &'a Self,
-        to: impl Fn(Option<&'a T>, Option<&'a T>) -> U,
-    ) -> Models<U> {
-        Models {
-            datasheet: to(self.datasheet.as_ref(), other.datasheet.as_ref()),
-            refitted: to(self.refitted.as_ref(), other.refitted.as_ref()),
-            with_effects: to(self.with_effects.as_ref(), other.with_effects.as_ref()),
-        }
-    }
-}
-
-/// A fitted model on other tests.
-fn of(fit: &Fit, tests: &TestsAtHand) -> Option<Fit> {
-    Fit::of(&fit.model, &fit.values, tests)
-}
-
-fn verdict(found: &Found, left: &LeftOver) -> Verdict {
-    match (found.accepted.is_empty(), left.unexplained.is_none()) {
-        (true, true) => Verdict::NoMissingEffect,
-        (false, true) => Verdict::EffectsFound,
-        (true, false) => Verdict::Unexplained,
-        (false, false) => Verdict::EffectsFoundAndUnexplained,
-    }
-}
-
-fn peak_error(test: &Test, force_n: &[f64]) -> Option<f64> {
-    let peak = |values: &[f64]| values[test.counted()].iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    let measured = peak(&test.record.force_n);
-    (measured > 0.0).then(|| peak(force_n) / measured - 1.0)
-}
-
-fn work_error(test: &Test, force_n: &[f64]) -> Option<f64> {
-    let record = &test.record;
-    let mut whole = record.cycles.iter().copied().filter(|at| *at >= record.run_in);
-    let (start, end) = (whole.next()?, whole.next_back()?);
-    let work = |force: &[f64]| -> f64 {
-        let end = end.min(force.len() - 1);
-        (start..end)
-            .map(|i| {
-                let travel = record.displacement_m[i + 1] - record.displacement_m[i];
-                0.5 * (force[i] + force[i + 1]) * travel
-            })
-            .sum()
-    };
-    let measured = work(&record.force_n);
-    (measured > 0.0).then(|| work(force_n) / measured - 1.0)
-}
-
-fn nominal_values(
-    found: &Found,
-    deviations: &[Option<f64>],
+/// Fits the nominal damper and searches for the effects that it lacks.
+fn search_from_nominal(
+    train: &TestSet,
     datasheet: Option<&Nominal>,
-) -> std::collections::BTreeMap<String, NominalValue> {
-    let standing = &found.with_effects.standing;
-    let given = datasheet.map(vector_of);
-    NOMINAL
-        .iter()
-        .enumerate()
-        .map(|(index, (name, unit))| {
-            let value = NominalValue {
-                value: standing.fit.values[index],
-                std: deviations[index],
-                unit,
-                datasheet: given.as_ref().map(|given| given[index]),
-            };
-            ((*name).to_owned(), value)
-        })
-        .collect()
-}
-
-fn effects_found(
-    found: &Found,
-    deviations: &[Option<f64>],
-    train: &TestsAtHand,
-) -> Vec<EffectFound> {
-    let standing = &found.with_effects.standing;
-    let declared = train.tests.iter().all(|test| test.record.direction_declared);
-    let turned = train.tests.iter().any(|test| test.record.force_turned);
-    found
-        .accepted
-        .iter()
-        .zip(&standing.fit.model.effects)
-        .enumerate()
-        .map(|(index, (accepted, info))| {
-            let rows = info.parameters.iter().zip(standing.fit.model.range_of(index));
-            let parameters = rows
-                .map(|(row, k)| {
-                    let (value, std) = (standing.fit.values[k], deviations[k]);
-                    (row.name, ParameterValue { value, std, unit: row.unit.symbol() })
-                })
-                .collect();
-            let direction = info.directional.then_some(match (declared, turned) {
-                (true, false) => "positive is extension, as declared",
-                (true, true) => {
-                    "positive is extension if the displacement was right, to which the force was turned"
-                }
-                (false, _) => "not declared: positive is side A, negative side B",
-            });
-            EffectFound {
-                name: info.name,
-                place: info.place.name(),
-                equation: info.equation,
-                parameters,
-                evidence: EvidenceFound {
-                    holdout_gain: accepted.evidence.holdout_gain,
-                    tests_improved: accepted.evidence.improved,
-                    p_value: accepted.evidence.p_value,
-                },
-                alternatives: accepted.alternatives.clone(),
-                separating_test: (!accepted.alternatives.is_empty())
-                    .then(|| separating_test(info.name, &accepted.alternatives)),
-                direction,
-            }
-        })
-        .collect()
-}
-
-/// The tests that show each of a group.
-fn separating_test(name: &str, alternatives: &[&str]) -> String {
-    let tests = std::iter::once(name).chain(alternatives.iter().copied()).filter_map(|name| {
-        let info = CATALOGUE.iter().find(|info| info.name == name)?;
-        Some(format!("{name}: {}", info.shown_by))
-    });
-    tests.collect::<Vec<_>>().join(" ")
-}
-
-fn rejected(found: &Found) -> Vec<EffectRejected> {
-    let each = found.rejected.iter().map(|rejected| EffectRejected {
-        name: rejected.name,
-        why: rejected.why.clone(),
-        holdout_gain: rejected.holdout_gain,
-    });
-    each.collect()
-}
-
-fn not_testable(found: &Found, train: &TestsAtHand) -> Vec<EffectNotTestable> {
-    let mut all: Vec<EffectNotTestable> = found
-        .not_testable
-        .iter()
-        .map(|hidden| EffectNotTestable {
-            name: hidden.name,
-            why: hidden.why.clone(),
-            test_that_would: hidden.test_that_would.to_owned(),
-        })
-        .collect();
-    let rate_hz = super::candidate::rate_hz(train);
-    let kept = |name: &str| super::candidate::destroyed(train, name).is_none();
-    let too_fast = CATALOGUE.iter().filter(|info| info.needs_rate_hz > rate_hz);
-    for info in too_fast.filter(|info| kept(info.name)) {
-        let needs = info.needs_rate_hz;
-        let why = format!("it needs {needs} samples per second, the records have {rate_hz:.0}");
-        let test_that_would = info.shown_by.to_owned();
-        all.push(EffectNotTestable { name: info.name, why, test_that_would });
+    thorough: bool,
+    control: Control<'_>,
+) -> Result<Findings, IdentificationError> {
+    if train.counted_samples() < 2 {
+        return Err(IdentificationError::NothingToFit);
     }
-    for info in CATALOGUE {
-        if let Some(done) = super::candidate::destroyed(train, info.name) {
-            let why = format!("the processing of the records has destroyed its traces: {done}");
-            let test_that_would = format!("The unprocessed records. {}", info.shown_by);
-            all.push(EffectNotTestable { name: info.name, why, test_that_would });
+    let failed = || {
+        if control.is_stopped() {
+            IdentificationError::Interrupted
+        } else {
+            IdentificationError::NoFit
+        }
+    };
+    control.report("nominal damper");
+    let given = datasheet.map(vector_of);
+    let nominal = nominal_fit(train, given.as_deref(), control).ok_or_else(failed)?;
+    let most_passes = if thorough { f64::INFINITY } else { MOST_PASSES };
+    search(nominal, train, most_passes, control).ok_or_else(failed)
+}
+
+fn damper_of(findings: &Findings) -> Result<Damper, IdentificationError> {
+    let fit = findings.with_effects.fit();
+    fit.model.damper(&fit.values).ok_or(IdentificationError::NoFit)
+}
+
+/// The maker's model, the refitted nominal model and the model with effects.
+struct ThreeModels<'a> {
+    datasheet: Option<(GreyBox, Vec<f64>)>,
+    refitted: &'a Fit,
+    with_effects: &'a Fit,
+}
+
+impl<'a> ThreeModels<'a> {
+    fn new(train: &TestSet, datasheet: Option<&Nominal>, findings: &'a Findings) -> Self {
+        Self {
+            datasheet: datasheet.map(|sheet| (GreyBox::nominal(&train.scale), vector_of(sheet))),
+            refitted: findings.refitted.fit(),
+            with_effects: findings.with_effects.fit(),
         }
     }
-    all
-}
 
-fn unexplained(part: &Unexplained) -> UnexplainedPart {
-    UnexplainedPart {
-        rms_n: part.rms_n,
-        coordinate: part.coordinate,
-        description: part.description.clone(),
+    fn of_datasheet(&self, tests: &TestSet) -> Option<Fit> {
+        let (model, values) = self.datasheet.as_ref()?;
+        Fit::evaluate(model, values, tests)
+    }
+
+    fn on_train(&self, train: &TestSet) -> Models<Option<Fit>> {
+        Models {
+            datasheet: self.of_datasheet(train),
+            refitted: Some(self.refitted.clone()),
+            with_effects: Some(self.with_effects.clone()),
+        }
+    }
+
+    fn on_holdout(&self, holdout: &TestSet) -> Models<Option<Fit>> {
+        Models {
+            datasheet: self.of_datasheet(holdout),
+            refitted: self.refitted.on(holdout),
+            with_effects: self.with_effects.on(holdout),
+        }
     }
 }
 
-fn empirical_part(tried: &Empirical, errors: Option<Errors>) -> EmpiricalPart {
-    let fitted = tried.fitted.as_ref();
-    let map = fitted.map(|fitted| &fitted.map);
-    let all = |of: fn(&MapKnot) -> f64| map.map(|map| map.knots().iter().map(of).collect());
-    EmpiricalPart {
-        kept: tried.kept,
-        why: tried.why.clone(),
-        coordinate: map.map(|map| map.coordinate().name()),
-        unit: map.map(|map| map.coordinate().unit()),
-        at: all(|knot| knot.at),
-        upper_n: all(|knot| knot.upper_n),
-        lower_n: all(|knot| knot.lower_n),
-        holdout_gain: fitted.map(|fitted| fitted.holdout_gain),
-        tests_improved: fitted.map(|fitted| fitted.tests_improved),
-        errors,
+/// The residuals on the training tests, before and after effects were added. Where the last one is
+/// noise, but the tests held out are not followed, that is what remains unexplained.
+fn residuals(
+    models: &ThreeModels<'_>,
+    train: &TestSet,
+    on_holdout: &Models<Option<Fit>>,
+    holdout: &TestSet,
+) -> Result<(ResidualAnalysis, ResidualAnalysis), IdentificationError> {
+    let analysed = |fit: &Fit| ResidualAnalysis::new(fit, train).ok_or(IdentificationError::NoFit);
+    let (before, after) = (analysed(models.refitted)?, analysed(models.with_effects)?);
+    let held_out = on_holdout.with_effects.as_ref();
+    let after = after.or_unexplained(|| {
+        cautions::not_followed((models.with_effects, train), (held_out?, holdout))
+    });
+    Ok((before, after))
+}
+
+fn map_of_residual(
+    findings: &Findings,
+    residual: &ResidualAnalysis,
+    on_holdout: Option<&Fit>,
+    tests: (&TestSet, &TestSet),
+    control: Control<'_>,
+) -> Empirical {
+    if control.is_stopped() {
+        return Empirical::interrupted();
     }
+    control.report("empirical map");
+    empirical(&findings.with_effects, residual, on_holdout, tests)
 }

@@ -13,13 +13,17 @@
 //! Pairs that predict equally well are told as alternatives, one effect at a time. No further first is taken on
 //! trial past a limit of work.
 
-use super::acceptance::{choose, objection, remakes, told_apart};
+use super::acceptance::{choose, distinguishable, objection, remakes};
+use super::budget::Budget;
 use super::candidate::Candidate;
+use super::control::Control;
+use super::evidence::{LEAST_GAIN, evidence};
+use super::finding::Accepted;
 use super::fit::Fit;
+use super::judged::Judged;
 use super::round::Round;
-use super::search::{Accepted, Progress, corrected};
-use super::tests_at_hand::TestsAtHand;
-use super::trial::{Judged, LEAST_GAIN, Trial, evidence};
+use super::test_set::TestSet;
+use super::trial::Trial;
 
 /// Candidates that are taken on trial as the first of two.
 const FIRSTS: usize = 3;
@@ -28,7 +32,7 @@ const FIRSTS: usize = 3;
 const LEAST_JOINT_GAIN: f64 = 0.5;
 
 /// Two effects of which neither was accepted alone.
-pub struct Pair {
+pub(crate) struct Pair {
     /// The effects, in the order of the model.
     pub accepted: [Accepted; 2],
     /// The model with both, near its bottom.
@@ -37,49 +41,50 @@ pub struct Pair {
     pub second: Candidate,
 }
 
-/// A pair that nothing speaks against.
-struct Found {
+/// A pair that passes every test.
+struct Acceptable {
     pair: Pair,
     /// Both against the standing model.
     joint: Trial,
 }
 
-/// The pair to accept, if there is one. No first is tried `at_the_limit` of work; `progress` is told what is
-/// being done.
-pub fn pair(
+/// The pair to accept, if there is one. No further first effect is tried once the budget is spent.
+pub(crate) fn pair(
     standing: &Judged,
     round: &Round,
-    (beginnings, tests): (&TestsAtHand, &TestsAtHand),
-    at_the_limit: &mut dyn FnMut() -> bool,
-    progress: Progress<'_>,
+    (beginnings, tests): (&TestSet, &TestSet),
+    budget: &mut Budget<'_>,
+    control: Control<'_>,
 ) -> Option<Pair> {
     let firsts = round.trials.iter().filter(|trial| trial.evidence.holdout_gain >= LEAST_GAIN);
-    let mut found: Vec<Found> = firsts
+    let mut found: Vec<Acceptable> = firsts
         .take(FIRSTS)
-        .take_while(|_| !at_the_limit())
+        .take_while(|_| !budget.is_spent())
         .filter_map(|first| {
             let name = round.tried[first.candidate].effect.name;
-            let told = |what: &str| progress(&format!("with {name}: {what}"));
-            second(standing, round, first, (beginnings, tests), &told)
+            let progress = |step: &str| control.report(&format!("with {name}: {step}"));
+            let control = Control { progress: &progress, ..control };
+            second(standing, round, first, (beginnings, tests), control)
         })
         .collect();
     found.sort_by(|a, b| {
         a.joint.judged.left_out.total_n2().total_cmp(&b.joint.judged.left_out.total_n2())
     });
     let best = found.first()?;
-    let alike = |index: &usize| !told_apart(&best.joint.judged, &found[*index].joint.judged, tests);
+    let alike =
+        |index: &usize| !distinguishable(&best.joint.judged, &found[*index].joint.judged, tests);
     let alike: Vec<usize> = (0..found.len()).filter(alike).collect();
     // The same order among equals as for one effect.
     let rank = |index: &usize| {
         let joint = &found[*index].joint;
-        (remakes(standing, joint), joint.judged.standing.fit.values.len(), *index)
+        (remakes(standing, joint), joint.judged.fit().values.len(), *index)
     };
     let winner = alike.iter().copied().min_by_key(rank)?;
     let names = |index: usize| found[index].pair.accepted.each_ref().map(|effect| effect.name);
     let others: Vec<_> = alike.into_iter().filter(|i| *i != winner).map(names).collect();
     let mut pair = found.swap_remove(winner).pair;
     for other in others {
-        tell_beside(&mut pair.accepted, other);
+        add_alternatives(&mut pair.accepted, other);
     }
     Some(pair)
 }
@@ -89,10 +94,10 @@ fn second(
     standing: &Judged,
     round: &Round,
     first: &Trial,
-    (beginnings, tests): (&TestsAtHand, &TestsAtHand),
-    progress: Progress<'_>,
-) -> Option<Found> {
-    let next = Round::of(&first.judged, &[], beginnings, tests, progress);
+    (beginnings, tests): (&TestSet, &TestSet),
+    control: Control<'_>,
+) -> Option<Acceptable> {
+    let next = Round::run(&first.judged, &[], beginnings, tests, control);
     let (winner, alternatives) = choose(&first.judged, &next.trials, &next.tried, tests)?;
     let second = &next.trials[winner];
     let joint = Trial {
@@ -110,24 +115,24 @@ fn second(
     let accepted = [
         Accepted {
             name: names[0],
-            evidence: corrected(&joint.evidence, pairs),
+            evidence: joint.evidence.among(pairs),
             alternatives: Vec::new(),
             together_with: Some(names[1]),
         },
         Accepted {
             name: names[1],
-            evidence: corrected(&second.evidence, next.shown.len()),
+            evidence: second.evidence.among(next.shown.len()),
             alternatives: alternatives.iter().map(|index| name(&next.trials[*index])).collect(),
             together_with: None,
         },
     ];
-    let fit = second.judged.standing.fit.clone();
+    let fit = second.judged.fit().clone();
     let second = next.tried[second.candidate].clone();
-    Some(Found { pair: Pair { accepted, fit, second }, joint })
+    Some(Acceptable { pair: Pair { accepted, fit, second }, joint })
 }
 
 /// Tells what a pair that predicts as well has in the place of one of the two.
-fn tell_beside(accepted: &mut [Accepted; 2], other: [&'static str; 2]) {
+fn add_alternatives(accepted: &mut [Accepted; 2], other: [&'static str; 2]) {
     let names = [accepted[0].name, accepted[1].name];
     for (place, shared) in [(0, names[1]), (1, names[0])] {
         let Some(at) = other.iter().position(|name| *name == shared) else { continue };
@@ -142,7 +147,7 @@ fn tell_beside(accepted: &mut [Accepted; 2], other: [&'static str; 2]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trial::Evidence;
+    use crate::evidence::Evidence;
 
     #[test]
     fn pair_that_shares_an_effect_tells_an_alternative_to_the_other() {
@@ -153,9 +158,9 @@ mod tests {
             alternatives: Vec::new(),
             together_with: None,
         });
-        tell_beside(&mut pair, ["sensor_delay", "second_valve_stage"]);
-        tell_beside(&mut pair, ["sensor_delay", "seal_friction"]);
-        tell_beside(&mut pair, ["moving_mass", "entrained_air"]);
+        add_alternatives(&mut pair, ["sensor_delay", "second_valve_stage"]);
+        add_alternatives(&mut pair, ["sensor_delay", "seal_friction"]);
+        add_alternatives(&mut pair, ["moving_mass", "entrained_air"]);
         assert_eq!(pair[0].alternatives, ["second_valve_stage"]);
         assert!(pair[1].alternatives.is_empty());
     }

@@ -1,12 +1,14 @@
 //! One round of the search: what is tried on a standing model, and what comes of it.
 
 use super::candidate::{Candidate, candidates};
-use super::left_over::repeat::repeat;
+use super::control::Control;
+use super::finding::NotTestable;
+use super::judged::Judged;
+use super::residual::repeat::repeat;
 use super::screening::{Screened, screen};
-use super::search::{NotTestable, Progress};
 use super::short_list::{hidden, rehearsals, short_list};
-use super::tests_at_hand::TestsAtHand;
-use super::trial::{Judged, Trial, rehearse, starts, try_candidate};
+use super::test_set::TestSet;
+use super::trial::{Trial, rehearse, starts, try_candidate};
 
 /// Candidates fitted to the whole tests per round.
 const TRIED: usize = 5;
@@ -16,7 +18,7 @@ const FAR_OFF: f64 = 0.03;
 const ABOVE_NOISE: f64 = 1.5;
 
 /// One round: what was tried on a standing model, and what came of it.
-pub struct Round {
+pub(crate) struct Round {
     /// All candidates.
     pub tried: Vec<Candidate>,
     /// What they do to first order.
@@ -36,22 +38,22 @@ pub struct Round {
 
 impl Round {
     /// Screens, rehearses and tries. `others` are other minima of the nominal damper.
-    pub fn of(
+    pub(crate) fn run(
         standing: &Judged,
         others: &[Vec<f64>],
-        beginnings: &TestsAtHand,
-        tests: &TestsAtHand,
-        progress: Progress<'_>,
+        beginnings: &TestSet,
+        tests: &TestSet,
+        control: Control<'_>,
     ) -> Self {
-        progress("screening");
-        let mut round = Self::screened(standing, tests);
+        control.report("screening");
+        let mut round = Self::screened(standing, tests, control);
         let Self { tried, screened, shown, .. } = &round;
         let coarse = round.far_off || round.above_noise;
         let minima = if round.far_off { others } else { &[] };
         let mut rehearsed = rehearsals(standing, tried, shown, screened, coarse, |index, which| {
-            progress(&format!("rehearsing {}", tried[index].effect.name));
+            control.report(&format!("rehearsing {}", tried[index].effect.name));
             let starts = starts(standing, &tried[index], which, minima);
-            rehearse(standing, &tried[index], &starts, beginnings)
+            rehearse(standing, &tried[index], &starts, beginnings, control)
         });
         rehearsed.sort_by(|a, b| a.1.total_n2().total_cmp(&b.1.total_n2()).then(a.0.cmp(&b.0)));
         let tops = short_list(screened, shown, 0);
@@ -63,8 +65,14 @@ impl Round {
         });
         let mut trials: Vec<Trial> = Vec::new();
         for (index, fit) in &rehearsed {
-            progress(&format!("fitting {}", tried[*index].effect.name));
-            trials.extend(try_candidate(standing, &tried[*index], (*index, &fit.values), tests));
+            control.report(&format!("fitting {}", tried[*index].effect.name));
+            trials.extend(try_candidate(
+                standing,
+                &tried[*index],
+                (*index, &fit.values),
+                tests,
+                control,
+            ));
         }
         trials
             .sort_by(|a, b| a.judged.left_out.total_n2().total_cmp(&b.judged.left_out.total_n2()));
@@ -72,10 +80,28 @@ impl Round {
         round
     }
 
+    /// Candidates on which the round says something: those that the records can show, and those
+    /// that were fitted though they cannot.
+    pub(crate) fn open(&self) -> impl Iterator<Item = usize> {
+        let is_hidden = |index: &usize| self.hidden.iter().any(|(hidden, _)| hidden == index);
+        (0..self.tried.len()).filter(move |index| self.has_tried(*index) || !is_hidden(index))
+    }
+
+    /// Effects that the records cannot show and that were not fitted.
+    pub(crate) fn unseen(&self) -> impl Iterator<Item = &NotTestable> {
+        let unseen = self.hidden.iter().filter(|(index, _)| !self.has_tried(*index));
+        unseen.map(|(_, effect)| effect)
+    }
+
+    /// True when a candidate was fitted to the whole tests.
+    pub(crate) fn has_tried(&self, candidate: usize) -> bool {
+        self.trials.iter().any(|trial| trial.candidate == candidate)
+    }
+
     /// Screens only.
-    pub fn screened(standing: &Judged, tests: &TestsAtHand) -> Self {
-        let tried = candidates(&standing.standing.fit.model, tests);
-        let screened = screen(&standing.standing, &tried, tests);
+    pub(crate) fn screened(standing: &Judged, tests: &TestSet, control: Control<'_>) -> Self {
+        let tried = candidates(&standing.fit().model, tests);
+        let screened = screen(&standing.linearised, &tried, tests, control);
         let hidden = hidden(&tried, &screened);
         // What a model that is far off cannot show may show when it is near.
         let far_off = far_off(standing, tests);
@@ -87,11 +113,11 @@ impl Round {
     }
 }
 
-fn far_off(standing: &Judged, tests: &TestsAtHand) -> bool {
-    standing.standing.fit.rms_n(tests) > FAR_OFF * tests.rms_force_n()
+fn far_off(standing: &Judged, tests: &TestSet) -> bool {
+    standing.fit().rms_n(tests) > FAR_OFF * tests.rms_force_n()
 }
 
-fn above_noise(standing: &Judged, tests: &TestsAtHand) -> bool {
-    let floor_n = repeat(&standing.standing.residual_n, tests).noise_floor_n;
-    floor_n.is_some_and(|floor_n| standing.standing.fit.rms_n(tests) > ABOVE_NOISE * floor_n)
+fn above_noise(standing: &Judged, tests: &TestSet) -> bool {
+    let floor_n = repeat(&standing.linearised.residual_n, tests).noise_floor_n;
+    floor_n.is_some_and(|floor_n| standing.fit().rms_n(tests) > ABOVE_NOISE * floor_n)
 }

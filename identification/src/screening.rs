@@ -12,46 +12,16 @@
 //! of an effect the nominal parameters absorb: what they absorb wholly, no record here can show.
 
 use super::candidate::Candidate;
-use super::colour::Colour;
-use super::fit::{Fit, slopes};
+use super::control::Control;
 use super::gram::Gram;
+use super::linearised::Linearised;
 use super::simulation::simulate;
-use super::tests_at_hand::{Piece, TestsAtHand};
+use super::test_set::{Piece, TestSet};
 use rayon::prelude::*;
-
-/// The standing model, ready to be compared with candidates.
-#[derive(Debug, Clone)]
-pub struct Standing {
-    /// The model as fitted.
-    pub fit: Fit,
-    /// Sensitivities: by parameter, test, sample.
-    pub slopes: Vec<Vec<Vec<f64>>>,
-    /// Residual of every test.
-    pub residual_n: Vec<Vec<f64>>,
-    /// Colour of every test's residual.
-    pub colours: Vec<Colour>,
-}
-
-impl Standing {
-    /// Prepares a fitted model.
-    pub fn new(fit: Fit, tests: &TestsAtHand) -> Self {
-        let free = fit.model.free(&fit.values);
-        let slopes = slopes(&fit.model, &free, &fit.force_n, &fit.starts_m, tests);
-        let residual_n: Vec<Vec<f64>> =
-            (0..tests.tests.len()).map(|test| fit.residual_n(tests, test)).collect();
-        let colours = tests
-            .tests
-            .iter()
-            .zip(&residual_n)
-            .map(|(test, residual)| Colour::of(&residual[test.counted()]))
-            .collect();
-        Self { fit, slopes, residual_n, colours }
-    }
-}
 
 /// One candidate at one of its start values, to first order.
 #[derive(Debug, Clone)]
-pub struct Screened {
+pub(crate) struct Screened {
     /// Index of the candidate.
     pub candidate: usize,
     /// Index of its start values.
@@ -66,17 +36,17 @@ pub struct Screened {
 
 impl Screened {
     /// Share of the sum of squares that the effect would take away, over all pieces but one.
-    pub fn gain(&self, without: Option<usize>) -> f64 {
+    pub(crate) fn gain(&self, without: Option<usize>) -> f64 {
         share(&self.plain, self.own, without)
     }
 
     /// The same of the whitened residual.
-    pub fn whitened_gain(&self, without: Option<usize>) -> f64 {
+    pub(crate) fn whitened_gain(&self, without: Option<usize>) -> f64 {
         share(&self.white, self.own, without)
     }
 
     /// Norm of the effect that the model's own parameters leave over, as a share of its whole norm.
-    pub fn unabsorbed(&self) -> f64 {
+    pub(crate) fn unabsorbed(&self) -> f64 {
         let Some(all) = Gram::sum(self.plain.iter()) else { return 0.0 };
         let whole = all.columns[(self.own, self.own)];
         let left = all.without_first(self.own).columns[(0, 0)];
@@ -84,7 +54,7 @@ impl Screened {
     }
 
     /// How many standard errors the effect would stand out at its start values.
-    pub fn standing_out(&self) -> f64 {
+    pub(crate) fn standing_out(&self) -> f64 {
         let Some(all) = Gram::sum(self.white.iter()) else { return 0.0 };
         all.without_first(self.own).columns[(0, 0)].max(0.0).sqrt()
     }
@@ -98,7 +68,12 @@ fn share(pieces: &[Gram], own: usize, without: Option<usize>) -> f64 {
 }
 
 /// Screens every candidate at every start.
-pub fn screen(standing: &Standing, candidates: &[Candidate], tests: &TestsAtHand) -> Vec<Screened> {
+pub(crate) fn screen(
+    standing: &Linearised,
+    candidates: &[Candidate],
+    tests: &TestSet,
+    control: Control<'_>,
+) -> Vec<Screened> {
     let jobs: Vec<(usize, usize)> = candidates
         .iter()
         .enumerate()
@@ -111,6 +86,7 @@ pub fn screen(standing: &Standing, candidates: &[Candidate], tests: &TestsAtHand
         tests,
     );
     jobs.par_iter()
+        .filter(|_| !control.is_stopped())
         .filter_map(|&(candidate, start)| {
             let tried = &candidates[candidate];
             screen_one(standing, (&plain, &white), tried, (candidate, start), tests)
@@ -118,7 +94,7 @@ pub fn screen(standing: &Standing, candidates: &[Candidate], tests: &TestsAtHand
         .collect()
 }
 
-fn whitened(by_test: &[Vec<f64>], standing: &Standing) -> Vec<Vec<f64>> {
+fn whitened(by_test: &[Vec<f64>], standing: &Linearised) -> Vec<Vec<f64>> {
     by_test.iter().zip(&standing.colours).map(|(values, colour)| colour.whitened(values)).collect()
 }
 
@@ -134,7 +110,7 @@ struct Ground {
 }
 
 impl Ground {
-    fn new(slopes: Vec<Vec<Vec<f64>>>, residual: Vec<Vec<f64>>, tests: &TestsAtHand) -> Self {
+    fn new(slopes: Vec<Vec<Vec<f64>>>, residual: Vec<Vec<f64>>, tests: &TestSet) -> Self {
         let mut ground = Self { slopes, residual, grams: Vec::new() };
         ground.grams = tests
             .pieces
@@ -161,11 +137,11 @@ impl Ground {
 }
 
 fn screen_one(
-    standing: &Standing,
+    standing: &Linearised,
     (plain_ground, white_ground): (&Ground, &Ground),
     candidate: &Candidate,
     (index, start): (usize, usize),
-    tests: &TestsAtHand,
+    tests: &TestSet,
 ) -> Option<Screened> {
     let fit = &standing.fit;
     let model = fit.model.with(candidate.effect, &tests.scale);

@@ -1,307 +1,312 @@
 //! The search: which effects are missing, one after the other.
 //!
 //! 1. Screen every candidate against the residual of the standing model ([`super::screening`]).
-//! 2. Fit the best few together with all other parameters, free-running ([`super::trial`]).
-//! 3. Accept the one with the smallest error on pieces left out if everything speaks for it:
-//!    gain there and on the pieces seen, four in five pieces improved or unchanged, significance
-//!    with the number of candidates counted in, parameters off their bounds, and the same choice
-//!    made again without each piece.
-//! 4. Name the rivals that the records cannot tell from it. Start again, up to four effects.
-//! 5. Where no candidate is accepted and more is left than noise, look for two at once
-//!    ([`super::pair`]).
+//! 2. Fit the best few together with all other parameters, in free-run simulation
+//!    ([`super::trial`]).
+//! 3. Accept the one with the smallest error on left-out pieces if it passes every test
+//!    ([`super::acceptance`]), and name the alternatives that the records cannot distinguish from
+//!    it.
+//! 4. Refit the model with it ([`super::settling`]), and drop every earlier effect without which
+//!    the model predicts as well. Start again, up to four effects.
+//! 5. Where no candidate is accepted and the residual is above the noise, look for two effects at
+//!    once ([`super::pair`]).
 //!
-//! Pairs cost many fits. Past a limit of work no more of them are tried, and after one has been accepted nothing
-//! else is; that is told.
-//!
-//! What an earlier effect stood in for may have been found since: after every acceptance each
-//! earlier one is dropped if the model predicts as well without it.
+//! Pairs need many fits. Past a limit of work no further pair is tried, and after an accepted pair
+//! nothing else is tried; the result says so.
 
-use super::acceptance::{choose, objection};
-use super::candidate::Candidate;
+use super::acceptance::choose;
+use super::budget::Budget;
+use super::candidate::{Candidate, candidates};
 use super::canonical::canonical;
+use super::control::Control;
+use super::evidence::{LEAST_GAIN, evidence};
+use super::finding::{Accepted, Findings, Outdone, Rejected};
 use super::fit::{Effort, Fit, fit};
-use super::grey_box::GreyBox;
-use super::pair::pair;
+use super::grey_box::{GreyBox, NOMINAL};
+use super::judged::Judged;
+use super::pair::{Pair, pair};
+use super::rejection::rejections;
 use super::round::Round;
-use super::screening::Screened;
-use super::settling::settled;
+use super::settling::{BETTER_MINIMUM, settled};
 use super::start::{BEGINNING_S, NominalFit};
-use super::tests_at_hand::TestsAtHand;
-use super::trial::{Evidence, Judged, LEAST_GAIN, Trial, evidence};
+use super::test_set::TestSet;
+use super::trial::Trial;
 
 /// Most effects that are accepted.
-pub const MOST_EFFECTS: usize = 4;
+const MOST_EFFECTS: usize = 4;
 /// Most times that two are accepted at once.
 const MOST_PAIRS: usize = MOST_EFFECTS / 2;
-/// Work, in passes of a model over all tests, past which no pair is tried. Ten tests of ten seconds at 1 kHz take
-/// two cores about half a minute.
-pub const MOST_PASSES: f64 = 7000.0;
-/// Share of the squared error by which another minimum of the standing model is better.
-pub(super) const BETTER_MINIMUM: f64 = 0.01;
 
-/// Is told what is being done, from any thread.
-pub type Progress<'a> = &'a (dyn Fn(&str) + Sync);
-
-/// An effect that was found missing.
-#[derive(Debug, Clone)]
-pub struct Accepted {
-    /// Its name.
-    pub name: &'static str,
-    /// What spoke for it when it was accepted.
-    pub evidence: Evidence,
-    /// Effects that the records cannot tell from it.
-    pub alternatives: Vec<&'static str>,
-    /// The effect without which it was not accepted, and whose evidence this is too.
-    pub together_with: Option<&'static str>,
-}
-
-/// A candidate that was not accepted.
-#[derive(Debug, Clone)]
-pub struct Rejected {
-    /// Its name.
-    pub name: &'static str,
-    /// Why.
-    pub why: String,
-    /// Share of squared error on left-out pieces that it would take away, if it was fitted.
-    pub holdout_gain: Option<f64>,
-}
-
-/// An effect that these records cannot show.
-#[derive(Debug, Clone)]
-pub struct NotTestable {
-    /// Its name.
-    pub name: &'static str,
-    /// Why.
-    pub why: String,
-    /// The test that would show it.
-    pub test_that_would: &'static str,
-}
-
-/// What the search found.
-#[derive(Debug, Clone)]
-pub struct Found {
-    /// The nominal model, refitted.
-    pub refitted: Judged,
-    /// The model with everything that was accepted.
-    pub with_effects: Judged,
-    /// The accepted effects, in the order of the model.
-    pub accepted: Vec<Accepted>,
-    /// The others, by their error on left-out pieces.
-    pub rejected: Vec<Rejected>,
-    /// Those that cannot show here.
-    pub not_testable: Vec<NotTestable>,
-    /// Candidates that were screened in the first round.
-    pub screened: usize,
-    /// The search ended at its limit of work.
-    pub cut_short: bool,
-}
-
-/// Searches from a fitted nominal model, for pairs up to `most_passes` over all tests. `progress` is told what is
-/// being done.
+/// Searches from a fitted nominal model, for pairs up to `most_passes` over all tests. None where a
+/// model cannot be judged, or where the work is stopped before the nominal model is.
 pub fn search(
     nominal: NominalFit,
-    tests: &TestsAtHand,
+    tests: &TestSet,
     most_passes: f64,
-    progress: Progress<'_>,
-) -> Option<Found> {
-    let NominalFit { fit, others } = nominal;
-    let mut refitted = Judged::new(fit, tests)?;
-    let beginnings = tests.beginnings(BEGINNING_S);
-    let mut standing = refitted.clone();
-    let mut accepted: Vec<Accepted> = Vec::new();
-    let mut outdone: Vec<Outdone> = Vec::new();
-    let mut pairs = 0;
-    let mut cut_short = false;
-    let mut at_the_limit = || {
-        cut_short |= tests.passes() > most_passes;
-        cut_short
-    };
+    control: Control<'_>,
+) -> Option<Findings> {
+    let mut search = Search::start(nominal, tests, most_passes, control)?;
     loop {
-        let round = if pairs > 0 && at_the_limit() {
-            Round::screened(&standing, tests)
-        } else {
-            Round::of(&standing, &others, &beginnings, tests, progress)
-        };
-        let Round { tried, screened, hidden, shown, trials, above_noise, .. } = &round;
-        if let Some(better) = fairer(&standing, trials, tests) {
-            if accepted.is_empty() {
-                refitted = better.clone();
+        let round = search.next_round();
+        let decision = search.decide(&round);
+        if control.is_stopped() {
+            return Some(search.interrupted());
+        }
+        let settled = match decision {
+            Decision::Restart(better) => {
+                search.restart(better);
+                continue;
             }
-            standing = better;
-            continue;
-        }
-        let winner = if accepted.len() < MOST_EFFECTS {
-            choose(&standing, trials, tried, tests)
-        } else {
-            None
+            Decision::Accept(choice) => search.accept(&round, &choice),
+            Decision::AcceptPair(pair) => search.accept_pair(pair),
+            Decision::End => return Some(search.ended(&round)),
         };
-        let room = accepted.len() + 2 <= MOST_EFFECTS && pairs < MOST_PAIRS;
-        if winner.is_none()
-            && room
-            && *above_noise
-            && let Some(pair) =
-                pair(&standing, &round, (&beginnings, tests), &mut at_the_limit, progress)
-        {
-            let [first, second] = pair.accepted.each_ref().map(|effect| effect.name);
-            progress(&format!("settling {first} and {second}"));
-            pairs += 1;
-            accepted.extend(pair.accepted);
-            standing = taken(&pair.fit, &pair.second, &mut accepted, tests, progress)?;
-            continue;
+        if settled.is_none() {
+            return control.is_stopped().then(|| search.interrupted());
         }
-        let Some((winner, alternatives)) = winner else {
-            let open: Vec<usize> = (0..tried.len())
-                .filter(|index| {
-                    let fitted = trials.iter().any(|trial| trial.candidate == *index);
-                    fitted || !hidden.iter().any(|(i, _)| i == index)
-                })
-                .collect();
-            let rejected = rejections(&standing, trials, tried, (&open, &outdone), screened, tests);
-            let unseen = hidden.iter().filter(|(index, _)| !open.contains(index));
-            let accepted_count = accepted.len();
-            return Some(Found {
-                refitted,
-                with_effects: standing,
-                accepted,
-                rejected,
-                not_testable: unseen.map(|(_, hidden)| hidden.clone()).collect(),
-                screened: tried.len() + accepted_count,
-                cut_short,
-            });
-        };
-        let trial = &trials[winner];
-        accepted.push(Accepted {
-            name: tried[trial.candidate].effect.name,
-            evidence: corrected(&trial.evidence, shown.len()),
-            alternatives: alternatives
-                .iter()
-                .map(|i| tried[trials[*i].candidate].effect.name)
-                .collect(),
-            together_with: None,
-        });
-        let name = |trial: &Trial| tried[trial.candidate].effect.name;
-        outdone.extend(trials.iter().filter(|other| other.candidate != trial.candidate).map(
-            |other| Outdone {
-                name: name(other),
-                gain: other.evidence.holdout_gain,
-                by: name(trial),
-                gain_of_other: trial.evidence.holdout_gain,
-            },
-        ));
-        progress(&format!("settling {}", tried[trial.candidate].effect.name));
-        let (fit, candidate) = (&trial.judged.standing.fit, &tried[trial.candidate]);
-        standing = taken(fit, candidate, &mut accepted, tests, progress)?;
     }
 }
 
-/// A model whose newest effects are accepted, at its bottom, without what they have made idle.
-fn taken(
-    fit: &Fit,
-    candidate: &Candidate,
-    accepted: &mut Vec<Accepted>,
-    tests: &TestsAtHand,
-    progress: Progress<'_>,
-) -> Option<Judged> {
-    let settled = settled(fit, candidate, tests)?;
-    let standing = Judged::new(canonical(settled, tests), tests)?;
-    Some(drop_idle(standing, accepted, tests, progress))
+/// The state of a search between two rounds.
+struct Search<'a> {
+    tests: &'a TestSet,
+    beginnings: TestSet,
+    /// Other minima of the nominal damper.
+    other_minima: Vec<Vec<f64>>,
+    budget: Budget<'a>,
+    control: Control<'a>,
+    refitted: Judged,
+    standing: Judged,
+    accepted: Vec<Accepted>,
+    outdone: Vec<Outdone>,
+    pairs: usize,
 }
 
-/// The standing model from where the best trial has led its parameters, if it is better there: what
-/// a richer model gains by a better minimum is not the gain of its effect.
-fn fairer(standing: &Judged, trials: &[Trial], tests: &TestsAtHand) -> Option<Judged> {
-    let before = &standing.standing.fit;
-    let seen = |trial: &&Trial| trial.judged.standing.fit.total_n2();
-    let best = trials.iter().min_by(|a, b| seen(a).total_cmp(&seen(b)))?;
-    let values = best.judged.standing.fit.values.get(..before.values.len())?;
-    let again = fit(&before.model, values, tests, Effort::FULL)?;
-    let better = again.total_n2() < (1.0 - BETTER_MINIMUM) * before.total_n2();
-    if better { Judged::new(again, tests) } else { None }
+/// The consequence of a round.
+enum Decision {
+    /// The standing model has a better minimum: judge all candidates against that.
+    Restart(Judged),
+    /// One effect is missing.
+    Accept(Choice),
+    /// Two effects are missing.
+    AcceptPair(Pair),
+    /// Nothing more can be accepted.
+    End,
 }
 
-pub(super) fn corrected(evidence: &Evidence, candidates: usize) -> Evidence {
-    Evidence { p_value: (evidence.p_value * candidates as f64).min(1.0), ..*evidence }
+/// Indices of the trial to accept and of those that cannot be distinguished from it.
+struct Choice {
+    winner: usize,
+    alternatives: Vec<usize>,
 }
 
-/// A candidate that was fitted when another one was accepted.
-struct Outdone {
-    name: &'static str,
-    gain: f64,
-    by: &'static str,
-    gain_of_other: f64,
-}
+impl<'a> Search<'a> {
+    fn start(
+        nominal: NominalFit,
+        tests: &'a TestSet,
+        most_passes: f64,
+        control: Control<'a>,
+    ) -> Option<Self> {
+        let refitted = Judged::new(nominal.fit, tests)?;
+        Some(Self {
+            tests,
+            beginnings: tests.beginnings(BEGINNING_S),
+            other_minima: nominal.others,
+            budget: Budget::new(tests, most_passes),
+            control,
+            standing: refitted.clone(),
+            refitted,
+            accepted: Vec::new(),
+            outdone: Vec::new(),
+            pairs: 0,
+        })
+    }
 
-/// Drops earlier effects that the newest one has made idle.
-fn drop_idle(
-    mut standing: Judged,
-    accepted: &mut Vec<Accepted>,
-    tests: &TestsAtHand,
-    progress: Progress<'_>,
-) -> Judged {
-    let mut index = 0;
-    while accepted.len() > 1 && index + 1 < accepted.len() {
-        progress(&format!("without {}", accepted[index].name));
-        let fitted = &standing.standing.fit;
-        let mut model = GreyBox::nominal(&tests.scale);
-        let mut values = fitted.values[..5].to_vec();
-        for (k, effect) in fitted.model.effects.iter().enumerate() {
-            if k != index {
-                model = model.with(effect, &tests.scale);
-                values.extend(&fitted.values[fitted.model.range_of(k)]);
-            }
+    /// Tries the candidates on the standing model; past the limit of work they are screened only.
+    fn next_round(&mut self) -> Round {
+        if self.pairs > 0 && self.budget.is_spent() {
+            return Round::screened(&self.standing, self.tests, self.control);
         }
-        let without =
-            fit(&model, &values, tests, Effort::FULL).and_then(|fit| Judged::new(fit, tests));
-        let idle = without.as_ref().is_some_and(|without| {
-            let gain = evidence(without, &standing, tests).holdout_gain;
-            let seen = 1.0 - fitted.total_n2() / without.standing.fit.total_n2();
-            gain < LEAST_GAIN || seen < LEAST_GAIN
+        Round::run(&self.standing, &self.other_minima, &self.beginnings, self.tests, self.control)
+    }
+
+    fn decide(&mut self, round: &Round) -> Decision {
+        if let Some(better) = self.better_minimum(&round.trials) {
+            return Decision::Restart(better);
+        }
+        if self.has_room_for(1)
+            && let Some((winner, alternatives)) =
+                choose(&self.standing, &round.trials, &round.tried, self.tests)
+        {
+            return Decision::Accept(Choice { winner, alternatives });
+        }
+        let pairs_open = self.has_room_for(2) && self.pairs < MOST_PAIRS;
+        let sets = (&self.beginnings, self.tests);
+        if pairs_open
+            && round.above_noise
+            && let Some(pair) = pair(&self.standing, round, sets, &mut self.budget, self.control)
+        {
+            return Decision::AcceptPair(pair);
+        }
+        Decision::End
+    }
+
+    fn has_room_for(&self, effects: usize) -> bool {
+        self.accepted.len() + effects <= MOST_EFFECTS
+    }
+
+    /// The standing model from the parameters of the best trial, if its error is smaller there: the
+    /// gain of a better minimum is not the gain of an effect.
+    fn better_minimum(&self, trials: &[Trial]) -> Option<Judged> {
+        let before = self.standing.fit();
+        let seen = |trial: &&Trial| trial.judged.fit().total_n2();
+        let best = trials.iter().min_by(|a, b| seen(a).total_cmp(&seen(b)))?;
+        let values = best.judged.fit().values.get(..before.values.len())?;
+        let again = fit(&before.model, values, self.tests, Effort::FULL, self.control)?;
+        let better = again.total_n2() < (1.0 - BETTER_MINIMUM) * before.total_n2();
+        if better { Judged::new(again, self.tests) } else { None }
+    }
+
+    fn restart(&mut self, better: Judged) {
+        debug_assert!(better.fit().total_n2() < self.standing.fit().total_n2());
+        if self.accepted.is_empty() {
+            self.refitted = better.clone();
+        }
+        self.standing = better;
+    }
+
+    fn accept(&mut self, round: &Round, choice: &Choice) -> Option<()> {
+        let winner = &round.trials[choice.winner];
+        let candidate = &round.tried[winner.candidate];
+        let name = |trial: &Trial| round.tried[trial.candidate].effect.name;
+        self.control.report(&format!("settling {}", name(winner)));
+        let new = Accepted {
+            name: name(winner),
+            evidence: winner.evidence.among(round.shown.len()),
+            alternatives: choice.alternatives.iter().map(|i| name(&round.trials[*i])).collect(),
+            together_with: None,
+        };
+        self.settle(winner.judged.fit(), candidate, [new])?;
+        let others = round.trials.iter().filter(|other| other.candidate != winner.candidate);
+        self.outdone.extend(others.map(|other| Outdone {
+            name: name(other),
+            gain: other.evidence.holdout_gain,
+            by: name(winner),
+            gain_of_other: winner.evidence.holdout_gain,
+        }));
+        Some(())
+    }
+
+    fn accept_pair(&mut self, pair: Pair) -> Option<()> {
+        let [first, second] = pair.accepted.each_ref().map(|effect| effect.name);
+        self.control.report(&format!("settling {first} and {second}"));
+        self.settle(&pair.fit, &pair.second, pair.accepted)?;
+        self.pairs += 1;
+        Some(())
+    }
+
+    /// Takes over a model with newly accepted effects: refitted to its minimum, and without the
+    /// effects that the new ones have made idle. Changes nothing where the work is stopped.
+    fn settle<const N: usize>(
+        &mut self,
+        fit: &Fit,
+        candidate: &Candidate,
+        new: [Accepted; N],
+    ) -> Option<()> {
+        let settled = settled(fit, candidate, self.tests, self.control)?;
+        let standing = Judged::new(canonical(settled, self.tests), self.tests)?;
+        let accepted = self.accepted.iter().cloned().chain(new).collect();
+        let (standing, accepted) = without_idle(standing, accepted, self.tests, self.control);
+        if self.control.is_stopped() {
+            return None;
+        }
+        debug_assert!(accepted.len() <= MOST_EFFECTS);
+        debug_assert!(
+            accepted.iter().map(|effect| effect.name).eq(names_of(&standing.fit().model)),
+            "the accepted effects are those of the model, in its order"
+        );
+        (self.standing, self.accepted) = (standing, accepted);
+        Some(())
+    }
+
+    /// The findings after a last round in which nothing was accepted.
+    fn ended(self, round: &Round) -> Findings {
+        let rejected = rejections(&self.standing, round, &self.outdone, self.tests);
+        let not_testable = round.unseen().cloned().collect();
+        Findings {
+            refitted: self.refitted,
+            with_effects: self.standing,
+            accepted: self.accepted,
+            rejected,
+            not_testable,
+            cut_short: self.budget.has_cut_short(),
+            interrupted: false,
+        }
+    }
+
+    /// The findings of the rounds so far. Every candidate that is still open is rejected as such.
+    fn interrupted(self) -> Findings {
+        let open = candidates(&self.standing.fit().model, self.tests);
+        let rejected = open.iter().map(|candidate| Rejected {
+            name: candidate.effect.name,
+            why: "the search was interrupted before this effect was judged".to_owned(),
+            holdout_gain: None,
         });
-        if let (true, Some(without)) = (idle, without) {
-            standing = without;
+        Findings {
+            rejected: rejected.collect(),
+            refitted: self.refitted,
+            with_effects: self.standing,
+            accepted: self.accepted,
+            not_testable: Vec::new(),
+            cut_short: self.budget.has_cut_short(),
+            interrupted: true,
+        }
+    }
+}
+
+fn names_of(model: &GreyBox) -> impl Iterator<Item = &'static str> {
+    model.effects.iter().map(|effect| effect.name)
+}
+
+/// Drops every effect but the newest without which the model predicts as well: a later effect may
+/// explain what an earlier one was accepted for.
+fn without_idle(
+    mut standing: Judged,
+    mut accepted: Vec<Accepted>,
+    tests: &TestSet,
+    control: Control<'_>,
+) -> (Judged, Vec<Accepted>) {
+    let mut index = 0;
+    while index + 1 < accepted.len() {
+        control.report(&format!("without {}", accepted[index].name));
+        if let Some(simpler) = as_good_without(index, &standing, tests, control) {
+            standing = simpler;
             accepted.remove(index);
         } else {
             index += 1;
         }
     }
-    standing
+    (standing, accepted)
 }
 
-fn rejections(
+/// The model without one of its effects, if that effect gains too little.
+fn as_good_without(
+    index: usize,
     standing: &Judged,
-    trials: &[Trial],
-    tried: &[Candidate],
-    (shown, outdone): (&[usize], &[Outdone]),
-    screened: &[Screened],
-    tests: &TestsAtHand,
-) -> Vec<Rejected> {
-    let mut rejected: Vec<Rejected> = trials
-        .iter()
-        .map(|trial| {
-            let why = objection(standing, trial, tried.len(), tests)
-                .unwrap_or_else(|| "another choice is made when a test is left out".to_owned());
-            let name = tried[trial.candidate].effect.name;
-            Rejected { name, why, holdout_gain: Some(trial.evidence.holdout_gain) }
-        })
-        .collect();
-    for index in shown.iter().filter(|i| trials.iter().all(|trial| trial.candidate != **i)) {
-        let gains = screened.iter().filter(|s| s.candidate == *index).map(|s| s.gain(None));
-        let gain = 100.0 * gains.fold(0.0, f64::max);
-        let name = tried[*index].effect.name;
-        let why = format!("screened out: to first order it explains {gain:.2} % of what is left");
-        rejected.push(match outdone.iter().rfind(|other| other.name == name) {
-            Some(Outdone { gain: own, by, gain_of_other, .. }) => Rejected {
-                name,
-                why: format!(
-                    "takes away {:.1} % of the squared error on tests left out where {by} takes away \
-                     {:.1} %; beside that, {why}",
-                    100.0 * own,
-                    100.0 * gain_of_other
-                ),
-                holdout_gain: Some(*own),
-            },
-            None => Rejected { name, why, holdout_gain: None },
-        });
+    tests: &TestSet,
+    control: Control<'_>,
+) -> Option<Judged> {
+    let fitted = standing.fit();
+    let mut model = GreyBox::nominal(&tests.scale);
+    let mut values = fitted.values[..NOMINAL.len()].to_vec();
+    for (k, effect) in fitted.model.effects.iter().enumerate() {
+        if k != index {
+            model = model.with(effect, &tests.scale);
+            values.extend(&fitted.values[fitted.model.range_of(k)]);
+        }
     }
-    rejected
+    let without = Judged::new(fit(&model, &values, tests, Effort::FULL, control)?, tests)?;
+    let gain = evidence(&without, standing, tests).holdout_gain;
+    let seen_gain = 1.0 - fitted.total_n2() / without.fit().total_n2();
+    (gain < LEAST_GAIN || seen_gain < LEAST_GAIN).then_some(without)
 }

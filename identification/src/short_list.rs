@@ -1,10 +1,11 @@
 //! Which candidates are worth a fit, and which no record here can show.
 
 use super::candidate::Candidate;
+use super::evidence::LEAST_GAIN;
+use super::finding::NotTestable;
 use super::fit::Fit;
+use super::judged::Judged;
 use super::screening::Screened;
-use super::search::NotTestable;
-use super::trial::{Judged, LEAST_GAIN};
 use rayon::prelude::*;
 
 /// A candidate that screens below this share is not fitted.
@@ -19,7 +20,7 @@ const LEAST_UNABSORBED: f64 = 0.01;
 const LEAST_STANDING_OUT: f64 = 1.0;
 
 /// Candidates that the records cannot show, with the reason.
-pub fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, NotTestable)> {
+pub(crate) fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, NotTestable)> {
     let mut hidden = Vec::new();
     for (index, candidate) in tried.iter().enumerate() {
         let starts = || screened.iter().filter(|screened| screened.candidate == index);
@@ -49,7 +50,7 @@ pub fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, NotTest
 
 /// Fits to the beginnings of the tests: of all candidates where first order says little, otherwise of
 /// those that screening puts on top, chosen again without every piece.
-pub fn rehearsals(
+pub(crate) fn rehearsals(
     standing: &Judged,
     tried: &[Candidate],
     shown: &[usize],
@@ -79,7 +80,7 @@ pub fn rehearsals(
 }
 
 /// The candidates on top of the screening, also when a piece is left out.
-pub fn short_list(screened: &[Screened], shown: &[usize], pieces: usize) -> Vec<usize> {
+pub(crate) fn short_list(screened: &[Screened], shown: &[usize], pieces: usize) -> Vec<usize> {
     let ranked = |gain: &dyn Fn(&Screened) -> f64| {
         let mut best: Vec<(f64, usize)> = shown
             .iter()

@@ -6,7 +6,7 @@
 //! deflection of the attachment for which the model follows the measured force best over the run-in
 //! and twice as long again. (The run-in alone may pass inside the clearance and show nothing.)
 
-use super::tests_at_hand::Test;
+use super::test_set::Test;
 use firmware_core::damper::{Damper, DamperState, Motion};
 
 /// Length of the stretch that shows the start, in run-ins.
@@ -38,7 +38,7 @@ fn simulate_into(damper: &Damper, test: &Test, deflection_m: f64, force_n: &mut 
 
 /// Walks a damper through the first samples of a test; `at_sample` sees the force and the state at
 /// each of them.
-pub fn walk(
+pub(crate) fn walk(
     damper: &Damper,
     test: &Test,
     deflection_m: f64,

@@ -11,7 +11,7 @@ const SHARE_OF_ONE: f64 = 0.6;
 
 /// Records to fit and records to hold out, in their order, and how they were parted.
 #[derive(Debug, Clone)]
-pub struct Split {
+pub(crate) struct Split {
     /// Fitted.
     pub train: Vec<Measurement>,
     /// Never fitted.
@@ -21,7 +21,7 @@ pub struct Split {
 }
 
 /// Parts records that came without hold-out.
-pub fn split(mut records: Vec<Measurement>) -> Split {
+pub(crate) fn split(mut records: Vec<Measurement>) -> Split {
     if records.len() < 2 {
         let Some(record) = records.pop() else {
             return Split { train: vec![], holdout: vec![], how: String::new() };

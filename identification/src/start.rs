@@ -1,15 +1,16 @@
 //! Where the fit of the nominal damper starts: a coarse grid over everything possible, then a fit of
 //! the best few on the beginnings of the tests.
 
+use super::control::Control;
 use super::fit::{Effort, Fit, fit, fit_freely, squares_of};
 use super::grey_box::GreyBox;
 use super::simulation::simulate;
-use super::tests_at_hand::TestsAtHand;
+use super::test_set::TestSet;
 use firmware_core::damper::effects::Scale;
 use rayon::prelude::*;
 
 /// How much of each test the search looks at, s, after the run-in.
-pub const BEGINNING_S: f64 = 1.5;
+pub(crate) const BEGINNING_S: f64 = 1.5;
 /// To near the bottom: the rest is done on the whole tests.
 const HALF: Effort = Effort { rounds: 2, patience: 8, gain: 1e-5 };
 /// Other starts that are kept.
@@ -28,13 +29,18 @@ pub struct NominalFit {
 }
 
 /// Fits the nominal damper; `given` are start values from a datasheet.
-pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<NominalFit> {
+pub fn nominal_fit(
+    tests: &TestSet,
+    given: Option<&[f64]>,
+    control: Control<'_>,
+) -> Option<NominalFit> {
     let beginnings = tests.beginnings(BEGINNING_S);
     let model = GreyBox::nominal(&tests.scale);
     let grid = grid(&tests.scale);
     let mut tried: Vec<(f64, usize)> = grid
         .par_iter()
         .enumerate()
+        .filter(|_| !control.is_stopped())
         .filter_map(|(index, values)| {
             let damper = model.damper(values)?;
             let force_n: Vec<Vec<f64>> =
@@ -47,13 +53,16 @@ pub fn nominal_fit(tests: &TestsAtHand, given: Option<&[f64]>) -> Option<Nominal
     starts.extend(tried.iter().take(FITTED).map(|(_, index)| grid[*index].clone()));
     let mut fitted: Vec<Fit> = starts
         .par_iter()
-        .filter_map(|start| fit_freely(Fit::of(&model, start, &beginnings)?, &beginnings, HALF))
+        .filter_map(|start| {
+            let start = Fit::evaluate(&model, start, &beginnings)?;
+            fit_freely(start, &beginnings, HALF, control)
+        })
         .collect();
     fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let mut whole: Vec<Fit> = fitted
         .iter()
         .take(3)
-        .filter_map(|start| fit(&model, &start.values, tests, Effort::FULL))
+        .filter_map(|start| fit(&model, &start.values, tests, Effort::FULL, control))
         .collect();
     whole.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let others = given.iter().map(|values| values.to_vec());

@@ -16,8 +16,8 @@
 
 use super::fit::{Fit, slopes};
 use super::gram::Gram;
-use super::screening::Standing;
-use super::tests_at_hand::TestsAtHand;
+use super::linearised::Linearised;
+use super::test_set::TestSet;
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::borrow::Cow;
@@ -32,7 +32,7 @@ const NOT_FIXED: f64 = 3.0;
 const FEWEST_FREE: f64 = 3.0;
 
 /// Standard deviations of all parameters in their units, none where the records do not fix one.
-pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> Vec<Option<f64>> {
+pub(crate) fn uncertainty(standing: &Linearised, tests: &TestSet) -> Vec<Option<f64>> {
     let count = standing.slopes.len();
     let (free, slopes) = alive(standing, tests);
     let (mut blocks, mut pieces): (Vec<Gram>, Vec<Gram>) = (Vec::new(), Vec::new());
@@ -74,12 +74,13 @@ pub fn uncertainty(standing: &Standing, tests: &TestsAtHand) -> Vec<Option<f64>>
 
 /// Free coordinates and sensitivities. A parameter that lies on its bound has none there, but others may
 /// be uncertain because of it: it is looked at a little inside.
-fn alive<'a>(standing: &'a Standing, tests: &TestsAtHand) -> (Vec<f64>, Cow<'a, [Slope]>) {
+fn alive<'a>(standing: &'a Linearised, tests: &TestSet) -> (Vec<f64>, Cow<'a, [Slope]>) {
     let Fit { model, values, .. } = &standing.fit;
     let free = model.free(values);
     let pairs = model.coordinates().iter().zip(&free);
     let inside: Vec<f64> = pairs.map(|(coordinate, u)| coordinate.inside(*u)).collect();
-    let moved = if inside == free { None } else { Fit::of(model, &model.values(&inside), tests) };
+    let moved =
+        if inside == free { None } else { Fit::evaluate(model, &model.values(&inside), tests) };
     match moved {
         Some(fit) => {
             let slopes = slopes(model, &inside, &fit.force_n, &fit.starts_m, tests);

@@ -6,9 +6,7 @@ use super::size::records;
 use super::specimen::{Mounted, mount};
 use firmware_core::damper::Damper;
 use identification::result::{Errors, IdentifyResult, Verdict};
-use identification::simulation::{simulate, start_deflection_m};
-use identification::tests_at_hand::TestsAtHand;
-use identification::{Question, identify};
+use identification::{Control, Question, TestSet, identify, simulate, start_deflection_m};
 use measurement::Measurement;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -168,7 +166,7 @@ impl CaseResult {
                 return;
             }
         };
-        let (fitted, judged) = (TestsAtHand::new(train.clone()), TestsAtHand::new(holdout.clone()));
+        let (fitted, judged) = (TestSet::new(train.clone()), TestSet::new(holdout.clone()));
         let question = Question {
             train,
             holdout,
@@ -179,10 +177,10 @@ impl CaseResult {
         };
         let without = case.datasheet.is_some().then(|| {
             let question = Question { datasheet: None, ..question.clone() };
-            identify(question, &|_| {}).map(|found| found.result)
+            identify(question, Control::QUIET).map(|found| found.result)
         });
         let begin = Instant::now();
-        let found = identify(question, &|_| {});
+        let found = identify(question, Control::QUIET);
         self.seconds = begin.elapsed().as_secs_f64();
         let result = match found {
             Ok(found) => found.result,
@@ -253,7 +251,7 @@ const fn verdict_name(verdict: Verdict) -> &'static str {
 fn errors(
     result: &IdentifyResult,
     truth: Option<&Damper>,
-    [fitted, judged]: [&TestsAtHand; 2],
+    [fitted, judged]: [&TestSet; 2],
 ) -> Option<CaseErrors> {
     let held = |errors: &Option<Errors>| {
         let errors = errors.as_ref()?;
@@ -274,7 +272,7 @@ fn errors(
 }
 
 /// rms error of a damper on tests, N, over the same samples as those of `identify`.
-fn rmse_of(damper: &Damper, tests: &TestsAtHand) -> f64 {
+fn rmse_of(damper: &Damper, tests: &TestSet) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for test in &tests.tests {
         let start_m = start_deflection_m(damper, test);

@@ -10,10 +10,7 @@
 //! should be, after the same many-start fit with which `identify` begins.
 
 use super::case::Case;
-use identification::fit::{Effort, fit};
-use identification::grey_box::{GreyBox, vector_of};
-use identification::start::nominal_fit;
-use identification::tests_at_hand::TestsAtHand;
+use identification::{Control, Effort, GreyBox, TestSet, fit, nominal_fit, vector_of};
 use measurement::{Measurement, MeasurementError};
 use virtual_bench::bench_visit::sensors::{Channel, Sensors};
 use virtual_bench::bench_visit::specimen::{Load, Response};
@@ -136,11 +133,12 @@ fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
     let fitted: Vec<_> = case.tests.iter().filter(|test| !test.test_only).cloned().collect();
     let mut visited = visit(specimen, &fitted, &silent(&case.sensors), case.seed);
     visited.retain(|record| !record.is_flat_but_for_rounding() && record.measurement().is_ok());
-    let tests = TestsAtHand::new(measurements(&visited).ok()?);
+    let tests = TestSet::new(measurements(&visited).ok()?);
     let truth = vector_of(&case.nominal);
-    let mut best = fit(&GreyBox::nominal(&tests.scale), &truth, &tests, Effort::FULL)?;
+    let nominal = GreyBox::nominal(&tests.scale);
+    let mut best = fit(&nominal, &truth, &tests, Effort::FULL, Control::QUIET)?;
     if thorough {
-        let other = nominal_fit(&tests, None)?.fit;
+        let other = nominal_fit(&tests, None, Control::QUIET)?.fit;
         if other.total_n2() < best.total_n2() {
             best = other;
         }
@@ -207,9 +205,8 @@ mod tests {
             let case = Case::of_kind(Kind::Effect { effect, size }, 5, 0, true);
             let mounted = mount(&case).unwrap();
             // By a way of its own: noisy records, of which the noise is taken away in squares.
-            let tests =
-                TestsAtHand::new(records(&case, &*mounted.specimen, &case.sensors).unwrap().0);
-            let fit = nominal_fit(&tests, None).unwrap().fit;
+            let tests = TestSet::new(records(&case, &*mounted.specimen, &case.sensors).unwrap().0);
+            let fit = nominal_fit(&tests, None, Control::QUIET).unwrap().fit;
             let square = fit.total_n2() / tests.counted_samples() as f64;
             let noise_n = case.noise_n();
             let found = (square - noise_n * noise_n).sqrt() / noise_n;

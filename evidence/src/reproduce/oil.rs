@@ -12,8 +12,7 @@ use super::Basis;
 use super::row::{Figure, Row};
 use crate::error::EvidenceError;
 use firmware_core::damper::Nominal;
-use identification::start::nominal_fit;
-use identification::tests_at_hand::TestsAtHand;
+use identification::{Control, TestSet, nominal_fit};
 use rayon::prelude::*;
 use report::Plot;
 use scenario::source::Source;
@@ -93,9 +92,10 @@ fn estimated(basis: &Basis<'_>, degc: f64, air_share: f64) -> Result<Estimated, 
     let fitted = tests.iter().filter(|test| !test.test_only);
     let records: Vec<RawRecord> =
         fitted.map(|test| record_from(&damper, test, &sensors, SEED, degc)).collect();
-    let tests = TestsAtHand::new(measurements(&records)?);
-    let fit =
-        nominal_fit(&tests, None).ok_or(EvidenceError::NoFit("follows the physical one"))?.fit;
+    let tests = TestSet::new(measurements(&records)?);
+    let fit = nominal_fit(&tests, None, Control::QUIET)
+        .ok_or(EvidenceError::NoFit("follows the physical one"))?
+        .fit;
     let fitted =
         fit.model.damper(&fit.values).ok_or(EvidenceError::NoFit("has the fitted values"))?;
     let nominal = *fitted.nominal();

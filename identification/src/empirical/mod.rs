@@ -17,12 +17,13 @@
 mod smooth;
 
 use super::acceptance::{too_little, too_seldom};
+use super::evidence::improved;
 use super::fit::Fit;
-use super::left_over::LeftOver;
-use super::left_over::coordinates::UNDER_WAY;
+use super::judged::Judged;
+use super::residual::ResidualAnalysis;
+use super::residual::coordinates::UNDER_WAY;
 use super::simulation::{simulate, start_deflection_m, walk};
-use super::tests_at_hand::TestsAtHand;
-use super::trial::{Judged, improved};
+use super::test_set::TestSet;
 use firmware_core::damper::{Damper, EmpiricalMap, MapCoordinate, MapKnot};
 use rayon::prelude::*;
 use smooth::{Along, Piece};
@@ -56,6 +57,12 @@ pub struct FittedMap {
 }
 
 impl Empirical {
+    /// No map: the work was stopped before.
+    pub(crate) fn interrupted() -> Self {
+        let why = "interrupted before a map was fitted".to_owned();
+        Self { kept: false, why, fitted: None }
+    }
+
     /// The map, if it is kept.
     pub fn kept(&self) -> Option<&FittedMap> {
         self.fitted.as_ref().filter(|_| self.kept)
@@ -66,9 +73,9 @@ impl Empirical {
 /// training tests, `on_holdout` the model on the tests held out.
 pub fn empirical(
     model: &Judged,
-    left: &LeftOver,
+    left: &ResidualAnalysis,
     on_holdout: Option<&Fit>,
-    (train, holdout): (&TestsAtHand, &TestsAtHand),
+    (train, holdout): (&TestSet, &TestSet),
 ) -> Empirical {
     let explaining = left.maps.iter().filter(|map| map.share > 0.0);
     let coordinates = explaining.filter_map(|map| map.coordinate.of_a_damper());
@@ -111,8 +118,8 @@ struct Trial {
 }
 
 /// Fits a map over a coordinate; none where the coordinate does not vary.
-fn try_map(coordinate: MapCoordinate, model: &Judged, tests: &TestsAtHand) -> Option<Trial> {
-    let fit = &model.standing.fit;
+fn try_map(coordinate: MapCoordinate, model: &Judged, tests: &TestSet) -> Option<Trial> {
+    let fit = model.fit();
     let damper = fit.model.damper(&fit.values)?;
     let reversal_m_per_s = reversal_m_per_s(tests);
     let flat = |at: f64| MapKnot { at, upper_n: 0.0, lower_n: 0.0 };
@@ -175,7 +182,7 @@ fn try_map(coordinate: MapCoordinate, model: &Judged, tests: &TestsAtHand) -> Op
 }
 
 /// Slow enough for the slowest test.
-fn reversal_m_per_s(tests: &TestsAtHand) -> f64 {
+fn reversal_m_per_s(tests: &TestSet) -> f64 {
     let largest = tests
         .tests
         .iter()
@@ -193,8 +200,8 @@ impl Trial {
     }
 
     /// Free-running on all tests, every dashpot started anew.
-    fn on(self, train: &TestsAtHand, holdout: &TestsAtHand) -> FittedMap {
-        let run = |tests: &TestsAtHand| {
+    fn on(self, train: &TestSet, holdout: &TestSet) -> FittedMap {
+        let run = |tests: &TestSet| {
             let each = tests
                 .tests
                 .par_iter()
@@ -208,7 +215,7 @@ impl Trial {
 }
 
 /// Why a map that predicts the tests held out worse than the model without it is not kept.
-fn worse(fitted: &FittedMap, without: Option<&Fit>, holdout: &TestsAtHand) -> Option<String> {
+fn worse(fitted: &FittedMap, without: Option<&Fit>, holdout: &TestSet) -> Option<String> {
     let before = holdout.rmse_n(&without?.force_n)?;
     let after = holdout.rmse_n(&fitted.on_holdout)?;
     (after > before).then(|| {

@@ -109,7 +109,7 @@ pub(super) struct Smoothed {
 /// Fits a map and leaves every piece out in turn.
 pub(super) fn smoothed(pieces: &[Piece]) -> Option<Smoothed> {
     let whole = Gram::sum(pieces.iter().map(|piece| &piece.seen))?;
-    let penalty = Penalty::of(&whole);
+    let penalty = Penalty::new(&whole);
     // By weight: the error of piece j without the pieces i and j.
     let tables: Vec<DMatrix<f64>> = WEIGHTS
         .par_iter()
@@ -171,7 +171,7 @@ struct Penalty {
 }
 
 impl Penalty {
-    fn of(whole: &Gram) -> Self {
+    fn new(whole: &Gram) -> Self {
         let count = whole.columns.nrows();
         let knots = count / 2;
         let mut bends = DMatrix::zeros(count, count);

@@ -1,8 +1,8 @@
 //! Candidates by what they gain on tests left out.
 
-use super::super::identify::Identification;
 use super::prefix::quantity;
 use super::words::spoken;
+use crate::identify::Identification;
 use report::{Cell, Plot, Section, Table};
 
 /// A loss beyond this is drawn to the edge: how bad a wrong effect is does not matter, %.
@@ -11,10 +11,10 @@ const WORST_DRAWN: f64 = -20.0;
 /// Candidates, ranked.
 pub(super) fn section(identification: &Identification) -> Section {
     let result = &identification.result;
-    let found = &identification.found;
+    let findings = &identification.findings;
     let samples = identification.train.counted_samples().max(1) as f64;
     let error_n = |total_n2: f64| quantity((total_n2 / samples).sqrt(), "N");
-    let before = error_n(found.refitted.left_out.total_n2());
+    let before = error_n(findings.refitted.left_out.total_n2());
     let mut section = Section::new("Candidates").text(&format!(
         "Every effect of the catalogue was compared with the residual to first order; the best were \
          fitted together with all other parameters and judged on pieces of record that their fit had \
@@ -23,7 +23,7 @@ pub(super) fn section(identification: &Identification) -> Section {
         if result.effects.is_empty() {
             String::new()
         } else {
-            let after = error_n(found.with_effects.left_out.total_n2());
+            let after = error_n(findings.with_effects.left_out.total_n2());
             format!(", the final one by {after}")
         }
     ));

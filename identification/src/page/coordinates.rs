@@ -1,11 +1,11 @@
 //! The residual over every coordinate.
 
-use super::super::identify::Identification;
-use super::super::left_over::LeftOver;
-use super::super::left_over::coordinates::Coordinate;
-use super::super::left_over::maps::CoordinateMap;
 use super::prefix::{Prefixed, quantity};
 use super::words::{percent, probability};
+use crate::identify::Identification;
+use crate::residual::ResidualAnalysis;
+use crate::residual::coordinates::Coordinate;
+use crate::residual::maps::CoordinateMap;
 use report::{Cell, Plot, Section, Table};
 
 /// A map that explains less, or by chance with a larger probability, does not stand out.
@@ -14,7 +14,7 @@ const LARGEST_P: f64 = 1e-3;
 
 /// What the refitted model leaves over.
 pub(super) fn section(identification: &Identification) -> Section {
-    let left = &identification.left_before;
+    let left = &identification.residual_before;
     let mut section = Section::new("What the refitted model leaves over").text(&format!(
         "The residual of all fitted tests, {} rms, is averaged over each coordinate in bins of equal \
          content, apart for the two branches of the motion. A model that lacks nothing leaves flat \
@@ -38,7 +38,7 @@ pub(super) fn section(identification: &Identification) -> Section {
 }
 
 /// The map that explains most, if it explains anything.
-pub(super) fn strongest(left: &LeftOver) -> Option<&CoordinateMap> {
+pub(super) fn strongest(left: &ResidualAnalysis) -> Option<&CoordinateMap> {
     let questions = left.maps.len() as f64;
     left.maps.iter().find(|map| map.share > LEAST_SHARE && map.p_value * questions < LARGEST_P)
 }
@@ -46,8 +46,8 @@ pub(super) fn strongest(left: &LeftOver) -> Option<&CoordinateMap> {
 /// One plot per coordinate, the residual of an earlier model in grey behind it.
 pub(super) fn plots(
     identification: &Identification,
-    left: &LeftOver,
-    before: Option<&LeftOver>,
+    left: &ResidualAnalysis,
+    before: Option<&ResidualAnalysis>,
 ) -> Vec<Plot> {
     let declared = identification.train.tests.iter().all(|test| test.record.direction_declared);
     // The same scale everywhere, and never so fine that noise looks like a shape.
@@ -55,7 +55,7 @@ pub(super) fn plots(
     let means = all.flat_map(|map| map.upper_n.iter().chain(&map.lower_n).flatten());
     let floor = left.noise_floor_n;
     let (low, high) = means.fold((-floor, floor), |(l, h): (f64, f64), m| (l.min(*m), h.max(*m)));
-    let force = Prefixed::of("N", high.max(-low));
+    let force = Prefixed::for_size("N", high.max(-low));
     let margin = 0.06 * force.value(high - low);
     let (low, high) = (force.value(low) - margin, force.value(high) + margin);
     let marked = strongest(left).map(|map| map.coordinate);
@@ -106,7 +106,7 @@ fn caption(map: &CoordinateMap) -> String {
 }
 
 /// Shares of all coordinates.
-pub(super) fn shares(left: &LeftOver, before: Option<&LeftOver>) -> Table {
+pub(super) fn shares(left: &ResidualAnalysis, before: Option<&ResidualAnalysis>) -> Table {
     let mut table =
         Table::new("What each coordinate explains on tests left out").text("coordinate");
     if before.is_some() {

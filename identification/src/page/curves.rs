@@ -76,7 +76,7 @@ pub(super) fn over_time(title: &str, shown: &Shown<'_>, which: Which) -> Plot {
             .iter()
             .flat_map(|(_, residual)| &residual[counted.clone()])
             .fold(0.0, |most: f64, r| most.max(r.abs()));
-        let unit = Prefixed::of("N", largest);
+        let unit = Prefixed::for_size("N", largest);
         plot = plot.panel_below("residual", &unit.unit);
         if largest > 0.0 {
             let end = 1.08 * unit.value(largest);

@@ -1,15 +1,15 @@
 //! The effects that were added: equation, parameters, what each does to the force, and what speaks
 //! for it.
 
-use super::super::grey_box::{GreyBox, NOMINAL};
-use super::super::identify::Identification;
-use super::super::result::EffectFound;
-use super::super::simulation::simulate;
 use super::curves::{Which, over_time};
 use super::models::deviation;
 use super::prefix::{Prefixed, uncertain};
 use super::shown::{Shown, telling_stretch};
 use super::words::{capitalised, listed, percent, probability, spoken};
+use crate::grey_box::{GreyBox, NOMINAL};
+use crate::identify::Identification;
+use crate::result::EffectFound;
+use crate::simulation::simulate;
 use firmware_core::damper::effects::CATALOGUE;
 use report::{Cell, Plot, Section, Table, Tile};
 use signal::statistics::rms;
@@ -101,7 +101,7 @@ fn one(
 /// What the effect does to the force: the final model less the same without it, in the test where
 /// that is most.
 fn contribution(identification: &Identification, index: usize, effect: &EffectFound) -> Vec<Plot> {
-    let fit = &identification.found.with_effects.standing.fit;
+    let fit = identification.findings.with_effects.fit();
     let tests = &identification.train;
     let mut without = GreyBox::nominal(&tests.scale);
     let mut values = fit.values[..NOMINAL.len()].to_vec();

@@ -1,12 +1,12 @@
 //! The empirical map, for those who asked for one: last, and apart from everything that has a name.
 
-use super::super::empirical::{Empirical, FittedMap};
-use super::super::identify::Identification;
-use super::super::result::Errors;
 use super::coordinates::{branches, name_of, present};
 use super::curves::{REFITTED, WITH_EFFECTS};
 use super::prefix::{Prefixed, quantity};
 use super::words::capitalised;
+use crate::empirical::{Empirical, FittedMap};
+use crate::identify::Identification;
+use crate::result::Errors;
 use firmware_core::damper::MapKnot;
 use report::{Cell, Plot, Section, Table};
 
@@ -41,7 +41,7 @@ pub(super) fn section(identification: &Identification) -> Option<Section> {
 /// Both branches over the coordinate, with what the model without it leaves over behind them.
 fn curve(identification: &Identification, fitted: &FittedMap) -> Option<Plot> {
     let over = fitted.map.coordinate();
-    let left = &identification.left_after.maps;
+    let left = &identification.residual_after.maps;
     let residual = left.iter().find(|map| map.coordinate.of_a_damper() == Some(over))?;
     let declared = identification.train.tests.iter().all(|test| test.record.direction_declared);
     let (name, unit) = name_of(residual.coordinate);

@@ -1,8 +1,8 @@
 //! Errors, test by test.
 
-use super::super::identify::Identification;
-use super::super::result::{Models, PerTest};
 use super::curves::{DATASHEET, REFITTED, WITH_EFFECTS};
+use crate::identify::Identification;
+use crate::result::{Models, PerTest};
 use report::{Cell, Section, Table};
 
 /// The error tables.

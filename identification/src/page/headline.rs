@@ -1,16 +1,16 @@
 //! What a reader wants to know first, and at the end how it was found out.
 
-use super::super::identify::Identification;
-use super::super::result::Errors;
 use super::curves::{DATASHEET, REFITTED, WITH_EFFECTS};
 use super::prefix::{Prefixed, quantity};
 use super::words::{floor_has_lines, percent};
-use crate::tests_at_hand::TestsAtHand;
+use crate::identify::Identification;
+use crate::result::Errors;
+use crate::test_set::TestSet;
 use report::{Cell, Section, Table, Tile, significant};
 
 /// Names and values under the title.
 pub(super) fn facts(identification: &Identification) -> Vec<(&'static str, String)> {
-    let size = |tests: &TestsAtHand| {
+    let size = |tests: &TestSet| {
         let seconds: f64 = tests
             .tests
             .iter()
@@ -29,10 +29,7 @@ pub(super) fn facts(identification: &Identification) -> Vec<(&'static str, Strin
         ("largest speed", quantity(identification.train.scale.velocity_m_per_s, "m/s")),
         (
             "sampling",
-            format!(
-                "{} Hz",
-                significant(super::super::candidate::rate_hz(&identification.train), 4)
-            ),
+            format!("{} Hz", significant(crate::candidate::rate_hz(&identification.train), 4)),
         ),
     ]
 }
@@ -59,7 +56,7 @@ pub(super) fn section(identification: &Identification) -> Section {
             Tile::number(&format!("{which}, {name}"), unit.value(*rmse_n), &unit_and_share)
         })
         .collect();
-    let floor = Prefixed::of("N", result.noise_floor_n);
+    let floor = Prefixed::for_size("N", result.noise_floor_n);
     tiles.push(Tile::number("noise floor", floor.value(result.noise_floor_n), &floor.unit));
     tiles.push(Tile::text(
         "effects added",
@@ -71,7 +68,7 @@ pub(super) fn section(identification: &Identification) -> Section {
     tiles.push(match &result.unexplained {
         None => Tile::text("left unexplained", "nothing").good(),
         Some(part) => {
-            let prefixed = Prefixed::of("N", part.rms_n);
+            let prefixed = Prefixed::for_size("N", part.rms_n);
             Tile::number("left unexplained, rms", prefixed.value(part.rms_n), &prefixed.unit).bad()
         }
     });

@@ -1,7 +1,7 @@
 //! What these records could not tell apart or show, and which test would.
 
-use super::super::identify::Identification;
 use super::words::{listed, spoken};
+use crate::identify::Identification;
 use firmware_core::damper::effects::CATALOGUE;
 use report::{Section, Table};
 

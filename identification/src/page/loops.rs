@@ -1,9 +1,9 @@
 //! Loops of every test held out, before and after.
 
-use super::super::identify::Identification;
 use super::curves::{Over, Which, loop_of, residual_of};
 use super::prefix::quantity;
 use super::shown::Shown;
+use crate::identify::Identification;
 use report::Section;
 
 /// Fitted tests that are drawn where none is held out.

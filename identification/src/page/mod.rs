@@ -16,11 +16,11 @@ mod effects;
 mod empirical;
 mod errors;
 mod headline;
-mod left;
 mod limits;
 mod loops;
 mod models;
 mod prefix;
+mod residual;
 mod shown;
 mod words;
 
@@ -46,7 +46,7 @@ pub fn page(identification: &Identification) -> Report {
         .section(loops::section(identification, &tests))
         .section(errors::section(identification))
         .section(limits::section(identification))
-        .section(left::section(identification));
+        .section(residual::section(identification));
     if let Some(section) = empirical::section(identification) {
         report = report.section(section);
     }

@@ -1,12 +1,12 @@
 //! The record with the maker's model over it; then the same model with its numbers refitted.
 
-use super::super::grey_box::NOMINAL;
-use super::super::identify::Identification;
-use super::super::uncertainty::uncertainty;
 use super::curves::{Over, Which, loop_of, over_time};
 use super::prefix::quantity;
 use super::shown::Shown;
 use super::words;
+use crate::grey_box::NOMINAL;
+use crate::identify::Identification;
+use crate::uncertainty::uncertainty;
 use report::{Cell, Section, Table};
 
 /// The record and the datasheet.
@@ -67,7 +67,7 @@ pub(super) fn refitted(identification: &Identification, telling: Option<&Shown<'
 
 /// Nominal parameters: of the datasheet, refitted, and of the final model.
 fn nominal(identification: &Identification) -> Table {
-    let standing = &identification.found.refitted.standing;
+    let standing = &identification.findings.refitted.linearised;
     let deviations = uncertainty(standing, &identification.train);
     let added = !identification.result.effects.is_empty();
     let mut table = Table::new("Nominal parameters; std is one standard deviation")

@@ -14,7 +14,7 @@ const PREFIXES: [(f64, &str); 5] = [(1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m
 
 impl Prefixed {
     /// For values up to this size, in an SI unit.
-    pub(super) fn of(unit: &str, largest: f64) -> Self {
+    pub(super) fn for_size(unit: &str, largest: f64) -> Self {
         let pretty = unit.replace("s2", "s²").replace("m2", "m²");
         // Seconds go down only, and what starts with no plain unit has no prefix.
         let (upwards, downwards) = match unit.split([' ', '/']).next() {
@@ -39,7 +39,7 @@ impl Prefixed {
 
     /// For the largest of some values.
     pub(super) fn for_all<'a>(unit: &str, values: impl IntoIterator<Item = &'a f64>) -> Self {
-        Self::of(unit, values.into_iter().fold(0.0, |most: f64, value| most.max(value.abs())))
+        Self::for_size(unit, values.into_iter().fold(0.0, |most: f64, value| most.max(value.abs())))
     }
 
     /// One value.
@@ -55,7 +55,7 @@ impl Prefixed {
 
 /// A value as it is said: `155 N`, `1.02 MN s/m`.
 pub(super) fn quantity(si: f64, unit: &str) -> String {
-    let prefixed = Prefixed::of(unit, si);
+    let prefixed = Prefixed::for_size(unit, si);
     with_unit(significant(prefixed.value(si), 3), &prefixed.unit)
 }
 
@@ -64,7 +64,7 @@ pub(super) fn uncertain(si: f64, std: Option<f64>, unit: &str) -> String {
     let Some(std) = std.filter(|std| *std > 0.0 && std.is_finite()) else {
         return quantity(si, unit);
     };
-    let prefixed = Prefixed::of(unit, si.abs().max(std));
+    let prefixed = Prefixed::for_size(unit, si.abs().max(std));
     let (value, std) = (prefixed.value(si), prefixed.value(std));
     // Two digits of a deviation that starts with a one, else one.
     let decade = libm::floor(libm::log10(std));

@@ -1,9 +1,9 @@
 //! Which tests are drawn, and which stretch of them.
 
-use super::super::fit::Fit;
-use super::super::identify::Identification;
-use super::super::result::Models;
-use super::super::tests_at_hand::{Test, TestsAtHand};
+use crate::fit::Fit;
+use crate::identify::Identification;
+use crate::result::Models;
+use crate::test_set::{Test, TestSet};
 use std::ops::Range;
 
 /// A stretch without cycles, s.
@@ -29,11 +29,7 @@ pub(super) fn all(identification: &Identification) -> Vec<Shown<'_>> {
     all
 }
 
-fn of<'a>(
-    tests: &'a TestsAtHand,
-    models: &'a Models<Option<Fit>>,
-    held_out: bool,
-) -> Vec<Shown<'a>> {
+fn of<'a>(tests: &'a TestSet, models: &'a Models<Option<Fit>>, held_out: bool) -> Vec<Shown<'a>> {
     let each = tests.tests.iter().enumerate().map(|(index, test)| {
         let force_n = models.map(|fit| fit.as_ref()?.force_n.get(index).map(Vec::as_slice));
         Shown { test, held_out, force_n }

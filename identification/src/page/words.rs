@@ -1,9 +1,9 @@
 //! The verdict in plain words, and names as people say them.
 
-use super::super::identify::Identification;
-use super::super::result::{EffectFound, Errors, IdentifyResult};
-use super::super::trial::Judged;
 use super::prefix::{quantity, uncertain};
+use crate::identify::Identification;
+use crate::judged::Judged;
+use crate::result::{EffectFound, Errors, IdentifyResult};
 use report::significant;
 
 /// The title of the page.
@@ -58,7 +58,7 @@ pub(super) fn sentence(identification: &Identification) -> String {
             None => format!(
                 "The nominal model lacks nothing that these records can show: what it leaves over, \
                  {} rms, is noise ({floor}).",
-                quantity(identification.left_before.rms_n, "N")
+                quantity(identification.residual_before.rms_n, "N")
             ),
             Some(left) => {
                 let at_noise = if floor_has_lines(result) {
@@ -118,7 +118,7 @@ fn explained(identification: &Identification) -> Explained {
         || {
             let samples = identification.train.counted_samples().max(1) as f64;
             let of = |judged: &Judged| judged.left_out.total_n2() / samples;
-            (of(&identification.found.refitted), of(&identification.found.with_effects))
+            (of(&identification.findings.refitted), of(&identification.findings.with_effects))
         },
         |(before, after)| (before * before, after * after),
     );

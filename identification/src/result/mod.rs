@@ -1,5 +1,9 @@
 //! The result as it is written to `result.json`.
 
+mod build;
+
+pub(crate) use build::{Parts, Simulated};
+
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -22,6 +26,8 @@ pub enum Verdict {
 pub struct IdentifyResult {
     /// In one word.
     pub verdict: Verdict,
+    /// The search was interrupted: the effects are those that were accepted until then.
+    pub interrupted: bool,
     /// rms of what does not repeat, N.
     pub noise_floor_n: f64,
     /// How it was found.
@@ -49,7 +55,7 @@ pub struct IdentifyResult {
 }
 
 /// One value for each of the three models.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Models<T> {
     /// The maker's numbers as they are.
     pub datasheet: T,
@@ -57,6 +63,30 @@ pub struct Models<T> {
     pub refitted: T,
     /// The same with the effects that were found.
     pub with_effects: T,
+}
+
+impl<T> Models<Option<T>> {
+    /// The same for each model.
+    pub(crate) fn map<'a, U>(&'a self, to: impl Fn(&'a Option<T>) -> U) -> Models<U> {
+        Models {
+            datasheet: to(&self.datasheet),
+            refitted: to(&self.refitted),
+            with_effects: to(&self.with_effects),
+        }
+    }
+
+    /// The same for each model and that of `other`.
+    pub(crate) fn zip_with<'a, U>(
+        &'a self,
+        other: &'a Self,
+        to: impl Fn(Option<&'a T>, Option<&'a T>) -> U,
+    ) -> Models<U> {
+        Models {
+            datasheet: to(self.datasheet.as_ref(), other.datasheet.as_ref()),
+            refitted: to(self.refitted.as_ref(), other.refitted.as_ref()),
+            with_effects: to(self.with_effects.as_ref(), other.with_effects.as_ref()),
+        }
+    }
 }
 
 /// Errors of free-running simulation over all samples but the run-in.

@@ -15,7 +15,7 @@
 
 use super::unlike::{Unlike, unlike};
 use crate::chance::one_sided;
-use crate::tests_at_hand::{Test, TestsAtHand};
+use crate::test_set::{Test, TestSet};
 
 /// Points of phase that a cycle is averaged into.
 const PHASES: usize = 256;
@@ -42,7 +42,7 @@ pub struct Repeat {
 }
 
 /// Compares cycles of all tests that have at least three.
-pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
+pub(crate) fn repeat(residual_n: &[Vec<f64>], tests: &TestSet) -> Repeat {
     let (mut products, mut power, mut power_in_all, mut weight) = (Vec::new(), 0.0, 0.0, 0.0);
     let (mut scatter, mut scattered, mut with_cycles) = (0.0, 0usize, 0);
     let unlike = unlike(residual_n, tests);
@@ -109,12 +109,12 @@ pub fn repeat(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Repeat {
 }
 
 /// The residual of a test, cycle by cycle, without its run-in.
-pub fn cycles<'a>(test: &Test, residual_n: &'a [f64]) -> Vec<&'a [f64]> {
+pub(crate) fn cycles<'a>(test: &Test, residual_n: &'a [f64]) -> Vec<&'a [f64]> {
     starts(test).windows(2).filter_map(|pair| residual_n.get(pair[0]..pair[1])).collect()
 }
 
 /// First samples of those cycles, and the end of the last.
-pub fn starts(test: &Test) -> Vec<usize> {
+pub(crate) fn starts(test: &Test) -> Vec<usize> {
     let record = &test.record;
     record.cycles.iter().copied().filter(|at| *at >= record.run_in).collect()
 }

@@ -6,7 +6,7 @@
 //! model is wrong elsewhere too and may make them itself; then they say nothing.
 
 use super::repeat::cycles;
-use crate::tests_at_hand::TestsAtHand;
+use crate::test_set::TestSet;
 
 /// A cycle is unlike the others from this multiple of their usual difference.
 const UNLIKE: f64 = 8.0;
@@ -33,7 +33,7 @@ pub struct Unlike {
 }
 
 /// Compares every cycle of tests that have at least three with its neighbours.
-pub fn unlike(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Vec<Unlike> {
+pub(crate) fn unlike(residual_n: &[Vec<f64>], tests: &TestSet) -> Vec<Unlike> {
     let mut all: Vec<Unlike> = Vec::new();
     for (index, (test, residual)) in tests.tests.iter().zip(residual_n).enumerate() {
         let cycles = cycles(test, residual);
@@ -84,7 +84,7 @@ mod tests {
         let f = |n: usize| 1e4 * libm::cos(w * n as f64 * 1e-3);
         let series =
             Series::sampled("a", 1e3, (0..5000).map(x).collect(), (0..5000).map(f).collect());
-        let tests = TestsAtHand::new(vec![Measurement::from_series(series).unwrap()]);
+        let tests = TestSet::new(vec![Measurement::from_series(series).unwrap()]);
         let noise = |n: usize| ((n * 7919 + n * n * 104_729) % 997) as f64 / 10.0 - 50.0;
         let mut residual: Vec<f64> = (0..5000).map(noise).collect();
         assert_eq!(unlike(&[residual.clone()], &tests), []);

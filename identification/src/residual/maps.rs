@@ -11,7 +11,7 @@
 
 use super::coordinates::{Coordinate, Track};
 use crate::chance::one_sided;
-use crate::tests_at_hand::TestsAtHand;
+use crate::test_set::TestSet;
 
 /// Bins of a coordinate.
 const BINS: usize = 20;
@@ -36,11 +36,11 @@ pub struct CoordinateMap {
 }
 
 /// The map of a residual over a coordinate, if the coordinate was measured and varies.
-pub fn map(
+pub(crate) fn map(
     coordinate: Coordinate,
     tracks: &[Track],
     residual_n: &[Vec<f64>],
-    tests: &TestsAtHand,
+    tests: &TestSet,
 ) -> Option<CoordinateMap> {
     let edges = edges(coordinate, tracks, tests)?;
     let bin_of = |value: f64| edges.partition_point(|edge| *edge <= value);
@@ -107,7 +107,7 @@ pub fn map(
 }
 
 /// Inner edges of bins with equal content.
-fn edges(coordinate: Coordinate, tracks: &[Track], tests: &TestsAtHand) -> Option<Vec<f64>> {
+fn edges(coordinate: Coordinate, tracks: &[Track], tests: &TestSet) -> Option<Vec<f64>> {
     let mut values: Vec<f64> = tests
         .pieces
         .iter()

@@ -28,7 +28,7 @@ const PIECES_OF_FEW_TESTS: usize = 6;
 
 /// Records ready for models.
 #[derive(Debug, Clone)]
-pub struct TestsAtHand {
+pub struct TestSet {
     /// The tests, in the order given.
     pub tests: Vec<Test>,
     /// Pieces, in order of tests and time.
@@ -61,7 +61,7 @@ pub struct Piece {
     pub samples: Range<usize>,
 }
 
-impl TestsAtHand {
+impl TestSet {
     /// Prepares records.
     pub fn new(records: Vec<Measurement>) -> Self {
         let scale = scale_of(&records);

@@ -1,11 +1,11 @@
 //! What is left when everything that was found is in the model.
 
-use super::super::identify::Identification;
-use super::super::left_over::LeftOver;
 use super::coordinates::{plots, shares};
 use super::prefix::quantity;
 use super::words::{lives, probability};
 use crate::fit::Fit;
+use crate::identify::Identification;
+use crate::residual::ResidualAnalysis;
 use report::{Plot, Section, Table};
 use signal::spectrum::Spectrum;
 
@@ -14,7 +14,7 @@ const SEGMENTS: f64 = 4.0;
 
 /// What is left.
 pub(super) fn section(identification: &Identification) -> Section {
-    let (before, after) = (&identification.left_before, &identification.left_after);
+    let (before, after) = (&identification.residual_before, &identification.residual_after);
     let added = !identification.result.effects.is_empty();
     let mapped = identification.empirical.as_ref().is_some_and(|tried| tried.kept);
     let mut section = Section::new("What is left");
@@ -64,7 +64,7 @@ pub(super) fn section(identification: &Identification) -> Section {
     section.table(table)
 }
 
-fn repeat(left: &LeftOver) -> String {
+fn repeat(left: &ResidualAnalysis) -> String {
     let repeat = &left.repeat;
     match repeat.noise_floor_n {
         None => "No test has cycles, so nothing can be said of what repeats.".to_owned(),
@@ -88,14 +88,14 @@ fn repeat(left: &LeftOver) -> String {
 /// lines, with the largest residual.
 fn spectrum(identification: &Identification) -> Vec<Plot> {
     let tests = &identification.train;
-    let found = &identification.found;
-    let (before, after) = (&found.refitted.standing.fit, &found.with_effects.standing.fit);
+    let findings = &identification.findings;
+    let (before, after) = (findings.refitted.fit(), findings.with_effects.fit());
     let rms_n = |test: usize| {
         let counted = tests.tests[test].counted();
         signal::statistics::rms(&after.residual_n(tests, test)[counted])
     };
     let strongest =
-        identification.left_after.lines.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
+        identification.residual_after.lines.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
     let largest = || (0..tests.tests.len()).max_by(|a, b| rms_n(*a).total_cmp(&rms_n(*b)));
     let Some(test) = strongest.map(|line| line.test).or_else(largest) else { return Vec::new() };
     let record = &tests.tests[test].record;

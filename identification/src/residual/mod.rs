@@ -7,14 +7,14 @@
 //! ([`unlike`]). Two ten-thousandths of the force and less are what steps, interpolation and bounds of the
 //! models themselves leave.
 
-pub mod coordinates;
-pub mod lines;
-pub mod maps;
-pub mod repeat;
-pub mod unlike;
+pub(crate) mod coordinates;
+pub(crate) mod lines;
+pub(crate) mod maps;
+pub(crate) mod repeat;
+pub(crate) mod unlike;
 
 use super::fit::Fit;
-use super::tests_at_hand::TestsAtHand;
+use super::test_set::TestSet;
 use coordinates::{Coordinate, Track};
 use lines::Line;
 use maps::CoordinateMap;
@@ -33,7 +33,7 @@ const LARGEST_P: f64 = 1e-3;
 
 /// The residual of a model, looked at from all sides.
 #[derive(Debug, Clone)]
-pub struct LeftOver {
+pub struct ResidualAnalysis {
     /// rms of the residual, N.
     pub rms_n: f64,
     /// Noise floor, N.
@@ -61,15 +61,15 @@ pub struct Unexplained {
     pub description: String,
 }
 
-impl LeftOver {
+impl ResidualAnalysis {
     /// Looks at the residual of a fitted model.
-    pub fn of(fit: &Fit, tests: &TestsAtHand) -> Option<Self> {
+    pub fn new(fit: &Fit, tests: &TestSet) -> Option<Self> {
         let damper = fit.model.damper(&fit.values)?;
         let tracks: Vec<Track> = tests
             .tests
             .par_iter()
             .zip(&fit.starts_m)
-            .map(|(test, start_m)| Track::of(&damper, test, *start_m))
+            .map(|(test, start_m)| Track::simulate(&damper, test, *start_m))
             .collect();
         let residual_n: Vec<Vec<f64>> =
             (0..tests.tests.len()).map(|test| fit.residual_n(tests, test)).collect();
@@ -110,7 +110,14 @@ impl LeftOver {
         Some(left)
     }
 
-    fn judge(&self, residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Option<Unexplained> {
+    /// The same, with something unexplained that the training tests do not show, if they show
+    /// nothing themselves.
+    pub(crate) fn or_unexplained(self, other: impl FnOnce() -> Option<Unexplained>) -> Self {
+        let unexplained = self.unexplained.or_else(other);
+        Self { unexplained, ..self }
+    }
+
+    fn judge(&self, residual_n: &[Vec<f64>], tests: &TestSet) -> Option<Unexplained> {
         let own_n = LEAST_SHARE_OF_FORCE * tests.rms_force_n();
         let least = (LEAST_SHARE_OF_FLOOR * self.noise_floor_n).max(own_n);
         let questions = (self.maps.len() + 1) as f64;
@@ -176,9 +183,9 @@ impl LeftOver {
     }
 }
 
-impl LeftOver {
+impl ResidualAnalysis {
     /// Cycles that are unlike all others, told by the largest of them.
-    fn event(&self, tests: &TestsAtHand) -> Option<Unexplained> {
+    fn event(&self, tests: &TestSet) -> Option<Unexplained> {
         let unlike = &self.repeat.unlike;
         let largest = unlike.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n))?;
         let record = &tests.tests[largest.test].record;
@@ -208,7 +215,7 @@ impl LeftOver {
 }
 
 /// rms of lines over all tests, N.
-fn pooled(lines: &[Line], tests: &TestsAtHand) -> f64 {
+fn pooled(lines: &[Line], tests: &TestSet) -> f64 {
     let squares: f64 = lines
         .iter()
         .map(|line| line.rms_n * line.rms_n * tests.tests[line.test].counted().len() as f64)

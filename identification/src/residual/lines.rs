@@ -6,7 +6,7 @@
 //! spectrum that only falls has none), by more than chance allows: with K segments, 2 K times the
 //! ratio follows chi-square with 2 K degrees of freedom.
 
-use crate::tests_at_hand::TestsAtHand;
+use crate::test_set::TestSet;
 use signal::spectrum::Spectrum;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -33,7 +33,7 @@ pub struct Line {
 }
 
 /// The strongest line of every test that has one.
-pub fn lines(residual_n: &[Vec<f64>], tests: &TestsAtHand) -> Vec<Line> {
+pub(crate) fn lines(residual_n: &[Vec<f64>], tests: &TestSet) -> Vec<Line> {
     let mut found = Vec::new();
     for (index, test) in tests.tests.iter().enumerate() {
         let counted = &residual_n[index][test.counted()];

@@ -5,11 +5,11 @@
 //! the end.
 
 use crate::simulation::walk;
-use crate::tests_at_hand::Test;
+use crate::test_set::Test;
 use firmware_core::damper::{Damper, MapCoordinate};
 
 /// A reversal is one once the motion is faster than this share of its largest speed.
-pub const UNDER_WAY: f64 = 0.02;
+pub(crate) const UNDER_WAY: f64 = 0.02;
 
 /// A coordinate of a residual.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,7 +97,7 @@ impl Coordinate {
 
 /// All coordinates of one test, sample by sample, and the branch of each.
 #[derive(Debug, Clone)]
-pub struct Track {
+pub(crate) struct Track {
     values: [Vec<f64>; 6],
     forward: Vec<bool>,
     tension: Vec<bool>,
@@ -105,7 +105,7 @@ pub struct Track {
 
 impl Track {
     /// Simulates the test once more and keeps what the dashpot does.
-    pub fn of(damper: &Damper, test: &Test, start_m: f64) -> Self {
+    pub(crate) fn simulate(damper: &Damper, test: &Test, start_m: f64) -> Self {
         let record = &test.record;
         let samples = record.force_n.len();
         let (mut dashpot, mut force) = (Vec::with_capacity(samples), Vec::with_capacity(samples));
@@ -131,12 +131,12 @@ impl Track {
     }
 
     /// A coordinate sample by sample; empty where it was not measured.
-    pub fn values(&self, coordinate: Coordinate) -> &[f64] {
+    pub(crate) fn values(&self, coordinate: Coordinate) -> &[f64] {
         &self.values[coordinate as usize]
     }
 
     /// True for the upper branch: extending, or, over slow coordinates, in tension.
-    pub fn upper(&self, coordinate: Coordinate, sample: usize) -> bool {
+    pub(crate) fn upper(&self, coordinate: Coordinate, sample: usize) -> bool {
         if coordinate.parts_by_force() { self.tension[sample] } else { self.forward[sample] }
     }
 }

@@ -1,0 +1,109 @@
+//! The evidence for one effect: a richer model against a poorer one, on pieces that neither has seen.
+
+use super::chance::one_sided;
+use super::gram::Gram;
+use super::judged::Judged;
+use super::test_set::TestSet;
+use rayon::prelude::*;
+
+/// Smallest relevant share of squared error that an effect removes, seen and left out.
+pub(crate) const LEAST_GAIN: f64 = 0.03;
+/// A piece may be worse by this share and still counts as unchanged.
+const UNCHANGED: f64 = 0.01;
+
+/// The evidence for one effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Evidence {
+    /// Share of the squared error on left-out pieces that the effect takes away.
+    pub holdout_gain: f64,
+    /// Share of pieces that it improves or leaves as they are.
+    pub improved: f64,
+    /// Probability of such a gain without the effect, for one candidate.
+    pub p_value: f64,
+}
+
+impl Evidence {
+    /// With the probability multiplied by the number of candidates that were looked at.
+    #[must_use]
+    pub fn among(&self, candidates: usize) -> Self {
+        Self { p_value: (self.p_value * candidates as f64).min(1.0), ..*self }
+    }
+}
+
+/// Compares a richer model with a poorer one on pieces that neither has seen.
+pub(crate) fn evidence(poorer: &Judged, richer: &Judged, tests: &TestSet) -> Evidence {
+    let (before, after) = (&poorer.left_out, &richer.left_out);
+    Evidence {
+        holdout_gain: 1.0 - after.total_n2() / before.total_n2(),
+        improved: improved(&before.squares_n2, &after.squares_n2),
+        p_value: p_value(poorer, richer, tests),
+    }
+}
+
+/// Share of pieces whose squared error falls or stays.
+pub(crate) fn improved(before_n2: &[f64], after_n2: &[f64]) -> f64 {
+    let pairs = before_n2.iter().zip(after_n2);
+    let improved = pairs.filter(|(b, a)| **a <= **b * (1.0 + UNCHANGED)).count();
+    improved as f64 / before_n2.len() as f64
+}
+
+/// Probability that the change which the richer model makes goes along with the residual by chance.
+///
+/// The change d of a left-out piece comes from fits that have not seen it; what the poorer model's
+/// own parameters could do is projected out of it. So without the effect every block's sum of d r
+/// has mean zero, whatever the colour of the noise within blocks. Both are whitened first; the sum
+/// over blocks is compared with its own scatter.
+fn p_value(poorer: &Judged, richer: &Judged, tests: &TestSet) -> f64 {
+    let own = &poorer.linearised.slopes;
+    let whitened: Vec<(Vec<Vec<f64>>, Vec<f64>)> = tests
+        .pieces
+        .par_iter()
+        .enumerate()
+        .map(|(index, piece)| {
+            let colour = &richer.linearised.colours[piece.test];
+            let range = piece.samples.clone();
+            let before = &poorer.left_out.force_n[index];
+            let after = &richer.left_out.force_n[index];
+            let change: Vec<f64> = after.iter().zip(before).map(|(a, b)| a - b).collect();
+            let mut columns: Vec<Vec<f64>> = own
+                .iter()
+                .map(|slope| colour.whitened(&slope[piece.test][range.clone()]))
+                .collect();
+            columns.push(colour.whitened(&change));
+            let residual = &poorer.linearised.residual_n[piece.test][range];
+            (columns, colour.whitened(residual))
+        })
+        .collect();
+    let grams: Vec<Gram> = whitened
+        .iter()
+        .map(|(columns, _)| {
+            let views: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+            let (own, change) = views.split_at(own_count(columns));
+            Gram::over(own, change[0])
+        })
+        .collect();
+    let Some(whole) = Gram::sum(grams.iter()) else { return 1.0 };
+    let explained = whole.solve();
+    // Each block's sum, plainly and over the length of its change: the first is sharper where all
+    // blocks are alike, the second where a few are much larger than the rest.
+    let (mut plain, mut even) = (Vec::new(), Vec::new());
+    for (piece, (columns, residual)) in tests.pieces.iter().zip(&whitened) {
+        for block in tests.blocks(piece) {
+            let (mut score, mut square) = (0.0, 0.0);
+            for i in block.start - piece.samples.start..block.end - piece.samples.start {
+                let own: f64 = columns.iter().zip(explained.iter()).map(|(c, a)| a * c[i]).sum();
+                let change = columns[own_count(columns)][i] - own;
+                score += change * residual[i];
+                square += change * change;
+            }
+            plain.push(score);
+            even.push(if square > 0.0 { score / square.sqrt() } else { 0.0 });
+        }
+    }
+    (2.0 * one_sided(&plain).min(one_sided(&even))).min(1.0)
+}
+
+/// The change stands behind the columns of the poorer model.
+fn own_count(columns: &[Vec<f64>]) -> usize {
+    columns.len() - 1
+}

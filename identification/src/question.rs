@@ -1,0 +1,132 @@
+//! The question of an identification: records, a datasheet and what is wanted.
+
+use super::error::IdentificationError;
+use super::split::split;
+use firmware_core::damper::Nominal;
+use measurement::{Measurement, interpolant, read_tests};
+use scenario::datasheet::Datasheet;
+use std::path::{Path, PathBuf};
+
+/// What an identification starts from.
+#[derive(Debug, Clone)]
+pub struct Question {
+    /// Records to fit.
+    pub train: Vec<Measurement>,
+    /// Records that no fit sees.
+    pub holdout: Vec<Measurement>,
+    /// The maker's numbers, if there are any.
+    pub datasheet: Option<Nominal>,
+    /// Fit an empirical map, which is no physics, to the residual.
+    pub empirical: bool,
+    /// Continue the search past its usual limit of work.
+    pub thorough: bool,
+    /// What the reader should know about all this.
+    pub notes: Vec<String>,
+}
+
+/// The files of a question.
+#[derive(Debug, Clone, Copy)]
+pub struct QuestionFiles<'a> {
+    /// Records to fit.
+    pub train: &'a [PathBuf],
+    /// Records that no fit sees; without them some of the training tests are held out.
+    pub holdout: &'a [PathBuf],
+    /// The maker's numbers.
+    pub datasheet: Option<&'a Path>,
+    /// Columns and units of the records.
+    pub mapping: Option<&'a Path>,
+}
+
+impl Question {
+    /// Reads all files of a question. The second value holds the warnings about the datasheet.
+    ///
+    /// # Errors
+    /// A file that cannot be used, or a record that is there twice.
+    pub fn read(files: QuestionFiles<'_>) -> Result<(Self, Vec<String>), IdentificationError> {
+        let datasheet = files.datasheet.map(Datasheet::load).transpose()?;
+        refuse_files_given_twice(&files)?;
+        let (train, holdout) = read_records(&files)?;
+        let (train, holdout, how) = held_out(train, holdout);
+        let mut notes = Vec::new();
+        let mut warnings = Vec::new();
+        if let Some(sheet) = &datasheet {
+            warnings.extend(sheet.warnings.iter().map(|line| format!("datasheet: {line}")));
+            notes.extend(sheet.conversion.iter().map(|line| format!("datasheet: {line}")));
+            notes.extend(warnings.iter().cloned());
+        }
+        notes.extend(how);
+        for record in train.iter().chain(&holdout) {
+            notes.extend(record.repairs.iter().map(|repair| format!("{}: {repair}", record.name)));
+        }
+        notes.extend(bandwidths(train.iter().chain(&holdout)));
+        let datasheet = datasheet.map(|sheet| sheet.nominal);
+        let question = Self { train, holdout, datasheet, empirical: false, thorough: false, notes };
+        Ok((question, warnings))
+    }
+}
+
+fn refuse_files_given_twice(files: &QuestionFiles<'_>) -> Result<(), IdentificationError> {
+    if let Some(twice) = files.holdout.iter().find(|held| files.train.contains(held)) {
+        return Err(IdentificationError::TrainAndHoldout(twice.clone()));
+    }
+    for files in [files.train, files.holdout] {
+        let again = |(index, file): (usize, &PathBuf)| files[..index].contains(file);
+        if let Some(place) = files.iter().enumerate().position(again) {
+            return Err(IdentificationError::GivenTwice(files[place].clone()));
+        }
+    }
+    Ok(())
+}
+
+/// The records to fit and those held out, read together so that no two tests share a name.
+fn read_records(
+    files: &QuestionFiles<'_>,
+) -> Result<(Vec<Measurement>, Vec<Measurement>), IdentificationError> {
+    let paths: Vec<PathBuf> = files.train.iter().chain(files.holdout).cloned().collect();
+    let mut train = read_tests(&paths, files.mapping)?;
+    refuse_repeated(&train)?;
+    let fitted = train.iter().take_while(|record| files.train.contains(&record.file)).count();
+    let holdout = train.split_off(fitted);
+    Ok((train, holdout))
+}
+
+/// Refuses a record that is there twice, under whatever name: held out and fitted at once, it would
+/// show an error that no hold-out has.
+fn refuse_repeated(records: &[Measurement]) -> Result<(), IdentificationError> {
+    for (index, later) in records.iter().enumerate() {
+        let same = |first: &&Measurement| {
+            first.force_n == later.force_n && first.displacement_m == later.displacement_m
+        };
+        if let Some(first) = records[..index].iter().find(same) {
+            let (file, of) = (later.file.clone(), first.file.clone());
+            return Err(IdentificationError::SameNumbers { file, of });
+        }
+    }
+    Ok(())
+}
+
+/// The records as given; where none is held out, some are chosen, and a note says which.
+fn held_out(
+    train: Vec<Measurement>,
+    holdout: Vec<Measurement>,
+) -> (Vec<Measurement>, Vec<Measurement>, Option<String>) {
+    if !holdout.is_empty() {
+        return (train, holdout, None);
+    }
+    let chosen = split(train);
+    (chosen.train, chosen.holdout, Some(chosen.how))
+}
+
+/// The bandwidth of each sampling rate, once per rate.
+fn bandwidths<'a>(records: impl Iterator<Item = &'a Measurement>) -> Vec<String> {
+    let mut rates: Vec<f64> = records.map(|record| libm::round(record.rate_hz())).collect();
+    rates.sort_by(f64::total_cmp);
+    rates.dedup();
+    let lines = rates.iter().map(|rate_hz| {
+        format!(
+            "{rate_hz} samples per second: velocity and acceleration lose 3 dB at {:.0} Hz",
+            interpolant::bandwidth_hz(*rate_hz, 3.0)
+        )
+    });
+    lines.collect()
+}

@@ -1,0 +1,8 @@
+//! Identification on records whose truth is known.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+mod empirical_map;
+mod findings;
+mod interruption;
+mod support;
