@@ -268,6 +268,6 @@ mod tests {
             }
             assert_eq!(a, b, "{}", info.name);
         }
-        assert_eq!(alone, 8);
+        assert!(alone >= 8, "{alone}");
     }
 }
