@@ -19,14 +19,14 @@
 //! (Illinois) otherwise. Second order, and for a fast creep d1 is F1 times its compliance with no
 //! memory left: L-stable. Knots of the law stay exact.
 
+use super::chain::{Arrival, Drive};
 use super::segment::Segment;
-use super::series::{Arrival, Drive};
 
 /// Most evaluations of the chain in one coupled step.
-pub const MAX_COUPLING: u32 = 20;
+pub(super) const MAX_COUPLING: u32 = 20;
 
 /// End deflection of one backward Euler step with the driving velocity at its end.
-pub fn backward_euler(
+pub(super) fn backward_euler(
     segments: &[Segment],
     start_m: f64,
     velocity_m_per_s: f64,
@@ -83,7 +83,7 @@ impl Creep {
 ///
 /// # Errors
 /// What `chain` has none of its own for.
-pub fn advance_with_creep<E>(
+pub(super) fn advance_with_creep<E>(
     drive: Drive,
     step_s: f64,
     creep: Creep,
@@ -139,11 +139,12 @@ struct Guess {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damper::chain::Stand;
     use crate::damper::curve::Curve;
     use crate::damper::law::Law;
     use crate::damper::nominal::Nominal;
     use crate::damper::parts::{Body, Factors, Parts};
-    use crate::damper::series::{Stand, advance};
+    use crate::damper::series::advance;
     use core::convert::Infallible;
 
     /// The damper of the published step-size table.

@@ -11,16 +11,16 @@
 //! emulator and the fit of measured records, so that no fit absorbs an integration error.
 //!
 //! How a step is solved:
-//! - Attachment and body are joined into one rising piecewise-linear law ([`law`]), which is
-//!   followed exactly from knot to knot ([`series`]): clearance, relief, sticking, hard caps.
+//! - Attachment and body are joined into one rising piecewise-linear law (`law`), which is
+//!   followed exactly from knot to knot (`series`): clearance, relief, sticking, hard caps.
 //! - Factors from slow states (position, temperature, wear) are frozen in each step, at mid-step or,
-//!   where the chain answers faster than the step, towards its end ([`series::weight_of_step`]). Of the
+//!   where the chain answers faster than the step, towards its end (`series::weight_of_step`). Of the
 //!   law under them a piece of a step usually needs one segment (`piece`).
 //! - Attachments with a fast memory (rubber) are solved together with the chain by a bracketed,
-//!   second-order, L-stable step ([`implicit`]).
+//!   second-order, L-stable step (`implicit`).
 //! - A step is cut where an effect switches (a void opens, a gap closes) and where a late sensor
 //!   will look (`step`).
-//! - Parts beside the whole damper and the sensor act on the result; an [`empirical`] map, where
+//! - Parts beside the whole damper and the sensor act on the result; an `empirical` map, where
 //!   there is one, comes on top.
 //!
 //! Work is bounded in every case, there is no heap and no way to panic.
@@ -39,36 +39,39 @@
 //! # Ok::<(), firmware_core::damper::DamperError>(())
 //! ```
 
-pub mod curve;
+mod chain;
+mod curve;
 mod delay;
 pub mod effects;
-pub mod empirical;
-pub mod error;
-pub mod implicit;
-pub mod law;
+mod empirical;
+mod error;
+mod implicit;
+mod law;
 mod near;
-pub mod nominal;
-pub mod parts;
+mod nominal;
+mod parts;
 mod piece;
-pub mod sampling;
-pub mod segment;
-pub mod series;
+mod sampling;
+mod segment;
+mod series;
 mod step;
 
 use heapless::Vec;
 
+pub use curve::{Curve, Knot, Side};
 pub use effects::Effect;
 pub use empirical::{EmpiricalMap, MAP_KNOTS, MapCoordinate, MapKnot};
 pub use error::DamperError;
+pub use implicit::Creep;
 pub use nominal::Nominal;
+pub use parts::{Factors, Parts, attachment_force_n};
 
-use curve::Curve;
+use chain::{Arrival, Drive, Stand};
 use delay::DelayLine;
 use effects::{Memory, Slow};
 use empirical::Turned;
 use law::Law;
-use parts::{Body, Factors, Parts};
-use series::{Arrival, Drive, Stand};
+use parts::Body;
 use step::Sample;
 
 /// Most effects in one damper.

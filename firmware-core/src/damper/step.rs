@@ -8,11 +8,11 @@
 //! Every piece is a whole step of the chain ([`super::piece`]), so creep, slow factors and memories need
 //! not know. A step that is not cut is one piece.
 
+use super::chain::{Arrival, Drive, Stand};
 use super::delay::DelayLine;
 use super::effects::Slow;
 use super::implicit::Creep;
 use super::piece::Piece;
-use super::series::{Arrival, Drive, Stand};
 use super::{Damper, DamperState, Done, Instant, Motion, without_tiny};
 
 /// Most pieces between two cuts of the sensor; the last one goes to the end in any case.

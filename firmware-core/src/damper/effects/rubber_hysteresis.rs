@@ -19,10 +19,10 @@ use super::draw::{Draw, decades};
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place};
 use crate::damper::Done;
+use crate::damper::chain::Gains;
 use crate::damper::implicit::Creep;
 use crate::damper::nominal::Nominal;
 use crate::damper::parts::Parts;
-use crate::damper::series::Gains;
 
 effect_parameters! {
     /// A bushing with one relaxation time.

@@ -19,9 +19,9 @@
 use super::draw::{Draw, between, decades};
 use super::parameter::{Scale, effect_parameters};
 use super::{DamperEffect, Memory, Place, Slow};
+use crate::damper::chain::Gains;
 use crate::damper::nominal::Nominal;
 use crate::damper::parts::Factors;
-use crate::damper::series::Gains;
 use crate::damper::{Done, Instant};
 
 /// Where the nominal damper was measured, and what surrounds it, degrees Celsius.
