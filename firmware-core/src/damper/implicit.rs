@@ -32,6 +32,9 @@ pub(super) fn backward_euler(
     velocity_m_per_s: f64,
     step_s: f64,
 ) -> f64 {
+    debug_assert!(!segments.is_empty(), "a chain without a law");
+    // No number where forces have overflowed.
+    debug_assert!(step_s >= 0.0 || step_s.is_nan(), "step of {step_s} s");
     let aim = start_m + step_s * velocity_m_per_s;
     for segment in segments {
         if aim > segment.to_m + step_s * segment.velocity_to {
@@ -90,6 +93,7 @@ pub(super) fn advance_with_creep<E>(
     guess_n: f64,
     chain: impl Fn(Drive) -> Result<Arrival, E>,
 ) -> Result<Arrival, E> {
+    debug_assert!(step_s > 0.0, "step of {step_s} s");
     let per_step = 1.0 / step_s;
     let mut force_n = guess_n;
     // Guesses on both sides of the root, with what is missing at each.

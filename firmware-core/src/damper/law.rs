@@ -90,6 +90,7 @@ impl Law {
 
     /// Computes the gains of every segment for one length of step.
     pub(super) fn prepare(&mut self, step_s: f64) {
+        debug_assert!(!self.sliding.is_empty(), "a law that has not been joined");
         for segment in self.sliding.iter_mut().chain(self.resting.iter_mut()) {
             segment.gains = Gains::over(segment.rate_per_s, step_s);
         }
@@ -141,7 +142,8 @@ fn join_into(segments: &mut VecView<Segment>, body: &Curve, attachment: &Curve) 
     // Never full: `Law::check` has counted the knots.
     let mut add = |segment: Option<Segment>| {
         if let Some(segment) = segment {
-            let _ = segments.push(segment);
+            let full = segments.push(segment).is_err();
+            debug_assert!(!full, "a law of more segments than its parts have knots");
         }
     };
     let mut last: Option<Point> = None;

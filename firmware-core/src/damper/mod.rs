@@ -295,6 +295,10 @@ impl Damper {
         let mut law = Law::empty();
         let body = Body::nominal(&parts);
         law.join(&parts, &body, &Factors::NONE);
+        debug_assert!(
+            ordered.iter().zip(ordered.iter().skip(1)).all(|(a, b)| a.index() < b.index()),
+            "effects act in the order of the catalogue"
+        );
         let law_alone = ordered.iter().all(Effect::is_law_alone);
         let in_step = InStep {
             slow: ordered.iter().map(Effect::slow_part).max().unwrap_or(Slow::Nothing),
@@ -331,6 +335,7 @@ impl Damper {
     /// The same damper, faster for steps of exactly this length. It gives the same numbers.
     #[must_use]
     pub fn prepared(mut self, step_s: f64) -> Self {
+        debug_assert!(step_s > 0.0 && step_s.is_finite(), "step of {step_s} s");
         self.law.prepare(step_s);
         self.per_step = 1.0 / step_s;
         self
@@ -375,7 +380,11 @@ impl Damper {
             state.fallbacks = state.fallbacks.saturating_add(1);
             return state.output_n;
         }
+        debug_assert!(self.effects.len() <= state.memory.len(), "an effect without a memory");
+        debug_assert!(!self.law.sliding.is_empty(), "a damper without a law");
+        let before = state.fallbacks;
         let prepared = step_s == self.law.step_s;
+        debug_assert!(!prepared || self.per_step == 1.0 / step_s, "prepared for another step");
         let per_step = if prepared { self.per_step } else { 1.0 / step_s };
         let mean = (motion.displacement_m - state.motion.displacement_m) * per_step;
         let gained = motion.velocity_m_per_s - state.motion.velocity_m_per_s;
@@ -396,6 +405,8 @@ impl Damper {
             force_n += map.advance(state, velocity, step_s);
         }
         state.output_n = force_n;
+        debug_assert!(state.motion == motion, "the step ends where the motion does");
+        debug_assert!(state.fallbacks >= before, "fallbacks are only counted up");
         force_n
     }
 }

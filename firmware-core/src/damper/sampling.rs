@@ -23,6 +23,7 @@ pub(super) type Places = Vec<f64, SIDE_KNOTS>;
 
 /// The places `place(i/n)` for i from 1 to n, then those beyond; at most [`SIDE_KNOTS`] in all.
 pub(super) fn places(n: u8, place: impl Fn(f64) -> f64, beyond: &[f64]) -> Places {
+    debug_assert!(usize::from(n) + beyond.len() <= SIDE_KNOTS, "more than {SIDE_KNOTS} places");
     let mut places = Places::new();
     for i in 1..=n {
         let _ = places.push(place(f64::from(i) / f64::from(n)));
@@ -36,6 +37,7 @@ pub(super) fn places(n: u8, place: impl Fn(f64) -> f64, beyond: &[f64]) -> Place
 /// The odd law `law(x)` with knots at zero and at the given places on both sides, and `slope`
 /// beyond the last.
 pub(super) fn odd(places: &Places, slope: f64, law: impl Fn(f64) -> f64) -> Curve {
+    debug_assert!(!places.is_empty(), "a law without places");
     let mut above: Vec<Knot, { SIDE_KNOTS + 1 }> = Vec::new();
     let mut left = None;
     let mut here = Knot { x: 0.0, y: 0.0 };

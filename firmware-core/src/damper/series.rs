@@ -32,6 +32,8 @@ const MAX_CROSSING_ITERATIONS: u32 = 24;
 /// Moves the chain through one step.
 #[inline]
 pub(super) fn advance(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
+    debug_assert!(!law.sliding.is_empty(), "a chain without a law");
+    debug_assert!(step_s >= 0.0, "step of {step_s} s");
     let resting = stands_at_rest(law, stand);
     let segments: &[Segment] = if resting { &law.resting } else { &law.sliding };
     let e = stand.deflection_m;
@@ -238,6 +240,7 @@ fn held(segments: &[Segment], stand: Stand, velocity: f64) -> Arrival {
     let (below, above) = around(segments, e);
     let low = below.map_or(f64::NEG_INFINITY, |s| s.velocity(e).min(s.velocity_to));
     let high = above.map_or(f64::INFINITY, |s| s.velocity(e).max(s.velocity_from));
+    debug_assert!(below.is_some() || above.is_some(), "a chain that is held on no segment");
     // The inner segment of the two, so that mirrored motion gives mirrored bits.
     let inner = if e > 0.0 { below.or(above) } else { above.or(below) };
     Arrival {
@@ -265,6 +268,8 @@ fn crossing_time(
     change: f64,
     left_s: f64,
 ) -> f64 {
+    // No number where forces have overflowed.
+    debug_assert!(left_s >= 0.0 || left_s.is_nan(), "{left_s} s left");
     let (mut early, mut late) = (0.0, left_s);
     let mut time = left_s * (target / change);
     for _ in 0..MAX_CROSSING_ITERATIONS {

@@ -135,6 +135,7 @@ pub trait DamperEffect: Table + Copy {
     /// [`DamperError::ValueCount`], or [`DamperError::Parameter`] for a value that no damper of
     /// any size can have.
     fn from_values(values: &[f64]) -> Result<Self, DamperError> {
+        debug_assert!(Self::PARAMETERS.len() <= MAX_PARAMETERS, "{} has a long table", Self::NAME);
         let (given, expected) = (values.len(), Self::PARAMETERS.len());
         let count = DamperError::ValueCount { effect: Self::NAME, given, expected };
         let effect = Self::from_table(values).ok_or(count)?;
@@ -292,7 +293,9 @@ macro_rules! effects {
             /// Its place in the catalogue.
             pub fn index(&self) -> usize {
                 let name = self.name();
-                CATALOGUE.iter().position(|info| info.name == name).unwrap_or(CATALOGUE.len())
+                let index = CATALOGUE.iter().position(|info| info.name == name);
+                debug_assert!(index.is_some(), "{name} is not in the catalogue");
+                index.unwrap_or(CATALOGUE.len())
             }
 
             /// Its name in scenarios and results.
