@@ -1,5 +1,5 @@
 //! Print `yawbench.dbc`: `cargo run -p can-protocol --example dbc > can-protocol/yawbench.dbc`.
-#[path = "../tests/support/dbc_text.rs"]
+#[path = "../tests/bus/support/dbc_text.rs"]
 mod dbc_text;
 
 fn main() {

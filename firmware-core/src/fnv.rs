@@ -10,7 +10,7 @@ pub const START: u64 = 0xcbf2_9ce4_8422_2325;
 /// Adds a word, or a byte.
 ///
 /// ```
-/// use crate::fnv::{START, add};
+/// use firmware_core::fnv::{START, add};
 /// // The published test vector of one byte "a".
 /// assert_eq!(add(START, u64::from(b'a')), 0xaf63_dc4c_8601_ec8c);
 /// ```

@@ -57,6 +57,8 @@ impl Guard {
     /// assert!(!state.tripped);
     /// ```
     pub fn take(&self, state: &mut GuardState, input: ForceInput) -> f64 {
+        debug_assert!(self.force_limit_n >= 0.0, "a force limit below zero lets nothing pass");
+        let was_tripped = state.tripped;
         match input {
             ForceInput::Fresh(force_n) if force_n.abs() <= self.force_limit_n => {
                 state.force_n = force_n;
@@ -72,6 +74,8 @@ impl Guard {
             }
         }
         state.tripped |= state.age_cycles >= self.patience_cycles;
+        debug_assert!(state.force_n.abs() <= self.force_limit_n, "a held force beyond the limit");
+        debug_assert!(state.tripped || !was_tripped, "a guard that has tripped stays tripped");
         state.force_n
     }
 }
@@ -89,9 +93,15 @@ pub struct Command {
 pub const STOP_DECELERATION_M_PER_S2: f64 = 10.0;
 
 impl Command {
+    /// Whether both numbers are finite.
+    pub(crate) fn is_finite(self) -> bool {
+        self.displacement_m.is_finite() && self.velocity_m_per_s.is_finite()
+    }
+
     /// The command one cycle further into a safe stop.
     #[must_use]
     pub fn stopping(self, cycle_s: f64) -> Self {
+        debug_assert!(cycle_s > 0.0 && cycle_s.is_finite(), "cycle of {cycle_s} s");
         let change = STOP_DECELERATION_M_PER_S2 * cycle_s;
         let speed = (self.velocity_m_per_s.abs() - change).max(0.0);
         let velocity_m_per_s =

@@ -43,15 +43,19 @@ impl<const L: usize> Lanes<L> {
         })
     }
 
-    /// The value in one lane; zero in a lane that does not exist.
+    /// The value in one lane. A lane that does not exist is an error of the caller: a debug build
+    /// stops, a release build returns zero.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> f64 {
+        debug_assert!(lane < L, "lane {lane} of {L}");
         self.0.get(lane).copied().unwrap_or(0.0)
     }
 
-    /// Adds to one lane; a lane that does not exist is ignored.
+    /// Adds to one lane. A lane that does not exist is an error of the caller: a debug build stops, a
+    /// release build ignores it.
     #[inline(always)]
     pub fn add_lane(&mut self, lane: usize, value: f64) {
+        debug_assert!(lane < L, "lane {lane} of {L}");
         if let Some(slot) = self.0.get_mut(lane) {
             *slot += value;
         }
@@ -124,5 +128,22 @@ impl<const L: usize> SubAssign for Lanes<L> {
         for (value, term) in self.0.iter_mut().zip(other.0) {
             *value -= term;
         }
+    }
+}
+
+#[cfg(all(test, debug_assertions))]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[should_panic(expected = "lane 2 of 2")]
+    fn reading_a_lane_that_does_not_exist_stops_a_debug_build() {
+        let _ = Lanes([1.0, 2.0]).lane(2);
+    }
+
+    #[test]
+    #[should_panic(expected = "lane 1 of 1")]
+    fn adding_to_a_lane_that_does_not_exist_stops_a_debug_build() {
+        Lanes([1.0]).add_lane(1, 1.0);
     }
 }

@@ -87,8 +87,28 @@ impl<'a> Line<'a> {
         }
     }
 
+    /// What the step relies on and whoever configures the line provides.
+    fn assert_configured(&self) {
+        debug_assert!(self.substeps > 0, "a cycle has at least one substep");
+        debug_assert!(
+            self.cycle_s > 0.0 && self.cycle_s.is_finite(),
+            "cycle of {} s",
+            self.cycle_s
+        );
+        debug_assert!(
+            self.contact.is_some() || !self.vehicle.runs_on_profiles(),
+            "wheels on profiles need a contact table"
+        );
+        debug_assert!(
+            self.slots.iter().skip(self.vehicle.dampers.len()).all(|slot| *slot == Slot::Empty),
+            "a damper in a slot that the vehicle does not have"
+        );
+    }
+
     /// The state at the start of a run, from a vehicle in steady motion.
     pub fn start(&self, vehicle: VehicleState) -> LineState {
+        self.assert_configured();
+        debug_assert!(self.vehicle.check().is_ok(), "a vehicle that cannot run");
         let mut state = LineState {
             vehicle,
             slots: [SlotState::default(); DAMPER_SLOTS],
@@ -107,6 +127,8 @@ impl<'a> Line<'a> {
 
     /// One cycle: takes what arrived, leaves the commands in the slots.
     pub fn step(&self, state: &mut LineState, inputs: &[ForceInput; DAMPER_SLOTS]) {
+        self.assert_configured();
+        let was_safe = state.safe;
         let mut held_n = [0.0; DAMPER_SLOTS];
         for (((slot, memory), input), force_n) in
             self.slots.iter().zip(&mut state.slots).zip(inputs).zip(&mut held_n)
@@ -121,6 +143,10 @@ impl<'a> Line<'a> {
             for slot in &mut state.slots {
                 slot.command = slot.command.stopping(self.cycle_s);
             }
+            debug_assert!(
+                state.slots.iter().all(|slot| slot.command.is_finite()),
+                "a safe stop starts from a sound command"
+            );
             return;
         }
         let running = self.running();
@@ -145,7 +171,9 @@ impl<'a> Line<'a> {
                 displacement_m,
                 velocity_m_per_s: if moves { rate.lane(0) } else { 0.0 },
             };
+            debug_assert!(memory.command.is_finite(), "a plausible state gives a finite command");
         }
+        debug_assert!(!was_safe && !state.safe, "a line in its safe state moves nothing");
     }
 }
 
@@ -185,11 +213,13 @@ impl DamperForces for SlotForces<'_> {
     fn force_n(
         &mut self,
         slot: usize,
-        _lane: usize,
+        lane: usize,
         extension_m: f64,
         rate_m_per_s: f64,
         substep_s: f64,
     ) -> f64 {
+        debug_assert!(slot < DAMPER_SLOTS, "slot {slot} of {DAMPER_SLOTS}");
+        debug_assert!(lane == 0, "the line has one lane, not lane {lane}");
         let (Some(source), Some(state)) = (self.line.slots.get(slot), self.slots.get_mut(slot))
         else {
             return 0.0;
@@ -202,5 +232,73 @@ impl DamperForces for SlotForces<'_> {
                 damper.advance(&mut state.damper, motion, substep_s)
             }
         }
+    }
+}
+
+#[cfg(all(test, debug_assertions))]
+mod tests {
+    use super::*;
+    use crate::track::Track;
+
+    fn line<'a>(vehicle: &'a Vehicle, track: &'a Track<'a>) -> Line<'a> {
+        Line {
+            vehicle,
+            track,
+            contact: None,
+            speed_m_per_s: 20.0,
+            cycle_s: 1e-3,
+            substeps: 4,
+            slots: core::array::from_fn(|_| Slot::Empty),
+            guard: Guard::default(),
+        }
+    }
+
+    fn force_of(slot: usize, lane: usize) -> f64 {
+        let (vehicle, track) = (Vehicle::default(), Track::default());
+        let line = line(&vehicle, &track);
+        let mut slots = [SlotState::default(); DAMPER_SLOTS];
+        let mut forces = SlotForces { line: &line, slots: &mut slots, held_n: [0.0; DAMPER_SLOTS] };
+        forces.force_n(slot, lane, 0.0, 0.0, 1e-3)
+    }
+
+    #[test]
+    #[should_panic(expected = "slot 4 of 4")]
+    fn a_slot_that_does_not_exist_stops_a_debug_build() {
+        force_of(DAMPER_SLOTS, 0);
+    }
+
+    #[test]
+    #[should_panic(expected = "not lane 1")]
+    fn a_second_lane_of_the_line_stops_a_debug_build() {
+        force_of(0, 1);
+    }
+
+    #[test]
+    #[should_panic(expected = "a slot that the vehicle does not have")]
+    fn a_damper_without_a_mount_stops_a_debug_build() {
+        let (vehicle, track) = (Vehicle::default(), Track::default());
+        let mut line = line(&vehicle, &track);
+        line.slots[1] = Slot::Rig(VirtualWear::default());
+        line.start(VehicleState::default());
+    }
+
+    #[test]
+    #[should_panic(expected = "at least one substep")]
+    fn a_cycle_without_substeps_stops_a_debug_build() {
+        let (vehicle, track) = (Vehicle::default(), Track::default());
+        let line = Line { substeps: 0, ..line(&vehicle, &track) };
+        line.start(VehicleState::default());
+    }
+
+    #[test]
+    fn a_model_that_diverges_is_a_state_and_stops_nothing() {
+        let (vehicle, track) = (Vehicle::default(), Track::default());
+        let line = line(&vehicle, &track);
+        let mut state = line.start(VehicleState::default());
+        state.vehicle.position[0][1] = Lanes([f64::NAN]);
+        line.step(&mut state, &[ForceInput::Missing; DAMPER_SLOTS]);
+        assert!(state.safe);
+        line.step(&mut state, &[ForceInput::Missing; DAMPER_SLOTS]);
+        assert!(state.safe);
     }
 }

@@ -8,11 +8,10 @@
 
 use core::hint::black_box;
 
-use firmware_core::damper::curve::Curve;
 use firmware_core::damper::effects::CATALOGUE;
-use firmware_core::damper::parts::{Factors, Parts, attachment_force_n};
 use firmware_core::damper::{
-    Damper, DamperState, Effect, EmpiricalMap, MapCoordinate, MapKnot, Motion, Nominal,
+    Curve, Damper, DamperState, Effect, EmpiricalMap, Factors, MapCoordinate, MapKnot, Motion,
+    Nominal, Parts, attachment_force_n,
 };
 use firmware_core::guard::{ForceInput, Guard, GuardState};
 use firmware_core::lanes::Lanes;

@@ -7,20 +7,10 @@
 use super::plan::HIDDEN;
 use super::score::CaseResult;
 use super::wilson::Rate;
+use firmware_core::damper::effects::CATALOGUE;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What the hydraulic dampers do not have in them.
-pub const ABSENT: [&str; 8] = [
-    "aeration_memory",
-    "bump_stop",
-    "clearance_growth",
-    "clearance_impact",
-    "fixture_compliance",
-    "force_offset",
-    "position_dependent_damping",
-    "sensor_delay",
-];
 /// Held-out error over that of the true damper that is good enough.
 pub const LARGEST_RATIO: f64 = 1.15;
 
@@ -133,12 +123,17 @@ pub fn is_right(line: &CaseResult) -> bool {
     match line.kind.as_str() {
         "nothing" => line.named.is_empty(),
         "outside" => line.says_unexplained() && line.named.is_empty(),
-        "hydraulic" => !line.named.iter().any(|name| ABSENT.contains(&name.name.as_str())),
+        "hydraulic" => !line.named.iter().any(|name| is_foreign(&name.name)),
         "wrong_datasheet" => line.datasheet_moved == Some(false),
         "pair" => line.truth.iter().all(|truth| line.named.iter().any(|name| name.may_be(truth))),
         _ if line.truth.iter().any(|truth| truth == HIDDEN) => line.named.is_empty(),
         _ => line.first_is_right(),
     }
+}
+
+/// The hydraulic dampers do not have this effect.
+fn is_foreign(effect: &str) -> bool {
+    CATALOGUE.iter().any(|info| info.name == effect && !info.in_hydraulic_model)
 }
 
 fn aims(lines: &[CaseResult]) -> Vec<Aim> {

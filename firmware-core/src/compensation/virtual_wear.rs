@@ -65,6 +65,8 @@ impl VirtualWear {
         extension_m: f64,
         force_n: f64,
     ) -> (f64, bool) {
+        debug_assert!(self.clearance_2a_m >= 0.0, "clearance of {} m", self.clearance_2a_m);
+        debug_assert!(self.contact_force_n >= 0.0, "contact at {} N", self.contact_force_n);
         let half_m = 0.5 * self.clearance_2a_m;
         let (pulled_m, pushed_m) = (extension_m - half_m, extension_m + half_m);
         let loaded = match state.flank {
@@ -90,6 +92,11 @@ impl VirtualWear {
         if half_m == 0.0 {
             state.inner_m = extension_m;
         }
+        // A displacement that is no number passes: it is the state of a diverged model.
+        debug_assert!(
+            !(state.inner_m < pulled_m || state.inner_m > pushed_m),
+            "the inner eye is outside of its clearance"
+        );
         (state.inner_m - force_n * self.compliance_m_per_n, moves)
     }
 }

@@ -73,6 +73,7 @@ impl DelayLine {
         if !thin && self.count < KNOTS {
             self.count += 1;
         }
+        debug_assert!(self.count >= 1 && self.count <= KNOTS, "{} of {KNOTS} knots", self.count);
         let last = (self.first + self.count.saturating_sub(1)) % KNOTS;
         if let Some(slot) = self.knots.get_mut(last) {
             *slot = knot;
@@ -96,6 +97,7 @@ impl DelayLine {
 
     /// The knot at a place in rising order.
     fn knot(&self, place: usize) -> Knot {
+        debug_assert!(place < self.count, "knot {place} of {}", self.count);
         self.knots.get((self.first + place) % KNOTS).copied().unwrap_or_default()
     }
 }

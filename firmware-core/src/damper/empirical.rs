@@ -187,7 +187,9 @@ impl EmpiricalMap {
     /// The force at a place of a branch, N.
     #[inline]
     pub fn force_n(&self, at: f64, extends: bool) -> f64 {
+        debug_assert!(self.knots.len() >= FEWEST_KNOTS, "a map of {} knots", self.knots.len());
         let (index, share) = self.place(at);
+        debug_assert!(index < self.knots.len(), "knot {index} of {}", self.knots.len());
         let value = |knot: &MapKnot| if extends { knot.upper_n } else { knot.lower_n };
         let here = self.knots.get(index).map_or(0.0, value);
         let next = self.knots.get(index + 1).map_or(here, value);

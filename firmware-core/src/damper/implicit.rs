@@ -19,19 +19,22 @@
 //! (Illinois) otherwise. Second order, and for a fast creep d1 is F1 times its compliance with no
 //! memory left: L-stable. Knots of the law stay exact.
 
+use super::chain::{Arrival, Drive};
 use super::segment::Segment;
-use super::series::{Arrival, Drive};
 
 /// Most evaluations of the chain in one coupled step.
-pub const MAX_COUPLING: u32 = 20;
+pub(super) const MAX_COUPLING: u32 = 20;
 
 /// End deflection of one backward Euler step with the driving velocity at its end.
-pub fn backward_euler(
+pub(super) fn backward_euler(
     segments: &[Segment],
     start_m: f64,
     velocity_m_per_s: f64,
     step_s: f64,
 ) -> f64 {
+    debug_assert!(!segments.is_empty(), "a chain without a law");
+    // No number where forces have overflowed.
+    debug_assert!(step_s >= 0.0 || step_s.is_nan(), "step of {step_s} s");
     let aim = start_m + step_s * velocity_m_per_s;
     for segment in segments {
         if aim > segment.to_m + step_s * segment.velocity_to {
@@ -83,13 +86,14 @@ impl Creep {
 ///
 /// # Errors
 /// What `chain` has none of its own for.
-pub fn advance_with_creep<E>(
+pub(super) fn advance_with_creep<E>(
     drive: Drive,
     step_s: f64,
     creep: Creep,
     guess_n: f64,
     chain: impl Fn(Drive) -> Result<Arrival, E>,
 ) -> Result<Arrival, E> {
+    debug_assert!(step_s > 0.0, "step of {step_s} s");
     let per_step = 1.0 / step_s;
     let mut force_n = guess_n;
     // Guesses on both sides of the root, with what is missing at each.
@@ -139,11 +143,12 @@ struct Guess {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::damper::chain::Stand;
     use crate::damper::curve::Curve;
     use crate::damper::law::Law;
     use crate::damper::nominal::Nominal;
     use crate::damper::parts::{Body, Factors, Parts};
-    use crate::damper::series::{Stand, advance};
+    use crate::damper::series::advance;
     use core::convert::Infallible;
 
     /// The damper of the published step-size table.

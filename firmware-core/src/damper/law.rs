@@ -16,28 +16,28 @@
 
 use heapless::{Vec, VecView};
 
+use super::chain::Gains;
 use super::curve::{CURVE_KNOTS, Curve, Knot, Side, merged};
 use super::error::DamperError;
 use super::parts::{Body, Factors, Parts};
 use super::segment::{Point, Segment};
-use super::series::Gains;
 
 /// Most knots of hydraulic and dry law together.
-pub const BODY_KNOTS: usize = CURVE_KNOTS - 1;
+pub(super) const BODY_KNOTS: usize = CURVE_KNOTS - 1;
 
 /// Most knots of the attachment; wear may split the one at zero.
-pub const ATTACHMENT_KNOTS: usize = CURVE_KNOTS - 1;
+pub(super) const ATTACHMENT_KNOTS: usize = CURVE_KNOTS - 1;
 
 /// How many segments the law of a chain holds: one behind every knot, one before the first, two
 /// where clearance and friction are free at once.
-pub const LAW_SEGMENTS: usize = BODY_KNOTS + ATTACHMENT_KNOTS + 4;
+pub(super) const LAW_SEGMENTS: usize = BODY_KNOTS + ATTACHMENT_KNOTS + 4;
 
 /// How many segments the law of a piston at rest holds.
-pub const RESTING_SEGMENTS: usize = ATTACHMENT_KNOTS + 6;
+pub(super) const RESTING_SEGMENTS: usize = ATTACHMENT_KNOTS + 6;
 
 /// The joined law of a chain.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Law {
+pub(super) struct Law {
     /// The law while the piston slides, or at all times when its force never falls.
     pub sliding: Vec<Segment, LAW_SEGMENTS>,
     /// The law of the piston at rest, up to breakaway; empty when its force never falls.
@@ -54,7 +54,7 @@ impl Law {
     /// A law to be filled by [`Law::join`]. No constant: that would be copied, unused room and all,
     /// in every step that needs one.
     #[inline]
-    pub fn empty() -> Self {
+    pub(super) fn empty() -> Self {
         Self {
             sliding: Vec::new(),
             resting: Vec::new(),
@@ -66,7 +66,7 @@ impl Law {
 
     /// Joins the parts under the given factors, in place; `nominal` is their body without any. Bounded by
     /// the number of knots.
-    pub fn join(&mut self, parts: &Parts, nominal: &Body, factors: &Factors) {
+    pub(super) fn join(&mut self, parts: &Parts, nominal: &Body, factors: &Factors) {
         let changed;
         let body = if factors.change_body() {
             changed = nominal.under(parts, factors);
@@ -89,7 +89,8 @@ impl Law {
     }
 
     /// Computes the gains of every segment for one length of step.
-    pub fn prepare(&mut self, step_s: f64) {
+    pub(super) fn prepare(&mut self, step_s: f64) {
+        debug_assert!(!self.sliding.is_empty(), "a law that has not been joined");
         for segment in self.sliding.iter_mut().chain(self.resting.iter_mut()) {
             segment.gains = Gains::over(segment.rate_per_s, step_s);
         }
@@ -98,7 +99,7 @@ impl Law {
 
     /// True when the piston has a law of its own at rest.
     #[inline]
-    pub fn breaks_away(&self) -> bool {
+    pub(super) fn breaks_away(&self) -> bool {
         !self.resting.is_empty()
     }
 
@@ -106,7 +107,7 @@ impl Law {
     ///
     /// # Errors
     /// [`DamperError::TooManyKnots`], [`DamperError::NotMonotone`].
-    pub fn check(parts: &Parts) -> Result<(), DamperError> {
+    pub(super) fn check(parts: &Parts) -> Result<(), DamperError> {
         // A curve that has run out of room is as long as its limit allows, or longer.
         let body = parts.hydraulic.knots().len() + parts.dry.knots().len();
         if body > BODY_KNOTS {
@@ -141,7 +142,8 @@ fn join_into(segments: &mut VecView<Segment>, body: &Curve, attachment: &Curve) 
     // Never full: `Law::check` has counted the knots.
     let mut add = |segment: Option<Segment>| {
         if let Some(segment) = segment {
-            let _ = segments.push(segment);
+            let full = segments.push(segment).is_err();
+            debug_assert!(!full, "a law of more segments than its parts have knots");
         }
     };
     let mut last: Option<Point> = None;

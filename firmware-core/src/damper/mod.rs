@@ -11,16 +11,16 @@
 //! emulator and the fit of measured records, so that no fit absorbs an integration error.
 //!
 //! How a step is solved:
-//! - Attachment and body are joined into one rising piecewise-linear law ([`law`]), which is
-//!   followed exactly from knot to knot ([`series`]): clearance, relief, sticking, hard caps.
+//! - Attachment and body are joined into one rising piecewise-linear law (`law`), which is
+//!   followed exactly from knot to knot (`series`): clearance, relief, sticking, hard caps.
 //! - Factors from slow states (position, temperature, wear) are frozen in each step, at mid-step or,
-//!   where the chain answers faster than the step, towards its end ([`series::weight_of_step`]). Of the
+//!   where the chain answers faster than the step, towards its end (`series::weight_of_step`). Of the
 //!   law under them a piece of a step usually needs one segment (`piece`).
 //! - Attachments with a fast memory (rubber) are solved together with the chain by a bracketed,
-//!   second-order, L-stable step ([`implicit`]).
+//!   second-order, L-stable step (`implicit`).
 //! - A step is cut where an effect switches (a void opens, a gap closes) and where a late sensor
 //!   will look (`step`).
-//! - Parts beside the whole damper and the sensor act on the result; an [`empirical`] map, where
+//! - Parts beside the whole damper and the sensor act on the result; an `empirical` map, where
 //!   there is one, comes on top.
 //!
 //! Work is bounded in every case, there is no heap and no way to panic.
@@ -39,36 +39,39 @@
 //! # Ok::<(), firmware_core::damper::DamperError>(())
 //! ```
 
-pub mod curve;
+mod chain;
+mod curve;
 mod delay;
 pub mod effects;
-pub mod empirical;
-pub mod error;
-pub mod implicit;
-pub mod law;
+mod empirical;
+mod error;
+mod implicit;
+mod law;
 mod near;
-pub mod nominal;
-pub mod parts;
+mod nominal;
+mod parts;
 mod piece;
-pub mod sampling;
-pub mod segment;
-pub mod series;
+mod sampling;
+mod segment;
+mod series;
 mod step;
 
 use heapless::Vec;
 
+pub use curve::{Curve, Knot, Side};
 pub use effects::Effect;
 pub use empirical::{EmpiricalMap, MAP_KNOTS, MapCoordinate, MapKnot};
 pub use error::DamperError;
+pub use implicit::Creep;
 pub use nominal::Nominal;
+pub use parts::{Factors, Parts, attachment_force_n};
 
-use curve::Curve;
+use chain::{Arrival, Drive, Stand};
 use delay::DelayLine;
 use effects::{Memory, Slow};
 use empirical::Turned;
 use law::Law;
-use parts::{Body, Factors, Parts};
-use series::{Arrival, Drive, Stand};
+use parts::Body;
 use step::Sample;
 
 /// Most effects in one damper.
@@ -292,6 +295,10 @@ impl Damper {
         let mut law = Law::empty();
         let body = Body::nominal(&parts);
         law.join(&parts, &body, &Factors::NONE);
+        debug_assert!(
+            ordered.iter().zip(ordered.iter().skip(1)).all(|(a, b)| a.index() < b.index()),
+            "effects act in the order of the catalogue"
+        );
         let law_alone = ordered.iter().all(Effect::is_law_alone);
         let in_step = InStep {
             slow: ordered.iter().map(Effect::slow_part).max().unwrap_or(Slow::Nothing),
@@ -328,6 +335,7 @@ impl Damper {
     /// The same damper, faster for steps of exactly this length. It gives the same numbers.
     #[must_use]
     pub fn prepared(mut self, step_s: f64) -> Self {
+        debug_assert!(step_s > 0.0 && step_s.is_finite(), "step of {step_s} s");
         self.law.prepare(step_s);
         self.per_step = 1.0 / step_s;
         self
@@ -372,7 +380,11 @@ impl Damper {
             state.fallbacks = state.fallbacks.saturating_add(1);
             return state.output_n;
         }
+        debug_assert!(self.effects.len() <= state.memory.len(), "an effect without a memory");
+        debug_assert!(!self.law.sliding.is_empty(), "a damper without a law");
+        let before = state.fallbacks;
         let prepared = step_s == self.law.step_s;
+        debug_assert!(!prepared || self.per_step == 1.0 / step_s, "prepared for another step");
         let per_step = if prepared { self.per_step } else { 1.0 / step_s };
         let mean = (motion.displacement_m - state.motion.displacement_m) * per_step;
         let gained = motion.velocity_m_per_s - state.motion.velocity_m_per_s;
@@ -393,6 +405,8 @@ impl Damper {
             force_n += map.advance(state, velocity, step_s);
         }
         state.output_n = force_n;
+        debug_assert!(state.motion == motion, "the step ends where the motion does");
+        debug_assert!(state.fallbacks >= before, "fallbacks are only counted up");
         force_n
     }
 }

@@ -86,7 +86,7 @@ impl Factors {
 
 /// Hydraulic and dry force of a piston as one law that never falls.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Body {
+pub(super) struct Body {
     /// Velocity of the piston over force.
     pub(super) velocity: Curve,
     /// Forces between which a resting piston stays.

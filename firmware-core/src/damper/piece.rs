@@ -7,11 +7,12 @@
 
 use core::convert::Infallible;
 
+use super::chain::{Arrival, Drive, Gains, Stand};
 use super::implicit::{self, Creep};
 use super::law::Law;
 use super::near::segment_around;
 use super::parts::{Factors, attachment_force_n};
-use super::series::{self, Arrival, Drive, Gains, Stand};
+use super::series;
 use super::{Damper, DamperState, Instant, Motion};
 
 /// A piece of a step to be solved.

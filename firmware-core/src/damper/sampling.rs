@@ -16,13 +16,14 @@ use super::curve::{Curve, Knot};
 use heapless::Vec;
 
 /// Most knots on one side of zero.
-pub const SIDE_KNOTS: usize = 13;
+pub(super) const SIDE_KNOTS: usize = 13;
 
 /// Places of knots on the positive side, rising, zero left out.
-pub type Places = Vec<f64, SIDE_KNOTS>;
+pub(super) type Places = Vec<f64, SIDE_KNOTS>;
 
 /// The places `place(i/n)` for i from 1 to n, then those beyond; at most [`SIDE_KNOTS`] in all.
-pub fn places(n: u8, place: impl Fn(f64) -> f64, beyond: &[f64]) -> Places {
+pub(super) fn places(n: u8, place: impl Fn(f64) -> f64, beyond: &[f64]) -> Places {
+    debug_assert!(usize::from(n) + beyond.len() <= SIDE_KNOTS, "more than {SIDE_KNOTS} places");
     let mut places = Places::new();
     for i in 1..=n {
         let _ = places.push(place(f64::from(i) / f64::from(n)));
@@ -35,7 +36,8 @@ pub fn places(n: u8, place: impl Fn(f64) -> f64, beyond: &[f64]) -> Places {
 
 /// The odd law `law(x)` with knots at zero and at the given places on both sides, and `slope`
 /// beyond the last.
-pub fn odd(places: &Places, slope: f64, law: impl Fn(f64) -> f64) -> Curve {
+pub(super) fn odd(places: &Places, slope: f64, law: impl Fn(f64) -> f64) -> Curve {
+    debug_assert!(!places.is_empty(), "a law without places");
     let mut above: Vec<Knot, { SIDE_KNOTS + 1 }> = Vec::new();
     let mut left = None;
     let mut here = Knot { x: 0.0, y: 0.0 };

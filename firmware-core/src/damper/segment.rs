@@ -1,11 +1,11 @@
 //! A stretch of the joined law ([`super::law`]) on which everything is linear in the deflection.
 
+use super::chain::Gains;
 use super::curve::Side;
-use super::series::Gains;
 
 /// A stretch of the law between two deflections.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment {
+pub(super) struct Segment {
     /// Where it begins, m; minus infinity for the first.
     pub from_m: f64,
     /// Where it ends, m.
@@ -26,7 +26,7 @@ pub struct Segment {
 
 /// A point of the law.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub(super) struct Point {
     /// Deflection of the attachment, m.
     pub deflection_m: f64,
     /// Force, N.
@@ -38,7 +38,7 @@ pub struct Point {
 impl Segment {
     /// From one point to the next.
     #[inline]
-    pub fn between(from: Point, to: Point) -> Self {
+    pub(super) fn between(from: Point, to: Point) -> Self {
         let length = to.deflection_m - from.deflection_m;
         let anchor = if from.deflection_m.abs() <= to.deflection_m.abs() { from } else { to };
         Self {
@@ -56,7 +56,7 @@ impl Segment {
     /// Everything before the first point or beyond the last one, unless the force is capped there: velocity
     /// and deflection rise with force by `slope` and `compliance`.
     #[inline]
-    pub fn beyond(side: Side, at: Point, slope: f64, compliance: f64) -> Option<Self> {
+    pub(super) fn beyond(side: Side, at: Point, slope: f64, compliance: f64) -> Option<Self> {
         if slope.is_infinite() {
             return None;
         }
@@ -82,13 +82,13 @@ impl Segment {
 
     /// Piston velocity at a deflection.
     #[inline]
-    pub fn velocity(&self, deflection_m: f64) -> f64 {
+    pub(super) fn velocity(&self, deflection_m: f64) -> f64 {
         self.anchor.velocity_m_per_s + self.rate_per_s * (deflection_m - self.anchor.deflection_m)
     }
 
     /// Force at a deflection.
     #[inline]
-    pub fn force(&self, deflection_m: f64) -> f64 {
+    pub(super) fn force(&self, deflection_m: f64) -> f64 {
         self.anchor.force_n + self.stiffness_n_per_m * (deflection_m - self.anchor.deflection_m)
     }
 }

@@ -17,86 +17,23 @@
 //! Limit: an excursion into a neighbouring segment that begins and ends within one step is left
 //! out; it is smaller than A h^2 / 8.
 
+use super::chain::{Arrival, Drive, Gains, Stand};
 use super::implicit::backward_euler;
 use super::law::Law;
 use super::segment::Segment;
 
 /// Most pieces of one step before the fallback: a quick stroke of a stiff damper runs through all the
 /// knots of a sampled law.
-pub const MAX_VISITS: u32 = 64;
+pub(super) const MAX_VISITS: u32 = 64;
 
 /// Most iterations for one crossing time.
 const MAX_CROSSING_ITERATIONS: u32 = 24;
 
-/// Response of a segment over a length of time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gains {
-    /// t f1(-s t): deflection per excess velocity, s.
-    pub velocity_s: f64,
-    /// t^2 f2(-s t): deflection per acceleration, s^2.
-    pub acceleration_s2: f64,
-}
-
-impl Gains {
-    /// Over no time.
-    pub const NONE: Self = Self { velocity_s: 0.0, acceleration_s2: 0.0 };
-
-    /// Over `time_s` at `rate_per_s`.
-    pub fn over(rate_per_s: f64, time_s: f64) -> Self {
-        let z = -rate_per_s * time_s;
-        let (f1, f2) = if z > -0.1 {
-            // Series of f2 to z^8: at |z| = 0.1 the first term left out is 3e-16.
-            let mut f2 = 0.0;
-            for factorial in
-                [3_628_800.0, 362_880.0, 40_320.0, 5_040.0, 720.0, 120.0, 24.0, 6.0, 2.0]
-            {
-                f2 = f2 * z + 1.0 / factorial;
-            }
-            (1.0 + z * f2, f2)
-        } else {
-            let f1 = libm::expm1(z) / z;
-            (f1, (f1 - 1.0) / z)
-        };
-        Self { velocity_s: time_s * f1, acceleration_s2: time_s * time_s * f2 }
-    }
-}
-
-/// How the ends of the damper move during a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drive {
-    /// Velocity at the beginning, m/s.
-    pub velocity_m_per_s: f64,
-    /// Acceleration, m/s2.
-    pub acceleration_m_per_s2: f64,
-}
-
-/// Where the chain stands.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stand {
-    /// Deflection of the attachment without creep, m.
-    pub deflection_m: f64,
-    /// The piston is at rest and has to break away.
-    pub resting: bool,
-}
-
-/// Where a step ends.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arrival {
-    /// Where the chain stands.
-    pub stand: Stand,
-    /// Force in the chain, N.
-    pub force_n: f64,
-    /// Velocity of the piston, m/s.
-    pub piston_velocity_m_per_s: f64,
-    /// Change of force per change of driving velocity, N s/m, on the last segment.
-    pub sensitivity_n_s_per_m: f64,
-    /// The step was closed by backward Euler.
-    pub fell_back: bool,
-}
-
 /// Moves the chain through one step.
 #[inline]
-pub fn advance(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
+pub(super) fn advance(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
+    debug_assert!(!law.sliding.is_empty(), "a chain without a law");
+    debug_assert!(step_s >= 0.0, "step of {step_s} s");
     let resting = stands_at_rest(law, stand);
     let segments: &[Segment] = if resting { &law.resting } else { &law.sliding };
     let e = stand.deflection_m;
@@ -114,7 +51,7 @@ pub fn advance(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arrival {
 /// The whole step on one segment, or nothing if it leaves the segment. The gains of the segment hold for
 /// `prepared_s`.
 #[inline]
-pub fn within(
+pub(super) fn within(
     prepared_s: f64,
     on: &Segment,
     stand: Stand,
@@ -143,7 +80,7 @@ pub fn within(
 /// ```text
 /// h f2(-s h) / f1(-s h)        h/2 for a slow chain, h for a fast one or at a hard cap
 /// ```
-pub fn weight_of_step(law: &Law, stand: Stand, step_s: f64) -> f64 {
+pub(super) fn weight_of_step(law: &Law, stand: Stand, step_s: f64) -> f64 {
     let e = stand.deflection_m;
     let Some(on) = law.sliding.iter().find(|segment| e < segment.to_m && e > segment.from_m) else {
         return step_s;
@@ -303,6 +240,7 @@ fn held(segments: &[Segment], stand: Stand, velocity: f64) -> Arrival {
     let (below, above) = around(segments, e);
     let low = below.map_or(f64::NEG_INFINITY, |s| s.velocity(e).min(s.velocity_to));
     let high = above.map_or(f64::INFINITY, |s| s.velocity(e).max(s.velocity_from));
+    debug_assert!(below.is_some() || above.is_some(), "a chain that is held on no segment");
     // The inner segment of the two, so that mirrored motion gives mirrored bits.
     let inner = if e > 0.0 { below.or(above) } else { above.or(below) };
     Arrival {
@@ -330,6 +268,8 @@ fn crossing_time(
     change: f64,
     left_s: f64,
 ) -> f64 {
+    // No number where forces have overflowed.
+    debug_assert!(left_s >= 0.0 || left_s.is_nan(), "{left_s} s left");
     let (mut early, mut late) = (0.0, left_s);
     let mut time = left_s * (target / change);
     for _ in 0..MAX_CROSSING_ITERATIONS {
@@ -364,18 +304,6 @@ mod tests {
         let parts = Parts { hydraulic, dry: Curve::ZERO, attachment };
         law.join(&parts, &Body::nominal(&parts), &Factors::NONE);
         law
-    }
-
-    #[test]
-    fn gains_follow_their_formula_across_both_branches() {
-        // At z = -0.2 by hand: f1 = 0.906346234610091, f2 = 0.468268826949546.
-        let gains = Gains::over(200.0, 1e-3);
-        assert!((gains.velocity_s / 1e-3 - 0.906_346_234_610_091).abs() < 1e-14);
-        assert!((gains.acceleration_s2 / 1e-6 - 0.468_268_826_949_546).abs() < 1e-13);
-        let (a, b) = (Gains::over(100.0 - 1e-12, 1e-3), Gains::over(100.0 + 1e-12, 1e-3));
-        assert!((a.velocity_s - b.velocity_s).abs() < 1e-17);
-        assert!((a.acceleration_s2 - b.acceleration_s2).abs() < 1e-19);
-        assert_eq!(Gains::over(0.0, 2.0), Gains { velocity_s: 2.0, acceleration_s2: 2.0 });
     }
 
     #[test]

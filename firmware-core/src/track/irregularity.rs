@@ -20,6 +20,7 @@ pub struct IrregularitySample {
 impl IrregularitySample {
     /// Displacement of one rail, (right, down) in metres; `side` is +1 for right, -1 for left.
     pub fn rail(&self, side: f64) -> (f64, f64) {
+        debug_assert!(side.abs() == 1.0, "side {side}, expected 1 or -1");
         (
             self.alignment_m + 0.5 * side * self.gauge_m,
             self.vertical_m + 0.5 * side * self.cross_level_m,
@@ -41,6 +42,12 @@ pub struct Irregularity<'a> {
 impl Irregularity<'_> {
     /// The irregularity at a distance.
     pub fn at(&self, distance_m: f64) -> IrregularitySample {
+        debug_assert!(
+            self.samples.is_empty() || (self.step_m > 0.0 && self.first_m.is_finite()),
+            "samples every {} m from {} m",
+            self.step_m,
+            self.first_m
+        );
         let place = (distance_m - self.first_m) / self.step_m.max(f64::MIN_POSITIVE);
         if !(place >= 1.0 && place < self.samples.len() as f64) {
             return IrregularitySample::default();

@@ -148,6 +148,10 @@ impl Layout {
     }
 
     fn push(&mut self, section: Section) -> Result<(), LayoutError> {
+        debug_assert!(
+            self.sections.last().is_some_and(|last| last.start_m <= section.start_m),
+            "sections follow one another"
+        );
         self.sections.push(section).map_err(|_| LayoutError::TooManySections)
     }
 
@@ -163,6 +167,8 @@ impl Layout {
 
     /// The layout at a distance.
     pub fn at(&self, distance_m: f64) -> LayoutPoint {
+        debug_assert!(!self.sections.is_empty(), "a layout has at least its straight start");
+        debug_assert!(!distance_m.is_nan(), "a distance that is no number");
         let mut found = Section::default();
         for section in &self.sections {
             if section.start_m <= distance_m {

@@ -50,6 +50,8 @@ impl Axle {
         rail: [RailPose; 2],
         place: &Place,
     ) -> (WheelForce, f64) {
+        debug_assert!(side.abs() == 1.0, "side {side}, expected 1 or -1");
+        debug_assert!(self.wheel.radius_m > 0.0, "a wheel of {} m", self.wheel.radius_m);
         let [rail_position, rail_velocity] = rail;
         let (irregular_right, irregular_down) = place.irregularity.rail(side);
         let roll = side * position[ROLL];

@@ -42,6 +42,7 @@ pub struct Body {
 impl Body {
     /// Mass or inertia that belongs to a coordinate.
     pub fn inertia(&self, coordinate: usize) -> f64 {
+        debug_assert!(coordinate < COORDINATES, "coordinate {coordinate} of {COORDINATES}");
         let [roll, pitch, yaw] = self.inertia_kg_m2;
         match coordinate {
             LATERAL | VERTICAL => self.mass_kg,
@@ -68,6 +69,7 @@ impl BodyId {
     /// Index into an array of `BODIES_MAX`; the mask tells the compiler that it is inside.
     #[inline(always)]
     pub fn index(self) -> usize {
+        debug_assert!((self.0 as usize) < BODIES_MAX, "body {} of {BODIES_MAX}", self.0);
         self.0 as usize & (BODIES_MAX - 1)
     }
 }

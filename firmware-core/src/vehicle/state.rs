@@ -1,6 +1,6 @@
 //! What a vehicle remembers between steps.
 
-use super::body::{BODIES_MAX, Body, Pose};
+use super::body::{BODIES_MAX, Body, COORDINATES, Pose};
 use super::{AXLES_MAX, DAMPER_SLOTS};
 use crate::lanes::Lanes;
 use crate::wheel_rail::wheel::WheelForce;
@@ -67,6 +67,8 @@ impl<const L: usize> VehicleState<L> {
 
     /// Velocity of a coordinate at the time of the positions, to second order (m/s, rad/s).
     pub fn velocity(&self, body: usize, coordinate: usize, substep_s: f64) -> Lanes<L> {
+        debug_assert!(body < BODIES_MAX, "body {body} of {BODIES_MAX}");
+        debug_assert!(coordinate < COORDINATES, "coordinate {coordinate} of {COORDINATES}");
         let half = self.half_velocity.get(body).and_then(|pose| pose.get(coordinate));
         let rate = self.acceleration.get(body).and_then(|pose| pose.get(coordinate));
         match (half, rate) {
@@ -77,6 +79,7 @@ impl<const L: usize> VehicleState<L> {
 
     /// Kinetic energy of all bodies in one lane, with the velocities half a step behind (J).
     pub fn kinetic_energy_j(&self, bodies: &[Body], lane: usize) -> f64 {
+        debug_assert!(bodies.len() < BODIES_MAX, "{} bodies", bodies.len());
         let mut energy = 0.0;
         for (body, velocity) in bodies.iter().zip(&self.half_velocity) {
             for (coordinate, value) in velocity.iter().enumerate() {
@@ -85,5 +88,22 @@ impl<const L: usize> VehicleState<L> {
             }
         }
         energy
+    }
+}
+
+#[cfg(all(test, debug_assertions))]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[should_panic(expected = "body 16 of 16")]
+    fn a_body_that_does_not_exist_stops_a_debug_build() {
+        let _ = VehicleState::<1>::default().velocity(BODIES_MAX, 0, 1e-3);
+    }
+
+    #[test]
+    #[should_panic(expected = "coordinate 5 of 5")]
+    fn a_coordinate_that_does_not_exist_stops_a_debug_build() {
+        let _ = VehicleState::<1>::default().velocity(0, COORDINATES, 1e-3);
     }
 }

@@ -12,7 +12,7 @@
 //! positions, so an event-exact damper and a real one see one sample per substep.
 
 use super::axle::{Place, RailSupport, add_wheels};
-use super::body::{BODIES_MAX, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
+use super::body::{BODIES_MAX, BodyId, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
 use super::links::{Forces, Motion};
 use super::state::VehicleState;
 use super::{AXLES_MAX, DAMPER_SLOTS, GRAVITY_M_PER_S2, Vehicle};
@@ -75,15 +75,36 @@ impl Vehicle {
         dampers: &mut impl DamperForces,
         substeps: u32,
     ) {
+        self.assert_runs(running);
         for _ in 0..substeps {
             self.evaluate(state, running, dampers);
             self.advance(state, running);
         }
+        debug_assert!(
+            state.position[BodyId::GROUND.index()] == [Lanes::ZERO; 5],
+            "the ground has moved"
+        );
+        debug_assert!(
+            state.distance_m.0.iter().all(|distance_m| !distance_m.is_nan()),
+            "the distance follows from the speed, whatever the bodies do"
+        );
+    }
+
+    /// What a step relies on and the caller provides.
+    fn assert_runs<const L: usize>(&self, running: &Running<'_, L>) {
+        let substep_s = running.substep_s;
+        debug_assert!(substep_s > 0.0 && substep_s.is_finite(), "substep of {substep_s} s");
+        debug_assert!(
+            running.contact.is_some() || !self.runs_on_profiles(),
+            "wheels on profiles need a contact table"
+        );
     }
 
     /// Sets velocities from a state at rest or in steady motion, so that the first substep starts
     /// at second order. Call it once after positions and velocities have been set.
     pub fn start<const L: usize>(&self, state: &mut VehicleState<L>, running: &Running<'_, L>) {
+        self.assert_runs(running);
+        debug_assert!(self.check().is_ok(), "a vehicle that cannot run");
         let velocity = state.half_velocity;
         let rails = state.rail_half_velocity;
         // Without an earlier acceleration the velocities themselves are the estimate.
@@ -298,6 +319,7 @@ impl Vehicle {
         let half = 0.5 * running.substep_s;
         for (number, axle) in self.axles.iter().enumerate().take(AXLES_MAX) {
             let index = axle.body.index();
+            debug_assert!(index < self.bodies.len(), "axle {number} on body {index}");
             let Some(body) = self.bodies.get(index) else { continue };
             for lane in 0..L {
                 let distance = state.distance_m.lane(lane) + body.station_m;

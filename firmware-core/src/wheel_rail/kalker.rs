@@ -32,6 +32,11 @@ pub fn coefficients(a: f64, b: f64, poisson: f64) -> KalkerCoefficients {
     let place = (ratio * 10.0 - 1.0).clamp(0.0, 9.0);
     let index = (place as usize).min(8);
     let fraction = place - index as f64;
+    debug_assert!(index + 1 < table.len(), "row {index} of {}", table.len());
+    debug_assert!(
+        fraction.is_nan() || (0.0..=1.0).contains(&fraction),
+        "{fraction} between two rows"
+    );
     let (Some(low), Some(high)) = (table.get(index), table.get(index + 1)) else {
         return wide_asymptote(ratio, poisson);
     };

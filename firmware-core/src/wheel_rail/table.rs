@@ -106,6 +106,11 @@ impl ZoneTable {
         let place = (shift_m - TABLE_FIRST_SHIFT_M) * (1.0 / TABLE_STEP_M);
         let index = (place.clamp(0.0, last) as usize).min(TABLE_ROWS - 2);
         let fraction = (place - index as f64).clamp(0.0, 1.0);
+        debug_assert!(index + 1 < self.rows.len(), "row {index} of {TABLE_ROWS}");
+        debug_assert!(
+            fraction.is_nan() || (0.0..=1.0).contains(&fraction),
+            "{fraction} between two rows"
+        );
         match self.rows.get(index..index + 2) {
             Some([low, high]) => (low, high, fraction),
             _ => (&EMPTY, &EMPTY, 0.0),

@@ -122,7 +122,8 @@ pub struct Wheel {
 }
 
 impl Wheel {
-    /// The force on the wheelset. A wheel on real profiles without a table carries nothing.
+    /// The force on the wheelset. A wheel on profiles needs a table: without one a debug build stops,
+    /// and in a release build the wheel carries nothing.
     #[inline(always)]
     pub fn force(&self, table: Option<&ContactTable>, motion: &WheelMotion) -> WheelForce {
         let mut force = WheelForce::default();
@@ -132,7 +133,9 @@ impl Wheel {
                 (force.flange_n, force.flange) = self.zone(&table.flange, motion, &mut force);
             }
             (Surface::Conical(cone), _) => self.cone(cone, motion, &mut force),
-            (Surface::Profiles, None) => {}
+            (Surface::Profiles, None) => {
+                debug_assert!(false, "a wheel on profiles needs a contact table");
+            }
         }
         force
     }

@@ -15,6 +15,7 @@
 //! Limits: the air softens all of the attachment evenly (its curve over force is `entrained_air`);
 //! the creep of rubber is not scaled. Source: an empirical law of first order with the known signs.
 
+use super::draw::{Draw, decades};
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::nominal::Nominal;
@@ -61,6 +62,8 @@ impl DamperEffect for AerationMemory {
         "A long sine after a long rest, a rest of some minutes, and the same sine again.";
     const STARTS: &'static [&'static [f64]] = &[&[0.2, 10.0, 3.0], &[0.2, 1000.0, 300.0]];
     const SLOW: Slow = Slow::Attachment;
+    const STRONGEST: f64 = 5.0;
+    const IN_HYDRAULIC_MODEL: bool = false;
 
     fn slow(&self, at: &Instant, memory: &Memory, factors: &mut Factors) {
         let [share, ..] = *memory;
@@ -70,6 +73,20 @@ impl DamperEffect for AerationMemory {
 
     fn remember(&self, _nominal: &Nominal, memory: &mut Memory, done: &Done) {
         memory[0] = self.after(memory[0], done.piston_travel_m, done.step_s);
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let stroke_m = draw.scale.displacement_m;
+        let [a, b, _] = draw.shape;
+        Self {
+            softening: strength,
+            travel_m: stroke_m * decades(a, 20.0, 300.0),
+            recovery_s: decades(b, 3.0, 100.0),
+        }
+    }
+
+    fn in_service(_nominal: &Nominal, size: f64) -> Self {
+        Self { softening: 0.2 * size, travel_m: 0.05, recovery_s: 1.0 }
     }
 }
 

@@ -7,6 +7,7 @@
 //! With both equal the whole hydraulic force is scaled; the slope beyond relief follows Ce. Even
 //! harmonics and a mean force that grow with the force are its mark; a preload stands at rest too.
 
+use super::draw::{Draw, between};
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::curve::Side;
@@ -30,6 +31,8 @@ impl DamperEffect for AsymmetricDamping {
     const SHOWN_BY: &'static str =
         "Sines at two force levels and a static hold, with the direction of extension declared.";
     const DIRECTIONAL: bool = true;
+    const STRONGEST: f64 = 0.6;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn shape(&self, parts: &mut Parts, _nominal: &Nominal) {
         for (side, sign) in [(Side::Negative, -1.0), (Side::Positive, 1.0)] {
@@ -37,6 +40,18 @@ impl DamperEffect for AsymmetricDamping {
             let damping = 1.0 + sign * self.damping_asymmetry;
             parts.hydraulic.stretch(side, force / damping, force);
         }
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let [a, ..] = draw.shape;
+        Self {
+            damping_asymmetry: draw.sign * strength,
+            relief_asymmetry: draw.sign * strength * between(a, 0.5, 1.5),
+        }
+    }
+
+    fn in_service(_nominal: &Nominal, size: f64) -> Self {
+        Self { damping_asymmetry: 0.1 * size, relief_asymmetry: 0.06 * size }
     }
 }
 

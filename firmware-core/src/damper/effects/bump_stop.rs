@@ -13,9 +13,11 @@
 //! Source: general knowledge; the one-sided spring and damper of contact models. Limits: a straight
 //! spring, and the damping acts with its full force from first contact.
 
-use super::parameter::effect_parameters;
+use super::draw::{Draw, between};
+use super::parameter::{Scale, effect_parameters};
 use super::{DamperEffect, Memory, Place};
 use crate::damper::Done;
+use crate::damper::nominal::Nominal;
 
 effect_parameters! {
     /// One-sided springs with damping at both ends of the stroke.
@@ -75,9 +77,34 @@ impl DamperEffect for BumpStop {
         &[0.8, 3.0, 5.0, 0.05],
         &[3.0, 0.8, 5.0, 0.05],
     ];
+    const STRONGEST: f64 = 0.95;
+    const IN_HYDRAULIC_MODEL: bool = false;
 
     fn output(&self, _memory: &mut Memory, done: &Done, force_n: f64) -> f64 {
         force_n + self.force_n(done.motion.displacement_m, done.end_velocity_m_per_s)
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let Scale { force_n, velocity_m_per_s: speed, displacement_m: stroke_m, .. } = draw.scale;
+        let Scale { extension_m, compression_m, .. } = draw.scale;
+        let [a, b, c] = draw.shape;
+        // Both ends come nearer; the stops are not quite alike.
+        Self {
+            extension_stop_m: extension_m * (1.0 - strength),
+            compression_stop_m: compression_m * (1.0 - strength * between(c, 0.8, 1.0)),
+            stiffness_n_per_m: force_n / stroke_m * between(a, 0.5, 5.0),
+            damping_n_s_per_m: force_n / speed * between(b, 0.0, 0.05),
+        }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        let f = nominal.f_relief_n;
+        Self {
+            extension_stop_m: 2.5e-3,
+            compression_stop_m: 3.1e-3,
+            stiffness_n_per_m: 100.0 * size * f,
+            damping_n_s_per_m: 0.3 * size * f,
+        }
     }
 }
 

@@ -17,6 +17,7 @@
 //! refill velocity is constant (its valve sees the same vacuum whatever the speed), and the void
 //! neither compresses gas nor dissolves it.
 
+use super::draw::Draw;
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::curve::Side;
@@ -56,6 +57,8 @@ impl DamperEffect for Cavitation {
     const SLOW: Slow = Slow::Body;
     const SWITCHES: bool = true;
     const STARTS: &'static [&'static [f64]] = &[&[-0.3], &[0.05], &[-0.05]];
+    const STRONGEST: f64 = 6.0;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn slow(&self, _at: &Instant, memory: &Memory, factors: &mut Factors) {
         let [_, open, ..] = *memory;
@@ -84,6 +87,15 @@ impl DamperEffect for Cavitation {
             *void_m = 0.0;
             *open = OPEN - *open;
         }
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let speed = draw.scale.velocity_m_per_s;
+        Self { refill_m_per_s: draw.sign * speed * libm::exp(-strength) }
+    }
+
+    fn in_service(nominal: &Nominal, _size: f64) -> Self {
+        Self { refill_m_per_s: 0.4 * nominal.v_relief_m_per_s() }
     }
 }
 

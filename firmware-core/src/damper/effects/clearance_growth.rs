@@ -11,6 +11,7 @@
 //! Limits: wear by travel only, not by force or impacts; the same on both sides. Source: Archard's
 //! law with force and hardness in one number.
 
+use super::draw::Draw;
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::nominal::Nominal;
@@ -31,6 +32,8 @@ impl DamperEffect for ClearanceGrowth {
     const EQUATION: &'static str = "2a = 2a_0 + g integral |v_p| dt";
     const SHOWN_BY: &'static str = "The same slow sine at the beginning and the end of the test.";
     const SLOW: Slow = Slow::Attachment;
+    const STRONGEST: f64 = 0.02;
+    const IN_HYDRAULIC_MODEL: bool = false;
 
     fn slow(&self, at: &Instant, memory: &Memory, factors: &mut Factors) {
         let [travelled_m, ..] = *memory;
@@ -40,6 +43,14 @@ impl DamperEffect for ClearanceGrowth {
 
     fn remember(&self, _nominal: &Nominal, memory: &mut Memory, done: &Done) {
         memory[0] += done.piston_travel_m.abs();
+    }
+
+    fn drawn(strength: f64, _draw: &Draw) -> Self {
+        Self { growth_per_travel: strength }
+    }
+
+    fn in_service(_nominal: &Nominal, size: f64) -> Self {
+        Self { growth_per_travel: 2e-3 * size }
     }
 }
 

@@ -14,7 +14,8 @@
 //! does not feel the blow, the seat neither parts nor restitutes, and the slow return of a rubber
 //! is left out of w. A record below 5 kHz cannot hold it.
 
-use super::parameter::effect_parameters;
+use super::draw::{Draw, between, decades};
+use super::parameter::{Scale, effect_parameters};
 use super::{DamperEffect, Memory, Place};
 use crate::damper::Done;
 use crate::damper::nominal::Nominal;
@@ -64,6 +65,8 @@ impl DamperEffect for ClearanceImpact {
     const NEEDS_RATE_HZ: f64 = 5000.0;
     const SWITCHES: bool = true;
     const STARTS: &'static [&'static [f64]] = &[&[0.0001, 5.0, 0.1], &[0.0001, 100.0, 0.1]];
+    const STRONGEST: f64 = 0.05;
+    const IN_HYDRAULIC_MODEL: bool = false;
 
     /// In contact on one side: how far it is from parting. Free: how far from either side.
     fn margin(&self, memory: &Memory, done: &Done) -> f64 {
@@ -98,6 +101,28 @@ impl DamperEffect for ClearanceImpact {
     fn output(&self, memory: &mut Memory, _done: &Done, force_n: f64) -> f64 {
         let [z_m, ..] = *memory;
         force_n + self.seat_n_per_m * z_m
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let Scale { force_n, velocity_m_per_s: speed, displacement_m: stroke_m, .. } = draw.scale;
+        let [a, b, _] = draw.shape;
+        let natural_kg = force_n * stroke_m / (speed * speed);
+        Self {
+            end_mass_kg: strength * natural_kg,
+            seat_n_per_m: force_n / stroke_m * decades(a, 5.0, 60.0),
+            damping_ratio: between(b, 0.05, 0.2),
+        }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        let (f, v) = (nominal.f_relief_n, nominal.v_relief_m_per_s());
+        let ring_per_s = 2.0 * core::f64::consts::PI * 150.0;
+        let impedance = 0.05 * size * f / v;
+        Self {
+            end_mass_kg: impedance / ring_per_s,
+            seat_n_per_m: impedance * ring_per_s,
+            damping_ratio: 0.15,
+        }
     }
 }
 

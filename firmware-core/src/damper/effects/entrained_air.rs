@@ -15,7 +15,8 @@
 //! Limits: the same air in both chambers, none redissolves (see `aeration_memory`). Source: the
 //! polytropic law of gas in an oil of constant bulk modulus.
 
-use super::parameter::effect_parameters;
+use super::draw::{Draw, decades};
+use super::parameter::{Scale, effect_parameters};
 use super::{DamperEffect, Place};
 use crate::damper::nominal::Nominal;
 use crate::damper::parts::Parts;
@@ -54,6 +55,8 @@ impl DamperEffect for EntrainedAir {
     const EQUATION: &'static str = "d += sgn(F) d_max (1 - (1 + |F|/F_a)^(-1/1.4))";
     const SHOWN_BY: &'static str = "Sines of small amplitude, below and above the clearance, after rest and after many cycles.";
     const STARTS: &'static [&'static [f64]] = &[&[0.1, 0.01], &[0.3, 0.3]];
+    const STRONGEST: f64 = 3.0;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
         if self.toe_m == 0.0 {
@@ -74,6 +77,17 @@ impl DamperEffect for EntrainedAir {
         let slope = air.toe_m / (POLYTROPIC * pressed_n) * stretched;
         let toe = sampling::odd(&sampling::places(12, place, &[]), slope, |f| air.squeezed_m(f));
         parts.attachment = parts.attachment.plus(&toe);
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let Scale { force_n, displacement_m: stroke_m, .. } = draw.scale;
+        let [a, ..] = draw.shape;
+        Self { toe_m: strength * stroke_m, air_force_n: force_n * decades(a, 0.02, 0.3) }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        let stretched_m = nominal.f_relief_n / nominal.ke_n_per_m;
+        Self { toe_m: 0.1 * size * stretched_m, air_force_n: 0.1 * nominal.f_relief_n }
     }
 }
 

@@ -8,6 +8,7 @@
 //! a fit that names it is wrong; a rigid coupon in place of the damper measures it. It is here for
 //! models whose Ke comes from elsewhere. Limits: no mass, no damping of the fixture.
 
+use super::draw::{Draw, between};
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::nominal::Nominal;
@@ -27,9 +28,20 @@ impl DamperEffect for FixtureCompliance {
     const EQUATION: &'static str = "1/K = 1/Ke + 1/K_fix";
     const SHOWN_BY: &'static str =
         "A rigid coupon in place of the damper; no test of the damper itself.";
+    const STRONGEST: f64 = 300.0;
+    const IN_HYDRAULIC_MODEL: bool = false;
 
     fn shape(&self, parts: &mut Parts, _nominal: &Nominal) {
         parts.attachment.add_line(1.0 / self.fixture_n_per_m);
+    }
+
+    fn drawn(_strength: f64, draw: &Draw) -> Self {
+        let [a, ..] = draw.shape;
+        Self { fixture_n_per_m: draw.nominal.ke_n_per_m * between(a, 3.0, 10.0) }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        Self { fixture_n_per_m: 6.0 / size * nominal.ke_n_per_m }
     }
 }
 

@@ -8,9 +8,11 @@
 //! a drift of the zero is not in it; a gain of the load cell is not either, for it equals a scaling
 //! of all nominal forces.
 
+use super::draw::Draw;
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place};
 use crate::damper::Done;
+use crate::damper::nominal::Nominal;
 
 effect_parameters! {
     /// A constant error of the measured force.
@@ -25,9 +27,19 @@ impl DamperEffect for ForceOffset {
     const EQUATION: &'static str = "F_read = F + b";
     const SHOWN_BY: &'static str =
         "A reading with the damper taken off; mounted, static holds approached from either side.";
+    const STRONGEST: f64 = 0.5;
+    const IN_HYDRAULIC_MODEL: bool = false;
 
     fn output(&self, _memory: &mut Memory, _done: &Done, force_n: f64) -> f64 {
         force_n + self.offset_n
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        Self { offset_n: draw.sign * strength * draw.scale.force_n }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        Self { offset_n: 0.01 * size * nominal.f_relief_n }
     }
 }
 

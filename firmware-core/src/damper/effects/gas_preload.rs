@@ -14,9 +14,11 @@
 //!
 //! Limits: constant rate, no cooling of the gas. Source: gas law for small changes of volume.
 
-use super::parameter::effect_parameters;
+use super::draw::{Draw, between};
+use super::parameter::{Scale, effect_parameters};
 use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::Instant;
+use crate::damper::nominal::Nominal;
 use crate::damper::parts::Factors;
 
 effect_parameters! {
@@ -37,9 +39,25 @@ impl DamperEffect for GasPreload {
         "Static holds at three positions, each approached from both sides.";
     const SLOW: Slow = Slow::Body;
     const DIRECTIONAL: bool = true;
+    const STRONGEST: f64 = 0.6;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn slow(&self, at: &Instant, _memory: &Memory, factors: &mut Factors) {
         factors.preload_n += self.rate_n_per_m * at.piston_m - self.preload_n;
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let Scale { force_n, displacement_m: stroke_m, .. } = draw.scale;
+        let [a, ..] = draw.shape;
+        Self {
+            preload_n: strength * force_n,
+            rate_n_per_m: strength * force_n / stroke_m * between(a, 0.0, 0.2),
+        }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        let f = nominal.f_relief_n;
+        Self { preload_n: 0.03 * size * f, rate_n_per_m: 3.0 * size * f }
     }
 }
 

@@ -1,8 +1,10 @@
 //! What a nominal damper lacks, one effect per file.
 //!
-//! An effect is a struct made by `effect_parameters!` from its table, an [`DamperEffect`] that says
-//! how it enters the chain, and one line in the list at the end of this file. It enters by one or
-//! more of these, each with a default that does nothing:
+//! A new effect is one new file and one line in the list at the end of this file. The file holds the
+//! parameter table, from which `effect_parameters!` makes the struct, and a [`DamperEffect`], which
+//! says how the effect enters the chain and how large it is in tests and campaigns
+//! ([`in_service`](DamperEffect::in_service), [`drawn`](DamperEffect::drawn)). It enters the chain by
+//! one or more of these methods, each with a default that does nothing:
 //!
 //! | method | for | when |
 //! | --- | --- | --- |
@@ -19,10 +21,12 @@
 //!
 //! The order of the list is the order in which effects act, whatever the order they are given in.
 
+pub mod draw;
 pub mod parameter;
 
 use heapless::Vec;
 
+pub use draw::Draw;
 pub use parameter::{Parameter, Scale, Unit};
 
 use super::error::DamperError;
@@ -111,6 +115,19 @@ pub trait DamperEffect: Table + Copy {
     /// Start values of a fit in natural sizes, where the typical ones alone would find only one of
     /// several shapes: relaxation times, knees, positions.
     const STARTS: &'static [&'static [f64]] = &[];
+    /// The largest strength of [`drawn`](Self::drawn) at which a damper is still a damper.
+    const STRONGEST: f64;
+    /// The hydraulic damper of the virtual bench, which is modelled from oil, valves, seals and
+    /// rubber, has this effect.
+    const IN_HYDRAULIC_MODEL: bool;
+
+    /// The effect of a drawn shape at a strength between zero and [`STRONGEST`](Self::STRONGEST), as
+    /// a campaign mounts it.
+    fn drawn(strength: f64, draw: &Draw) -> Self;
+
+    /// The effect at `size` times what is seen in service. Wear, warming and foam are as much faster
+    /// as a test of a second is shorter than service.
+    fn in_service(nominal: &Nominal, size: f64) -> Self;
 
     /// The effect from values in table order.
     ///
@@ -118,6 +135,7 @@ pub trait DamperEffect: Table + Copy {
     /// [`DamperError::ValueCount`], or [`DamperError::Parameter`] for a value that no damper of
     /// any size can have.
     fn from_values(values: &[f64]) -> Result<Self, DamperError> {
+        debug_assert!(Self::PARAMETERS.len() <= MAX_PARAMETERS, "{} has a long table", Self::NAME);
         let (given, expected) = (values.len(), Self::PARAMETERS.len());
         let count = DamperError::ValueCount { effect: Self::NAME, given, expected };
         let effect = Self::from_table(values).ok_or(count)?;
@@ -192,6 +210,10 @@ pub struct EffectInfo {
     pub directional: bool,
     /// Further start values of a fit, in natural sizes; the typical ones come first.
     pub starts: &'static [&'static [f64]],
+    /// The largest strength of [`Effect::drawn`] at which a damper is still a damper.
+    pub strongest: f64,
+    /// The hydraulic damper of the virtual bench has it.
+    pub in_hydraulic_model: bool,
 }
 
 macro_rules! effects {
@@ -215,6 +237,8 @@ macro_rules! effects {
             needs_rate_hz: $effect::NEEDS_RATE_HZ,
             directional: $effect::DIRECTIONAL,
             starts: $effect::STARTS,
+            strongest: $effect::STRONGEST,
+            in_hydraulic_model: $effect::IN_HYDRAULIC_MODEL,
         },)+];
 
         $(impl From<$effect> for Effect {
@@ -236,10 +260,42 @@ macro_rules! effects {
                 Err(DamperError::UnknownEffect)
             }
 
+            /// The effect of this name in a drawn shape at a strength.
+            ///
+            /// # Errors
+            /// [`DamperError::UnknownEffect`], [`DamperError::Parameter`].
+            pub fn drawn(name: &str, strength: f64, draw: &Draw) -> Result<Self, DamperError> {
+                $(if name == $effect::NAME {
+                    let effect = $effect::drawn(strength, draw);
+                    effect.validate()?;
+                    return Ok(Self::$effect(effect));
+                })+
+                Err(DamperError::UnknownEffect)
+            }
+
+            /// The effect of this name at `size` times what is seen in service.
+            ///
+            /// # Errors
+            /// [`DamperError::UnknownEffect`], [`DamperError::Parameter`].
+            pub fn in_service(
+                name: &str,
+                nominal: &Nominal,
+                size: f64,
+            ) -> Result<Self, DamperError> {
+                $(if name == $effect::NAME {
+                    let effect = $effect::in_service(nominal, size);
+                    effect.validate()?;
+                    return Ok(Self::$effect(effect));
+                })+
+                Err(DamperError::UnknownEffect)
+            }
+
             /// Its place in the catalogue.
             pub fn index(&self) -> usize {
                 let name = self.name();
-                CATALOGUE.iter().position(|info| info.name == name).unwrap_or(CATALOGUE.len())
+                let index = CATALOGUE.iter().position(|info| info.name == name);
+                debug_assert!(index.is_some(), "{name} is not in the catalogue");
+                index.unwrap_or(CATALOGUE.len())
             }
 
             /// Its name in scenarios and results.

@@ -13,9 +13,11 @@
 //! belongs to the bodies and this effect is left out. At a single frequency it equals a negative
 //! parallel spring.
 
-use super::parameter::effect_parameters;
+use super::draw::Draw;
+use super::parameter::{Scale, effect_parameters};
 use super::{DamperEffect, Memory, Place};
 use crate::damper::Done;
+use crate::damper::nominal::Nominal;
 
 effect_parameters! {
     /// A mass accelerated with the moving end.
@@ -54,9 +56,20 @@ impl DamperEffect for MovingMass {
     const PLACE: Place = Place::Parallel;
     const EQUATION: &'static str = "F += m x''";
     const SHOWN_BY: &'static str = "Sines over a frequency ratio of three or more; the same with the other end of the damper free.";
+    const STRONGEST: f64 = 0.02;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn output(&self, memory: &mut Memory, done: &Done, force_n: f64) -> f64 {
         force_n + self.mass_kg * acceleration(memory, done)
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let Scale { force_n, velocity_m_per_s: speed, displacement_m: stroke_m, .. } = draw.scale;
+        Self { mass_kg: strength * force_n * stroke_m / (speed * speed) }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        Self { mass_kg: 0.003 * size * nominal.f_relief_n }
     }
 }
 

@@ -16,6 +16,7 @@
 //! through a laminar gap is a lower Ce and cannot be seen. Source: orifice flow as in any text on oil
 //! hydraulics.
 
+use super::draw::Draw;
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::nominal::Nominal;
@@ -36,6 +37,8 @@ impl DamperEffect for OrificeLeakage {
     const EQUATION: &'static str = "v = v_nominal(F) + v_l sgn(F) sqrt(|F|/F_s)";
     const SHOWN_BY: &'static str =
         "A ramp and hold of 30 s below relief, and slow triangles of 1 to 5 mm/s.";
+    const STRONGEST: f64 = 3.0;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
         let v_l = self.leakage_m_per_s;
@@ -51,6 +54,14 @@ impl DamperEffect for OrificeLeakage {
         let slope = if capped { 0.0 } else { v_l / (4.0 * scale_n) };
         let leak = |force_n: f64| v_l * libm::sqrt(force_n / scale_n);
         parts.hydraulic.add_across(&sampling::odd(&places, slope, leak));
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        Self { leakage_m_per_s: strength * draw.scale.velocity_m_per_s }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        Self { leakage_m_per_s: 0.05 * size * nominal.v_relief_m_per_s() }
     }
 }
 

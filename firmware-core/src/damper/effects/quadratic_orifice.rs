@@ -15,7 +15,8 @@
 //! Limits: oil that warms keeps the shape; a relief far above all forces of a record makes the
 //! pieces coarse. Source: orifice flow as in any text on oil hydraulics.
 
-use super::parameter::effect_parameters;
+use super::draw::Draw;
+use super::parameter::{Scale, effect_parameters};
 use super::{DamperEffect, Place};
 use crate::damper::nominal::Nominal;
 use crate::damper::parts::Parts;
@@ -52,6 +53,8 @@ impl DamperEffect for QuadraticOrifice {
         "Slow triangles over a wide stroke at five or more speeds below relief, one to five apart.";
     // Relief may come at a small part of the greatest velocity.
     const STARTS: &'static [&'static [f64]] = &[&[3.0], &[30.0]];
+    const STRONGEST: f64 = 300.0;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
         let (ce, b) = (nominal.ce_n_s_per_m, self.quadratic_n_s2_per_m2);
@@ -70,6 +73,16 @@ impl DamperEffect for QuadraticOrifice {
             (sampling::places(10, at, &[]), 1.0 / (ce + 2.0 * b * last) - 1.0 / ce)
         };
         parts.hydraulic.add_across(&sampling::odd(&places, slope, gained));
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let Scale { force_n, velocity_m_per_s: speed, .. } = draw.scale;
+        Self { quadratic_n_s2_per_m2: strength * force_n / (speed * speed) }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        let (f, v) = (nominal.f_relief_n, nominal.v_relief_m_per_s());
+        Self { quadratic_n_s2_per_m2: 0.3 * size * f / (v * v) }
     }
 }
 

@@ -15,13 +15,14 @@
 //! Limits: no softening with amplitude. Where the attachment stiffens (`stiffening_attachment`), the
 //! quick deflection follows the cubic law at 1 + r times its stiffness and the creep stays linear.
 
+use super::draw::{Draw, decades};
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place};
 use crate::damper::Done;
+use crate::damper::chain::Gains;
 use crate::damper::implicit::Creep;
 use crate::damper::nominal::Nominal;
 use crate::damper::parts::Parts;
-use crate::damper::series::Gains;
 
 effect_parameters! {
     /// A bushing with one relaxation time.
@@ -50,6 +51,8 @@ impl DamperEffect for RubberHysteresis {
         "Small sines below relief over one and a half decades of frequency at one amplitude.";
     const STARTS: &'static [&'static [f64]] = &[&[0.15, 0.001], &[0.15, 0.1], &[0.15, 1.0]];
     const CREEPS: bool = true;
+    const STRONGEST: f64 = 5.0;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn shape(&self, parts: &mut Parts, _nominal: &Nominal) {
         parts.scale_compliance(1.0 / (1.0 + self.dynamic_stiffening));
@@ -74,6 +77,15 @@ impl DamperEffect for RubberHysteresis {
     fn remember(&self, nominal: &Nominal, memory: &mut Memory, done: &Done) {
         let creep = self.creep(nominal, memory, done.start_force_n, done.step_s);
         memory[0] = creep.end_m(done.chain_force_n);
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let [a, ..] = draw.shape;
+        Self { dynamic_stiffening: strength, relaxation_time_s: decades(a, 2e-3, 0.3) }
+    }
+
+    fn in_service(_nominal: &Nominal, size: f64) -> Self {
+        Self { dynamic_stiffening: 0.15 * size, relaxation_time_s: 5e-3 }
     }
 }
 

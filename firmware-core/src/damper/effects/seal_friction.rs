@@ -13,7 +13,8 @@
 //!
 //! Limits: no dependence on pressure, and no inertia during the jump.
 
-use super::parameter::effect_parameters;
+use super::draw::{Draw, between};
+use super::parameter::{Scale, effect_parameters};
 use super::{DamperEffect, Place};
 use crate::damper::curve::{Curve, Knot};
 use crate::damper::nominal::Nominal;
@@ -35,6 +36,8 @@ impl DamperEffect for SealFriction {
     const EQUATION: &'static str = "F += sgn(v) Fc (1 + (r - 1) max(0, 1 - |v|/v_s)), sticking";
     const SHOWN_BY: &'static str = "Slow triangles (1 to 5 mm/s) at two strokes: a step at the reversal that no speed changes.";
     const STARTS: &'static [&'static [f64]] = &[&[0.02, 1.0, 0.05], &[0.02, 1.5, 0.3]];
+    const STRONGEST: f64 = 0.6;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
         let breakaway_n = self.coulomb_n * self.breakaway_ratio;
@@ -48,6 +51,21 @@ impl DamperEffect for SealFriction {
             Knot { x: v, y: self.coulomb_n },
         ];
         parts.dry = parts.dry.plus(&Curve::through(&knots, 0.0, 0.0));
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let Scale { force_n, velocity_m_per_s: speed, .. } = draw.scale;
+        let [a, b, _] = draw.shape;
+        Self {
+            coulomb_n: strength * force_n,
+            breakaway_ratio: between(a, 1.0, 1.6),
+            stribeck_m_per_s: speed * between(b, 0.02, 0.1),
+        }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        let (f, v) = (nominal.f_relief_n, nominal.v_relief_m_per_s());
+        Self { coulomb_n: 0.03 * size * f, breakaway_ratio: 1.5, stribeck_m_per_s: 0.1 * v }
     }
 }
 

@@ -11,6 +11,7 @@
 //! Limits: the same stage in extension and compression; stages open and close at the same force.
 //! Source: shim and poppet valves as in any text on oil hydraulics.
 
+use super::draw::{Draw, between};
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::curve::{CURVE_KNOTS, Curve, Knot};
@@ -35,6 +36,8 @@ impl DamperEffect for SecondValveStage {
         "Slow triangles over a wide stroke at six or more speeds on both sides of the knee.";
     const STARTS: &'static [&'static [f64]] =
         &[&[0.25, 0.6], &[0.75, 0.6], &[0.3, 1.6], &[0.6, 1.6], &[1.1, 0.6], &[1.1, 2.0]];
+    const STRONGEST: f64 = 30.0;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
         let (knee, relief) = (self.knee_force_n, nominal.f_relief_n);
@@ -58,6 +61,17 @@ impl DamperEffect for SecondValveStage {
         }
         let slope = if end.is_finite() { 0.0 } else { more * law.slope_after() };
         parts.hydraulic.add_across(&Curve::odd(&above, slope));
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let [a, ..] = draw.shape;
+        // Another slope than the one before: steeper or flatter.
+        let slope_ratio = if draw.sign > 0.0 { 1.0 + strength } else { 1.0 / (1.0 + strength) };
+        Self { knee_force_n: draw.scale.force_n * between(a, 0.25, 0.8), slope_ratio }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        Self { knee_force_n: 0.4 * nominal.f_relief_n, slope_ratio: 1.0 / (1.0 + 0.7 * size) }
     }
 }
 

@@ -11,8 +11,10 @@
 //! Limits: a pure delay, no filter that rounds corners; a displacement that comes late would be a
 //! negative delay, which an online model cannot have.
 
+use super::draw::Draw;
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
+use crate::damper::nominal::Nominal;
 
 effect_parameters! {
     /// A force channel that comes late.
@@ -27,9 +29,19 @@ impl DamperEffect for SensorDelay {
     const EQUATION: &'static str = "F_read(t) = F(t - t_d)";
     const SHOWN_BY: &'static str = "A plain spring in place of the damper at two frequencies: phase in proportion to frequency.";
     const STARTS: &'static [&'static [f64]] = &[&[0.0003], &[0.003], &[0.01]];
+    const STRONGEST: f64 = 0.02;
+    const IN_HYDRAULIC_MODEL: bool = false;
 
     fn delay_s(&self) -> f64 {
         self.delay_s
+    }
+
+    fn drawn(strength: f64, _draw: &Draw) -> Self {
+        Self { delay_s: strength }
+    }
+
+    fn in_service(_nominal: &Nominal, size: f64) -> Self {
+        Self { delay_s: 0.0023 * size }
     }
 }
 

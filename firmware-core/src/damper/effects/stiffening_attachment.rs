@@ -13,6 +13,7 @@
 //!
 //! Limits: elastic, the same on both sides. Source: the usual cubic law.
 
+use super::draw::Draw;
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Place};
 use crate::damper::nominal::Nominal;
@@ -51,6 +52,8 @@ impl DamperEffect for StiffeningAttachment {
         "Sines at several amplitudes around relief, at one frequency above the dashpot's.";
     // An attachment deflects by far less than the damper moves.
     const STARTS: &'static [&'static [f64]] = &[&[3.0], &[100.0]];
+    const STRONGEST: f64 = 300.0;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn shape(&self, parts: &mut Parts, nominal: &Nominal) {
         let (k, ke, scale_n) =
@@ -68,6 +71,16 @@ impl DamperEffect for StiffeningAttachment {
         let slope = 1.0 / (ke * (1.0 + 3.0 * k * last_m * last_m)) - 1.0 / ke;
         let gained = |force_n: f64| self.deflection_m(ke, force_n) - force_n / ke;
         parts.attachment = parts.attachment.plus(&sampling::odd(&places, slope, gained));
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let stroke_m = draw.scale.displacement_m;
+        Self { stiffening_per_m2: strength / (stroke_m * stroke_m) }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        let stretched_m = nominal.f_relief_n / nominal.ke_n_per_m;
+        Self { stiffening_per_m2: 0.1 * size / (stretched_m * stretched_m) }
     }
 }
 

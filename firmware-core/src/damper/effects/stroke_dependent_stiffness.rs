@@ -11,9 +11,11 @@
 //! Limits: one factor for tension and compression; the creep of rubber is not scaled. Source: the
 //! bulk modulus of a column of oil, K = beta A^2/V.
 
+use super::draw::{Draw, between};
 use super::parameter::effect_parameters;
 use super::{DamperEffect, Memory, Place, Slow};
 use crate::damper::Instant;
+use crate::damper::nominal::Nominal;
 use crate::damper::parts::Factors;
 
 effect_parameters! {
@@ -50,9 +52,22 @@ impl DamperEffect for StrokeDependentStiffness {
     const SLOW: Slow = Slow::Attachment;
     // Far from mid-stroke a curvature of the usual size is too much to begin with.
     const STARTS: &'static [&'static [f64]] = &[&[0.05, 0.0], &[-0.05, 0.0]];
+    const STRONGEST: f64 = 0.18;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn slow(&self, at: &Instant, _memory: &Memory, factors: &mut Factors) {
         factors.compliance_gain /= self.factor(at.piston_m);
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let stroke_m = draw.scale.displacement_m;
+        let [a, ..] = draw.shape;
+        let curvature = strength / (stroke_m * stroke_m) * between(a, 0.0, 0.3);
+        Self { gradient_per_m: draw.sign * strength / stroke_m, curvature_per_m2: curvature }
+    }
+
+    fn in_service(_nominal: &Nominal, size: f64) -> Self {
+        Self { gradient_per_m: 6.0 * size, curvature_per_m2: 800.0 * size }
     }
 }
 

@@ -16,11 +16,12 @@
 //! piston counts as heat, also what a gas cushion gives back. Source: a heat balance, and the usual
 //! exponential law of viscosity.
 
-use super::parameter::effect_parameters;
+use super::draw::{Draw, between, decades};
+use super::parameter::{Scale, effect_parameters};
 use super::{DamperEffect, Memory, Place, Slow};
+use crate::damper::chain::Gains;
 use crate::damper::nominal::Nominal;
 use crate::damper::parts::Factors;
-use crate::damper::series::Gains;
 use crate::damper::{Done, Instant};
 
 /// Where the nominal damper was measured, and what surrounds it, degrees Celsius.
@@ -68,6 +69,8 @@ impl DamperEffect for TemperatureFade {
         "The same sine at the beginning and the end of a long test, with the temperature logged.";
     const STARTS: &'static [&'static [f64]] = &[&[0.02, 50.0, 0.015], &[0.02, 750.0, 1.0]];
     const SLOW: Slow = Slow::Body;
+    const STRONGEST: f64 = 0.2;
+    const IN_HYDRAULIC_MODEL: bool = true;
 
     fn slow(&self, at: &Instant, memory: &Memory, factors: &mut Factors) {
         let [warmth_k, ..] = *memory;
@@ -81,6 +84,21 @@ impl DamperEffect for TemperatureFade {
         let mean_n = 0.5 * (done.start_force_n + done.chain_force_n);
         let power_w = (mean_n * done.piston_travel_m).abs() / done.step_s;
         memory[0] = self.warmed_k(warmth_k, power_w, done.step_s);
+    }
+
+    fn drawn(strength: f64, draw: &Draw) -> Self {
+        let Scale { force_n, velocity_m_per_s: speed, displacement_m: stroke_m, .. } = draw.scale;
+        let [a, b, _] = draw.shape;
+        Self {
+            fade_per_k: strength,
+            heat_capacity_j_per_k: force_n * stroke_m * decades(a, 30.0, 500.0),
+            cooling_w_per_k: force_n * speed * between(b, 0.0, 0.02),
+        }
+    }
+
+    fn in_service(nominal: &Nominal, size: f64) -> Self {
+        let f = nominal.f_relief_n;
+        Self { fade_per_k: 0.02 * size, heat_capacity_j_per_k: 5e-3 * f, cooling_w_per_k: 2e-3 * f }
     }
 }
 

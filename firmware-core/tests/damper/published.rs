@@ -1,9 +1,7 @@
 //! The nominal damper against published and tabulated numbers at the working point of the SS9
 //! study: 3.5 Hz, 3.46 mm, Ke 12.5 MN/m, Ce 1000 kN s/m, relief 15 kN.
 
-mod damper_reference;
-
-use damper_reference::{Excitation, Reference, relative_error};
+use crate::reference::{Excitation, Reference, relative_error};
 use firmware_core::damper::{Damper, DamperState, Motion, Nominal};
 
 const POINT: Excitation =

@@ -1,11 +1,8 @@
 //! Properties that hold for every damper: work is dissipated, the clearance carries no force, a
 //! symmetric damper is odd to the bit, a state can be kept and restored, nothing diverges.
 
-mod damper_reference;
-
-use damper_reference::{
-    EXCITATIONS, catalogue_at, effects_at, inside_effects_at, outside_effects_at, rms, simulate,
-};
+use crate::reference::{EXCITATIONS, rms, simulate};
+use crate::sizes::{catalogue_at, effects_at};
 use firmware_core::damper::effects::{
     Cavitation, PositionDependentDamping, RubberHysteresis, SealFriction,
 };
@@ -45,11 +42,32 @@ impl Scatter {
     }
 }
 
+/// Friction, asymmetry, position, rubber.
+const FIRST: [&str; 4] =
+    ["seal_friction", "asymmetric_damping", "position_dependent_damping", "rubber_hysteresis"];
+/// Valves, gas, air, stiffening, fixture, stroke, foam, wear, warm oil.
+const INSIDE: [&str; 11] = [
+    "quadratic_orifice",
+    "orifice_leakage",
+    "second_valve_stage",
+    "temperature_fade",
+    "gas_preload",
+    "stiffening_attachment",
+    "entrained_air",
+    "fixture_compliance",
+    "stroke_dependent_stiffness",
+    "aeration_memory",
+    "clearance_growth",
+];
+/// Blows, mass, stops, the sensor.
+const OUTSIDE: [&str; 5] =
+    ["clearance_impact", "moving_mass", "bump_stop", "force_offset", "sensor_delay"];
+
 /// A void made in extension, with all that acts outside of the chain.
 fn void_and_outside(nominal: &Nominal) -> Vec<Effect> {
     let refill_m_per_s = 0.4 * nominal.v_relief_m_per_s();
     let mut effects: Vec<Effect> = vec![Cavitation { refill_m_per_s }.into()];
-    effects.extend(outside_effects_at(nominal, 1.0));
+    effects.extend(effects_at(OUTSIDE, nominal, 1.0));
     effects
 }
 
@@ -72,7 +90,7 @@ fn work_is_dissipated_and_force_stays_bounded() {
         let amplitude = scatter.log(1e-3, 20e-3);
         let w = scatter.log(1.0, 60.0);
         let per_cycle = (6.3 / w / 1e-3) as u32;
-        for effects in combinations(&effects_at(&nominal, size)) {
+        for effects in combinations(&effects_at(FIRST, &nominal, size)) {
             let damper = Damper::new(nominal, &effects).unwrap();
             let mut state = DamperState::starting(Motion::new(0.0, amplitude * w));
             let step_s = 2.0 * std::f64::consts::PI / w / f64::from(per_cycle);
@@ -105,7 +123,7 @@ fn symmetric_dampers_are_odd_to_the_bit() {
     for seed in 1..=20 {
         let mut scatter = Scatter::seeded(seed);
         let nominal = scatter.nominal();
-        let [friction, _, _, rubber] = effects_at(&nominal, 1.0);
+        let [friction, _, _, rubber] = effects_at(FIRST, &nominal, 1.0);
         let folded: Effect = SealFriction {
             coulomb_n: 0.03 * nominal.f_relief_n,
             breakaway_ratio: 2.0,
@@ -114,9 +132,9 @@ fn symmetric_dampers_are_odd_to_the_bit() {
         .into();
         let bore: Effect =
             PositionDependentDamping { gradient_per_m: 0.0, curvature_per_m2: 900.0 }.into();
-        let [impact, mass, .., delay] = outside_effects_at(&nominal, 1.0);
+        let [impact, mass, .., delay] = effects_at(OUTSIDE, &nominal, 1.0);
         let [quadratic, leak, stage, fade, _, stiffening, air, fixture, _, foam, wear] =
-            inside_effects_at(&nominal, 1.0);
+            effects_at(INSIDE, &nominal, 1.0);
         let sets = [
             vec![],
             vec![friction],
@@ -174,7 +192,7 @@ fn held_damper_relaxes_to_its_dry_friction() {
 #[test]
 fn hard_cap_agrees_with_ever_smaller_steps() {
     let nominal = Nominal { c2_n_s_per_m: 0.0, ..Nominal::NEW };
-    for effects in combinations(&effects_at(&nominal, 1.0)) {
+    for effects in combinations(&effects_at(FIRST, &nominal, 1.0)) {
         let damper = Damper::new(nominal, &effects).unwrap();
         for excitation in &EXCITATIONS {
             let fine: Vec<f64> =
@@ -190,7 +208,7 @@ fn hard_cap_agrees_with_ever_smaller_steps() {
 
 #[test]
 fn state_is_kept_restored_and_split() {
-    let effects = effects_at(&Nominal::NEW, 1.0);
+    let effects = effects_at(FIRST, &Nominal::NEW, 1.0);
     let damper = Damper::new(Nominal::NEW, &effects).unwrap();
     let prepared = damper.clone().prepared(1e-3);
     let at = |i: u32| EXCITATIONS[3].motion(f64::from(i) * 1e-3);
@@ -241,7 +259,7 @@ fn no_effect_gives_work() {
         // A late force gives work where the damper is a spring; that is its nature.
         effects.pop();
         let mut sets = combinations(&effects);
-        sets.extend(inside_effects_at(&nominal, 1.0).map(|effect| vec![effect]));
+        sets.extend(effects_at(INSIDE, &nominal, 1.0).map(|effect| vec![effect]));
         for effects in sets {
             let damper = Damper::new(nominal, &effects).unwrap();
             let mut state = DamperState::starting(Motion::new(0.0, amplitude * w));
@@ -269,7 +287,7 @@ fn no_effect_gives_work() {
 
 #[test]
 fn order_of_effects_does_not_matter() {
-    let mut effects = effects_at(&Nominal::NEW, 1.0);
+    let mut effects = effects_at(FIRST, &Nominal::NEW, 1.0);
     let forward = Damper::new(Nominal::NEW, &effects).unwrap();
     effects.reverse();
     assert_eq!(forward, Damper::new(Nominal::NEW, &effects).unwrap());
@@ -293,7 +311,7 @@ fn senseless_steps_move_nothing() {
 
 #[test]
 fn absurd_motion_stays_bounded_and_finite() {
-    let inside = effects_at(&Nominal::NEW, 1.0);
+    let inside = effects_at(FIRST, &Nominal::NEW, 1.0);
     let mut sets = combinations(&inside);
     sets.extend(combinations(&void_and_outside(&Nominal::NEW)));
     for effects in sets {

@@ -2,13 +2,10 @@
 //!
 //! Needs a python3 with cantools; `PYTHON` names another interpreter. Without it the test says
 //! that it was skipped, and fails instead when `REQUIRE_CANTOOLS=1`.
-#[path = "support/samples.rs"]
-mod samples;
-
+use crate::support::samples::{self, Value};
 use can_protocol::{Message, MessageId, Profile};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::TestRunner;
-use samples::Value;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::env;
@@ -95,7 +92,7 @@ fn cantools_and_the_codec_read_each_other() {
         .collect();
     let folder = env!("CARGO_MANIFEST_DIR");
     let mut script = Command::new(python())
-        .arg(format!("{folder}/tests/dbc_check.py"))
+        .arg(format!("{folder}/tests/bus/dbc_check.py"))
         .args([format!("{folder}/yawbench.dbc"), MADE.to_string(), SEED.to_string()])
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

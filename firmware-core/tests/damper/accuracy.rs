@@ -5,11 +5,8 @@
 //! `reference_has_converged` shows. Single effects run over four motions, pairs over two shorter ones
 //! with relief, clearance, small and large strokes in them.
 
-mod damper_reference;
-
-use damper_reference::{
-    EXCITATIONS, Excitation, Path, Reference, catalogue_at, relative_error, simulate,
-};
+use crate::reference::{EXCITATIONS, Excitation, Path, Reference, relative_error, simulate};
+use crate::sizes::catalogue_at;
 use firmware_core::damper::effects::{Cavitation, PositionDependentDamping, SealFriction};
 use firmware_core::damper::{Damper, Effect, Nominal};
 
@@ -34,6 +31,15 @@ const SHORT: [Excitation; 2] = [
         duration_s: 0.55,
     },
 ];
+
+/// The effects of the catalogue that the independent integration knows. One that it does not know is
+/// tested in its own file alone.
+fn known_at(nominal: &Nominal, size: f64) -> Vec<Effect> {
+    let mut effects = catalogue_at(nominal, size);
+    effects.retain(|effect| Reference::knows(*effect));
+    assert!(effects.len() >= 21, "the reference no longer knows an effect");
+    effects
+}
 
 fn paths(excitations: &[Excitation], step_us: usize) -> Vec<Path> {
     excitations.iter().map(|excitation| excitation.path(step_us)).collect()
@@ -112,28 +118,28 @@ fn other_dampers() -> [(&'static str, Nominal, f64); 3] {
 #[test]
 fn each_effect_on_yaw_dampers() {
     for (label, nominal, size) in yaw_dampers() {
-        check_each(label, nominal, &catalogue_at(&nominal, size));
+        check_each(label, nominal, &known_at(&nominal, size));
     }
 }
 
 #[test]
 fn each_effect_on_dampers_from_25_n_to_2_mn() {
     for (label, nominal, size) in other_dampers() {
-        check_each(label, nominal, &catalogue_at(&nominal, size));
+        check_each(label, nominal, &known_at(&nominal, size));
     }
 }
 
 #[test]
 fn pairs_on_yaw_dampers() {
     for (label, nominal, size) in yaw_dampers() {
-        check_pairs(label, nominal, &catalogue_at(&nominal, size));
+        check_pairs(label, nominal, &known_at(&nominal, size));
     }
 }
 
 #[test]
 fn pairs_on_dampers_from_25_n_to_2_mn() {
     for (label, nominal, size) in other_dampers() {
-        check_pairs(label, nominal, &catalogue_at(&nominal, size));
+        check_pairs(label, nominal, &known_at(&nominal, size));
     }
 }
 
@@ -142,7 +148,7 @@ fn seal_that_sticks_and_slips() {
     for (coulomb_n, stribeck_m_per_s) in [(500.0, 0.2e-3), (1500.0, 0.1e-3)] {
         let falling: Effect =
             SealFriction { coulomb_n, breakaway_ratio: 1.5, stribeck_m_per_s }.into();
-        for other in catalogue_at(&Nominal::NEW, 1.0).into_iter().skip(1) {
+        for other in known_at(&Nominal::NEW, 1.0).into_iter().skip(1) {
             compare("falling seal", Nominal::NEW, &[falling, other], &paths(&SHORT, 4));
         }
     }
@@ -153,7 +159,7 @@ fn void_made_in_compression() {
     let (_, nominal, size) = yaw_dampers()[1];
     let refill_m_per_s = -0.8 * nominal.v_relief_m_per_s();
     let void: Effect = Cavitation { refill_m_per_s }.into();
-    for other in catalogue_at(&nominal, size) {
+    for other in known_at(&nominal, size) {
         if other.name() != void.name() {
             compare("void", nominal, &[void, other], &paths(&SHORT, 4));
         }
@@ -163,7 +169,7 @@ fn void_made_in_compression() {
 #[test]
 fn reference_has_converged() {
     for (label, nominal, size) in yaw_dampers().into_iter().chain(other_dampers()) {
-        for effect in catalogue_at(&nominal, size) {
+        for effect in known_at(&nominal, size) {
             let run = |step_us| {
                 let path = SHORT[0].path(step_us);
                 Reference::new(nominal, &[effect]).forces_along(&path, 1000)

@@ -1,8 +1,5 @@
 //! What goes in comes out, within half an lsb; what does not fit says so; nothing panics.
-#[path = "support/samples.rs"]
-#[expect(dead_code, reason = "the DBC's view of a message is used by the contract tests")]
-mod samples;
-
+use crate::support::samples;
 use can_protocol::signal::FixedPoint;
 use can_protocol::{
     CommandLayout, MeasurementFlags, MeasurementLayout, Message, MessageId, Profile, Receiver,

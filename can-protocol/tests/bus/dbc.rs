@@ -1,16 +1,10 @@
 //! `yawbench.dbc` is the contract: every frame of the codec reads through it, and every frame
 //! made from it is read by the codec. The DBC parser is can-dbc; the bits are moved by hand.
-#[path = "support/dbc_text.rs"]
-mod dbc_text;
-#[path = "support/samples.rs"]
-mod samples;
-#[path = "support/wire.rs"]
-mod wire;
-
+use crate::support::samples::Value;
+use crate::support::{dbc_text, samples, wire};
 use can_dbc::{Dbc, Signal, ValueType};
 use can_protocol::{Error, Message, MessageId, Profile};
 use proptest::prelude::*;
-use samples::Value;
 
 /// What the DBC says a signal holds: an entry of its value table, else a number.
 fn read<'a>(dbc: &'a Dbc, id: u16, signal: &Signal, data: &[u8]) -> Result<&'a str, f64> {
@@ -46,7 +40,7 @@ fn has_crc(message: &can_dbc::Message) -> bool {
 #[test]
 fn the_committed_file_is_the_generated_one() {
     assert!(
-        include_str!("../yawbench.dbc") == dbc_text::dbc_text(),
+        include_str!("../../yawbench.dbc") == dbc_text::dbc_text(),
         "yawbench.dbc is stale: cargo run -p can-protocol --example dbc > can-protocol/yawbench.dbc"
     );
 }
@@ -55,7 +49,7 @@ fn the_committed_file_is_the_generated_one() {
 fn the_dbc_has_every_message_and_nothing_else() {
     let dbc = wire::dbc();
     let ids: Vec<u32> = dbc.messages.iter().map(|message| message.id.raw()).collect();
-    assert_eq!(ids, MessageId::all().map(|message| message.raw().into()).collect::<Vec<_>>());
+    assert_eq!(ids, MessageId::all().map(|message| u32::from(message.raw())).collect::<Vec<_>>());
     for message in MessageId::all() {
         let id = message.raw();
         let fd = message.profile() == Profile::Fd;
@@ -63,7 +57,7 @@ fn the_dbc_has_every_message_and_nothing_else() {
         assert_eq!(wire::attribute(&dbc, id, "CANFD_BRS"), u64::from(fd));
         assert_eq!(wire::message(&dbc, id).name, message.to_string());
         let period_us = message.nominal_period_us().unwrap_or(0);
-        assert_eq!(wire::attribute(&dbc, id, "CycleTimeUs"), period_us.into());
+        assert_eq!(wire::attribute(&dbc, id, "CycleTimeUs"), u64::from(period_us));
         let period_ms = wire::attribute(&dbc, id, "GenMsgCycleTime");
         assert_eq!(period_ms, u64::from(period_us).div_ceil(1000));
     }

@@ -3,7 +3,7 @@ use can_dbc::{AttributeValue, ByteOrder, Dbc, Message, MessageId, Signal, ValueT
 
 /// The committed file.
 pub(crate) fn dbc() -> Dbc {
-    Dbc::try_from(include_str!("../../yawbench.dbc")).expect("yawbench.dbc")
+    Dbc::try_from(include_str!("../../../yawbench.dbc")).expect("yawbench.dbc")
 }
 
 /// The DBC's message of a frame id.

@@ -1,0 +1,7 @@
+//! The bus: round trips, the receiver's status table, and the DBC read by two other parsers.
+
+mod cantools;
+mod dbc;
+mod receiver;
+mod roundtrip;
+mod support;
