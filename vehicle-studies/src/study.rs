@@ -112,11 +112,9 @@ impl<S: Study> Asked<S> {
         let add = |hash: u64, text: &str| text.bytes().fold(hash, |h, b| fnv::add(h, b.into()));
         let at = |index: usize| -> Result<u64, ScenarioError> {
             let run = varied.run(index, |run| study.duration_s(run))?;
-            study.fits(&run).map_err(|message| ScenarioError {
-                file: varied.scenario.clone(),
-                line: None,
-                message,
-            })?;
+            study
+                .fits(&run)
+                .map_err(|message| ScenarioError::mismatch(&varied.scenario, message))?;
             Ok(add(add(fnv::START, &run.effective.scenario), &run.effective.vehicle))
         };
         let points: Vec<_> = (0..varied.grid.len()).into_par_iter().map(at).collect();

@@ -39,8 +39,7 @@ impl Locomotive {
     pub fn load(scenario: &Path, changes: &[Setting]) -> Result<Self, ScenarioError> {
         let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
         let run = Run::load_with(scenario, overrides, changes)?;
-        let refused =
-            |message: String| ScenarioError { file: scenario.to_owned(), line: None, message };
+        let refused = |message: String| ScenarioError::mismatch(scenario, message);
         let equipped = Equipped::of(&run).map_err(|why| refused(why.to_string()))?;
         let first = equipped.dampers.first().map(|damper| *damper.nominal());
         let nominal =
