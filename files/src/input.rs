@@ -38,10 +38,10 @@ impl Limit {
 }
 
 /// Why a file is not read.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum InputError {
-    /// The system refuses: file, its word.
-    Unreadable(PathBuf, io::Error),
+    /// The system refuses: file, the system's message.
+    Unreadable(PathBuf, String),
     /// Not a regular file: file, what it is.
     NotAFile(PathBuf, &'static str),
     /// Over its limit: file, its size, the limit, bytes.
@@ -62,6 +62,11 @@ impl InputError {
             | Self::OtherKind(path, ..)
             | Self::NotText(path, _) => path,
         }
+    }
+
+    /// True: what the user named cannot be read.
+    pub const fn is_bad_input(&self) -> bool {
+        true
     }
 
     /// What is wrong, without the file's name.
@@ -95,7 +100,7 @@ impl std::error::Error for InputError {}
 /// # Errors
 /// It cannot be opened, is no regular file, or is over the limit.
 pub fn open(path: &Path, limit: Limit) -> Result<File, InputError> {
-    let unreadable = |why| InputError::Unreadable(path.to_owned(), why);
+    let unreadable = |why: io::Error| InputError::Unreadable(path.to_owned(), why.to_string());
     // Opening a named pipe waits for its other end unless it is told not to.
     let file =
         File::options().read(true).custom_flags(libc::O_NONBLOCK).open(path).map_err(unreadable)?;
@@ -122,7 +127,7 @@ pub fn open(path: &Path, limit: Limit) -> Result<File, InputError> {
 /// # Errors
 /// As for [`open`]; a file of a known other kind.
 pub fn read_bytes(path: &Path, limit: Limit) -> Result<Vec<u8>, InputError> {
-    let unreadable = |why| InputError::Unreadable(path.to_owned(), why);
+    let unreadable = |why: io::Error| InputError::Unreadable(path.to_owned(), why.to_string());
     let mut file = open(path, limit)?;
     let mut start = Vec::with_capacity(kind::START_BYTES);
     file.by_ref().take(kind::START_BYTES as u64).read_to_end(&mut start).map_err(unreadable)?;

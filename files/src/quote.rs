@@ -70,7 +70,8 @@ pub fn message(said: &str) -> String {
     shown
 }
 
-fn escaped(text: &str) -> String {
+/// Text of any length with the characters that act ([`acts`]) escaped.
+pub fn escaped(text: &str) -> String {
     text.chars()
         .flat_map(|c| {
             let escape = acts(c).then(|| c.escape_default()).into_iter().flatten();

@@ -2,10 +2,11 @@
 //! `cargo run -p scenario --example contact_table -- jm3_like > table.csv`
 
 use firmware_core::wheel_rail::geometry::{TABLE_FIRST_SHIFT_M, TABLE_STEP_M};
+use scenario::ScenarioError;
 use scenario::contact_geometry::{ContactPair, Placement};
-use scenario::profile::{Jm3Like, ProfileError, cn60, jm3_like, lma, s1002, uic60};
+use scenario::profile::{Jm3Like, cn60, jm3_like, lma, s1002, uic60};
 
-fn main() -> Result<(), ProfileError> {
+fn main() -> Result<(), ScenarioError> {
     let name = std::env::args().nth(1).unwrap_or_else(|| "jm3_like".to_owned());
     let pair = match name.as_str() {
         "lma" => ContactPair::new(&lma(), cn60(), Placement::CHINA)?,

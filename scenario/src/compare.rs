@@ -11,10 +11,12 @@
 
 use crate::damper::DamperFile;
 use crate::damper_mass;
+use crate::error::ScenarioError;
 use crate::inputs::Inputs;
 use crate::rig::RigSetup;
 use crate::run::{Run, SlotForce};
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
+use files::quoted;
 use firmware_core::damper::Damper;
 use firmware_core::vehicle::Vehicle;
 use serde::{Deserialize, Serialize};
@@ -80,7 +82,7 @@ impl CompareFile {
             return Err(source.whole_error("[compare]: the vehicle has no yaw dampers to compare"));
         }
         Ok(CompareSetup {
-            name: self.name.clone().unwrap_or_else(|| NAME.to_owned()),
+            name: quoted(self.name.as_deref().unwrap_or(NAME)).to_string(),
             damper: self.damper.build(source)?,
             bare: bare.clone(),
             source: source.clone(),
@@ -117,8 +119,14 @@ impl Run {
                     .map_err(|error| source.whole_error(format!("[compare]: {error}")))?,
             };
         }
-        let start = Self::steady(&vehicle, self.contact.as_ref(), self.speed_m_per_s)
-            .map_err(|error| source.whole_error(format!("[compare]: {error}")))?;
+        let start =
+            Self::steady(&vehicle, self.contact.as_ref(), self.speed_m_per_s).map_err(|error| {
+                ScenarioError::Equilibrium {
+                    file: source.path().to_owned(),
+                    part: Some("[compare]"),
+                    error,
+                }
+            })?;
         Ok(Some(Self {
             vehicle,
             slots,
@@ -136,13 +144,12 @@ mod tests {
     use crate::run::Overrides;
 
     /// A scenario beside the others, with something more.
-    fn run(more: &str) -> Result<Run, String> {
+    fn run(more: &str) -> Result<Run, ScenarioError> {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/compare.toml"));
         let text = format!(
             "title = \"two\"\nvehicle = \"vehicles/ss9.toml\"\nspeed_kmh = 100.0\nduration_s = 1.0\n{more}"
         );
         Run::from_source(&Source::from_text(path, &text), Overrides::default())
-            .map_err(|error| error.to_string())
     }
 
     const RIG: &str = "[[slot]]\nplace = \"front left\"\non = \"rig\"\n\

@@ -31,7 +31,7 @@ impl RestingWheelset {
     /// The wheelset moved to the right by `shift_m`, rolled so that both wheels touch.
     ///
     /// ```
-    /// # fn main() -> Result<(), scenario::profile::ProfileError> {
+    /// # fn main() -> Result<(), scenario::ScenarioError> {
     /// use scenario::conicity::RestingWheelset;
     /// use scenario::contact_geometry::{ContactPair, Placement};
     /// use scenario::profile::{cn60, lma};

@@ -13,9 +13,12 @@
 
 use crate::datasheet::C2_SHARE;
 use crate::empirical::EmpiricalFile;
+use crate::error::ScenarioError;
 use crate::inputs::Inputs;
+use crate::kind::Kind;
 use crate::quantity::{Provenance, Quantity};
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
+use files::quoted;
 use firmware_core::damper::effects::{CATALOGUE, Effect};
 use firmware_core::damper::{Damper, Nominal};
 use serde::de::{Error as _, MapAccess, Visitor};
@@ -147,7 +150,7 @@ impl DamperFile {
     }
 
     fn model(source: &Source) -> Result<Self, ScenarioError> {
-        let ModelFile { name: _, mut damper } = source.parse()?;
+        let ModelFile { name: _, mut damper } = source.parse_as(Kind::DamperModel)?;
         if damper.file.is_some() {
             return Err(source.whole_error("a model names another file, expected values"));
         }
@@ -310,7 +313,7 @@ impl EffectFile {
             let known: Vec<&str> = CATALOGUE.iter().map(|info| info.name).collect();
             return Err(source.whole_error(format!(
                 "effect \"{}\" is not known, expected one of {}",
-                self.name,
+                quoted(&self.name),
                 known.join(", ")
             )));
         };
@@ -336,8 +339,9 @@ impl EffectFile {
             return Err(value.error(
                 source,
                 format!(
-                    "effect \"{}\": unknown key `{extra}`, expected {}",
+                    "effect \"{}\": unknown key `{}`, expected {}",
                     self.name,
+                    quoted(extra),
                     known.join(", ")
                 ),
             ));
@@ -460,7 +464,8 @@ mod tests {
         let source = Source::from_text(&folder.join("run.toml"), "file = \"bad.toml\"\n");
         let bad: DamperFile = source.parse().unwrap();
         let error = bad.resolved(&source, "damper", &mut Inputs::default()).unwrap_err();
-        assert_eq!((error.file, error.line), (folder.join("bad.toml"), Some(3)));
+        let at = error.place().unwrap();
+        assert_eq!((&at.file, at.line), (&folder.join("bad.toml"), Some(3)));
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

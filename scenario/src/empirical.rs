@@ -11,8 +11,9 @@
 //!
 //! Straight between the places and constant beyond the first and the last.
 
+use crate::error::ScenarioError;
 use crate::quantity::Quantity;
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
 use firmware_core::damper::{EmpiricalMap, MAP_KNOTS, MapCoordinate, MapKnot};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -144,8 +145,9 @@ impl EmpiricalFile {
 #[cfg(test)]
 mod tests {
     use crate::damper::DamperFile;
+    use crate::error::ScenarioError;
     use crate::quantity::Provenance;
-    use crate::source::{ScenarioError, Source};
+    use crate::source::Source;
     use firmware_core::damper::{Damper, EmpiricalMap, MapCoordinate, MapKnot, Nominal};
     use std::collections::BTreeMap;
     use std::path::Path;
@@ -213,9 +215,9 @@ mod tests {
         ] {
             assert!(MODEL.contains(from));
             let error = read("bad.toml", &MODEL.replace(from, to)).unwrap_err();
-            assert_eq!(error.line, Some(line), "{error}");
+            assert_eq!(error.place().unwrap().line, Some(line), "{error}");
             for part in parts {
-                assert!(error.message.contains(part), "no {part} in {error}");
+                assert!(error.to_string().contains(part), "no {part} in {error}");
             }
         }
     }

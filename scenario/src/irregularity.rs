@@ -11,10 +11,12 @@
 //! so the variance is exact whatever the number of bands (`evidence/src/validation/irregularity.rs`). The four channels are independent, from
 //! one seed. Either kind grows out of perfect track, on which the vehicle starts in equilibrium.
 
+use crate::error::{Place, ScenarioError};
 use crate::inputs::Inputs;
 use crate::quantity::Quantity;
-use crate::source::{self, ScenarioError, Source};
-use files::Limit;
+use crate::source::{self, Source};
+use files::quote::message;
+use files::{Limit, quoted};
 use firmware_core::track::IrregularitySample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -237,7 +239,7 @@ fn add_cosine(values: &mut [f64], amplitude: f64, turn: f64, phase: f64) {
 /// Measured samples must reach over the whole run, finely enough, with believable sizes.
 fn covers(path: &Path, samples: &Samples, from_m: f64, to_m: f64) -> Result<(), ScenarioError> {
     let last_m = samples.first_m + samples.step_m * samples.samples.len().saturating_sub(1) as f64;
-    let fail = |message: String| Err(ScenarioError { file: path.to_owned(), line: None, message });
+    let fail = |message: String| Err(ScenarioError::mismatch(path, message));
     if samples.first_m > from_m || last_m < to_m {
         return fail(format!(
             "covers {} to {last_m} m, but the run needs {from_m} to {to_m:.0} m",
@@ -259,10 +261,9 @@ fn covers(path: &Path, samples: &Samples, from_m: f64, to_m: f64) -> Result<(), 
 
 /// Reads measured irregularity at even distances.
 fn read_csv(path: &Path, inputs: &mut Inputs) -> Result<Samples, ScenarioError> {
-    let fail = |line: Option<usize>, message: String| ScenarioError {
-        file: path.to_owned(),
-        line,
-        message,
+    let fail = |line: Option<usize>, message: String| {
+        let at = Place { line, ..Place::whole(path) };
+        ScenarioError::Mismatch { at, message }
     };
     let (text, hash) = source::read_hashed(path, Limit::Table)?;
     inputs.note("measured track", hash);
@@ -270,12 +271,13 @@ fn read_csv(path: &Path, inputs: &mut Inputs) -> Result<Samples, ScenarioError> 
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_reader(text.as_bytes());
-    let headers = reader.headers().map_err(|error| fail(Some(1), error.to_string()))?.clone();
+    let headers =
+        reader.headers().map_err(|error| fail(Some(1), message(&error.to_string())))?.clone();
     let known = ["distance_m", "vertical_m", "alignment_m", "cross_level_m", "gauge_m"];
     if let Some(unknown) = headers.iter().find(|name| !known.contains(name)) {
         return Err(fail(
             Some(1),
-            format!("unknown column `{unknown}`, expected {}", known.join(", ")),
+            format!("unknown column `{}`, expected {}", quoted(unknown), known.join(", ")),
         ));
     }
     let column = |name: &str| headers.iter().position(|header| header == name);
@@ -287,7 +289,7 @@ fn read_csv(path: &Path, inputs: &mut Inputs) -> Result<Samples, ScenarioError> 
     let (mut places, mut samples) = (Vec::new(), Vec::new());
     for record in reader.records() {
         let record = record.map_err(|error| {
-            fail(error.position().map(|p| p.line() as usize), error.to_string())
+            fail(error.position().map(|p| p.line() as usize), message(&error.to_string()))
         })?;
         let line = record.position().map(|p| p.line() as usize);
         let number = |index: usize| -> Result<f64, ScenarioError> {
@@ -297,8 +299,9 @@ fn read_csv(path: &Path, inputs: &mut Inputs) -> Result<Samples, ScenarioError> 
                 _ => Err(fail(
                     line,
                     format!(
-                        "column `{}`: found \"{text}\", expected a number",
-                        headers.get(index).unwrap_or("")
+                        "column `{}`: found \"{}\", expected a number",
+                        headers.get(index).unwrap_or(""),
+                        quoted(text)
                     ),
                 )),
             }

@@ -16,8 +16,10 @@ pub mod damper_mass;
 pub mod datasheet;
 pub mod empirical;
 pub mod equilibrium;
+mod error;
 mod inputs;
 pub mod irregularity;
+mod kind;
 pub mod minimum_speed;
 pub mod profile;
 pub mod quantity;
@@ -29,3 +31,6 @@ pub mod track;
 pub mod vehicle;
 pub mod watch;
 pub mod wheel_rail;
+
+pub use error::{Place, ScenarioError, SettingError};
+pub use kind::Kind;

@@ -5,7 +5,8 @@
 //! mass_kg = { value = 65440.0, provenance = "derived", note = "126 t less the rest" }
 //! ```
 
-use crate::source::{ScenarioError, Source};
+use crate::error::ScenarioError;
+use crate::source::Source;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -103,7 +104,18 @@ impl Quantity {
         if self.value >= lower && self.value <= upper {
             return Ok(self.value);
         }
-        Err(source.error(&self.span, format!("{key} = {}, expected {expected}", self.value)))
+        Err(self.refused(source, key, expected))
+    }
+
+    /// The error of a number that is not what was expected.
+    pub(crate) fn refused(
+        &self,
+        source: &Source,
+        key: &str,
+        expected: impl Into<String>,
+    ) -> ScenarioError {
+        let (key, expected) = (key.into(), expected.into());
+        ScenarioError::Value { at: source.place(&self.span), key, found: self.value, expected }
     }
 
     /// An error at this number.

@@ -1,8 +1,11 @@
 //! The emulated rig in a file: actuator, load cell, fixture and the damper that is mounted.
 
 use crate::damper::DamperFile;
+use crate::error::ScenarioError;
+use crate::kind::Kind;
 use crate::quantity::Quantity;
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
+use files::quoted;
 use firmware_core::damper::Damper;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -76,7 +79,7 @@ impl RigFile {
     /// The first thing that does not fit, with file and line.
     pub fn load(path: &Path) -> Result<RigSetup, ScenarioError> {
         let source = Source::read(path)?;
-        let file: Self = source.parse()?;
+        let file: Self = source.parse_as(Kind::Rig)?;
         file.build(&source)
     }
 
@@ -136,7 +139,7 @@ impl RigFile {
             None => 0.0,
         };
         Ok(RigSetup {
-            name: self.name.clone().unwrap_or_else(|| NAME.to_owned()),
+            name: quoted(self.name.as_deref().unwrap_or(NAME)).to_string(),
             stroke_m,
             rate_m_per_s,
             lag_s: number(&self.lag_s, "lag_s", LAG_S)?,

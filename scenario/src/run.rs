@@ -4,17 +4,21 @@ use crate::compare::{CompareFile, CompareSetup};
 use crate::damper::DamperFile;
 use crate::damper_mass;
 use crate::equilibrium::{self, Equilibrium, NoEquilibrium};
+use crate::error::ScenarioError;
 use crate::inputs::Inputs;
 use crate::irregularity::{Band, IrregularityFile};
+use crate::kind::Kind;
 use crate::minimum_speed::minimum_speed_m_per_s;
 use crate::quantity::Quantity;
 use crate::rig::{RigFile, RigSetup};
 use crate::setting::Setting;
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
 use crate::track::{OwnedTrack, TrackFile};
 use crate::vehicle::VehicleFile;
 use crate::watch::{WatchFile, WatchSetup};
 use crate::wheel_rail::{Contact, SurfaceFile};
+use files::quote::escaped;
+use files::quoted;
 use firmware_core::damper::Damper;
 use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
@@ -30,6 +34,9 @@ pub const SUBSTEPS: u32 = 4;
 
 /// No wheel on rail has run faster (km/h).
 const SPEED_MAX_KMH: f64 = 600.0;
+
+/// Longest run (s): a day.
+const DURATION_MAX_S: f64 = 86_400.0;
 
 /// Distance at which the vehicle's reference point starts, so that no wheel stands before zero (m).
 const START_M: f64 = 15.0;
@@ -257,18 +264,14 @@ impl Run {
         settings: &[Setting],
         slow: Slow,
     ) -> Result<Self, ScenarioError> {
-        let file: RunFile = source.parse()?;
+        let file: RunFile = source.parse_as(Kind::Scenario)?;
         let mut inputs = Inputs::default();
         inputs.note("scenario", source.content_hash());
         let mut file = file.resolved(source, &mut inputs)?;
-        if let Some(duration) = overrides.duration_s {
-            file.duration_s = Quantity::plain(duration);
-        }
+        let duration_s = file.overridden_duration_s(source, overrides)?;
         if let Some(speed) = overrides.speed_kmh {
             file.speed_kmh = Quantity::plain(speed);
         }
-        let duration_s =
-            file.duration_s.within(source, "duration_s", CYCLE_S, 86_400.0, "0.001 to 86400 s")?;
         let run_in_s = match &file.run_in_s {
             Some(run_in) => run_in.not_negative(source, "run_in_s")?,
             None => 2.0,
@@ -282,7 +285,7 @@ impl Run {
         let vehicle_source = Source::read(&source.beside(&file.vehicle))?;
         inputs.note("vehicle", vehicle_source.content_hash());
         let vehicle_source = vehicle_source.with_vehicle_settings(settings)?;
-        let vehicle_file: VehicleFile = vehicle_source.parse()?;
+        let vehicle_file: VehicleFile = vehicle_source.parse_as(Kind::Vehicle)?;
         let mut vehicle = vehicle_file.build(&vehicle_source)?;
         let contact = vehicle_file.wheel_rail.contact_of(&vehicle_source, &mut inputs)?;
         let rig_file = RigFile { damper: file.rig.damper.over(&file.damper), ..file.rig.clone() };
@@ -299,22 +302,27 @@ impl Run {
         let table = contact.as_ref().map(|contact| &*contact.table);
 
         let wheels = (&vehicle, table);
-        let (speed_m_per_s, substeps) = file.speed_and_substeps(source, wheels, substeps, slow)?;
-        let start = Self::steady(&vehicle, contact.as_ref(), speed_m_per_s)
-            .map_err(|error| vehicle_source.whole_error(error.to_string()))?;
+        let (speed_m_per_s, substeps) = file
+            .speed_and_substeps(source, wheels, substeps, slow)
+            .map_err(|error| overrides.blamed_for_speed(error))?;
+        let start = Self::steady(&vehicle, contact.as_ref(), speed_m_per_s).map_err(|error| {
+            ScenarioError::Equilibrium { file: vehicle_source.path().to_owned(), part: None, error }
+        })?;
         let end_m = START_M + speed_m_per_s * duration_s + 20.0;
         let track = file.track.build(source, (0.0, end_m), &mut inputs)?;
         let irregularity = file.track.irregularity.as_ref();
         let band = irregularity.map(|rough| rough.band(source)).transpose()?.flatten();
-        let mut about: Vec<String> = vehicle_file.about.iter().cloned().collect();
+        let mut about: Vec<String> =
+            vehicle_file.about.iter().map(|about| escaped(about)).collect();
         if let Some(contact) = &contact {
             for profile in &contact.profiles {
                 about.push(profile.line());
             }
         }
-        let title = file.title.clone();
-        let vehicle_name = vehicle_file.name.clone();
-        let body_names = vehicle_file.body.iter().map(|body| body.name.clone()).collect();
+        let title = quoted(&file.title).to_string();
+        let vehicle_name = quoted(&vehicle_file.name).to_string();
+        let body_names =
+            vehicle_file.body.iter().map(|body| quoted(&body.name).to_string()).collect();
         file.run_in_s = Some(Quantity::plain(run_in_s));
         file.substeps = Some(substeps);
         let effective = effective(file, source, vehicle_file, &vehicle_source)?;
@@ -358,7 +366,38 @@ impl Run {
     }
 }
 
+impl Overrides {
+    /// An error of the speed names the option where it gives the speed.
+    fn blamed_for_speed(self, error: ScenarioError) -> ScenarioError {
+        match (self.speed_kmh, error) {
+            (Some(_), ScenarioError::Value { key, found, expected, .. })
+                if &*key == "speed_kmh" =>
+            {
+                ScenarioError::Option { option: "--speed-kmh", found, expected }
+            }
+            (_, error) => error,
+        }
+    }
+}
+
 impl RunFile {
+    /// The duration (s), which the command line may have changed.
+    fn overridden_duration_s(
+        &mut self,
+        source: &Source,
+        overrides: Overrides,
+    ) -> Result<f64, ScenarioError> {
+        const EXPECTED: &str = "0.001 to 86400 s";
+        if let Some(duration_s) = overrides.duration_s {
+            if !(CYCLE_S..=DURATION_MAX_S).contains(&duration_s) {
+                let (option, expected) = ("--duration", EXPECTED.to_owned());
+                return Err(ScenarioError::Option { option, found: duration_s, expected });
+            }
+            self.duration_s = Quantity::plain(duration_s);
+        }
+        self.duration_s.within(source, "duration_s", CYCLE_S, DURATION_MAX_S, EXPECTED)
+    }
+
     /// This scenario with the values of every model file that it names.
     fn resolved(mut self, source: &Source, inputs: &mut Inputs) -> Result<Self, ScenarioError> {
         check_places(&self.slot, source)?;
@@ -399,14 +438,10 @@ impl RunFile {
         }
         let least = slowest(substeps);
         if speed_m_per_s < least {
-            return Err(self.speed_kmh.error(
-                source,
-                format!(
-                    "speed_kmh = {}, expected at least {:.0} at {substeps} substeps: creep grows stiff as 1/V",
-                    self.speed_kmh.value,
-                    libm::ceil(least * 3.6)
-                ),
-            ));
+            let least_kmh = libm::ceil(least * 3.6);
+            let expected =
+                format!("at least {least_kmh:.0} at {substeps} substeps: creep grows stiff as 1/V");
+            return Err(self.speed_kmh.refused(source, "speed_kmh", expected));
         }
         Ok((speed_m_per_s, substeps))
     }
@@ -452,7 +487,7 @@ fn check_places(slots: &[SlotFile], source: &Source) -> Result<(), ScenarioError
     for (index, slot) in slots.iter().enumerate() {
         let place = &slot.place;
         if slots.iter().take(index).any(|earlier| earlier.place == *place) {
-            return Err(source.whole_error(format!("slot \"{place}\" is given twice")));
+            return Err(source.whole_error(format!("slot \"{}\" is given twice", quoted(place))));
         }
     }
     Ok(())
@@ -469,15 +504,15 @@ fn slots(
     if let Some(unknown) = file.slot.iter().find(|slot| !places.contains(&slot.place.as_str())) {
         let expected = match places.as_slice() {
             [] => "expected none: the vehicle has no damper".to_owned(),
-            places => format!("expected one of {}", places.join(", ")),
+            places => format!("expected one of {}", quoted(&places.join(", "))),
         };
-        let place = &unknown.place;
+        let place = quoted(&unknown.place);
         return Err(
             source.whole_error(format!("slot place \"{place}\" does not exist, {expected}"))
         );
     }
     for slot in &file.slot {
-        let place = &slot.place;
+        let place = quoted(&slot.place);
         let wear_or_watch = slot.virtual_wear.is_some() || slot.watch.is_some();
         let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), wear_or_watch];
         if slot.on == On::Modelled && on_a_rig.contains(&true) {
@@ -499,7 +534,7 @@ fn slots(
                 SlotForce::Modelled(own.over(&file.damper).build(source)?)
             }
         };
-        built.push(Slot { place: place.to_owned(), force });
+        built.push(Slot { place: quoted(place).to_string(), force });
     }
     Ok(built)
 }
@@ -513,7 +548,7 @@ impl SlotFile {
         rig_ke_n_per_m: f64,
     ) -> Result<SlotForce, ScenarioError> {
         let node = self.node.unwrap_or(1);
-        let place = &self.place;
+        let place = quoted(&self.place);
         if !(1..=4).contains(&node) {
             return Err(
                 source.whole_error(format!("slot \"{place}\": node = {node}, expected 1 to 4"))

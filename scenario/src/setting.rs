@@ -9,7 +9,9 @@
 //! ```
 //! What the number replaces may stand there with provenance and note; these go with it.
 
-use crate::source::{ScenarioError, Source};
+use crate::error::{ScenarioError, SettingError};
+use crate::source::Source;
+use files::quote;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
@@ -96,19 +98,24 @@ impl Source {
             };
             let key = setting.key.get(prefix.len()..).unwrap_or_default();
             let path: Vec<&str> = key.split('.').collect();
-            put(table, &path, setting.change)
-                .map_err(|why| self.whole_error(format!("cannot set `{}`: {why}", setting.key)))?;
+            put(table, &path, setting.change).map_err(|why| self.unset(&setting.key, why))?;
         }
         let Some(table) = table else { return Ok(self.clone()) };
-        let text = toml::to_string(&table).map_err(|why| self.whole_error(why.to_string()))?;
+        let text = toml::to_string(&table).map_err(|why| {
+            self.unset("the file", SettingError::Unwritable(quote::message(&why.to_string())))
+        })?;
         Ok(self.rewritten(text))
+    }
+
+    fn unset(&self, key: &str, why: SettingError) -> ScenarioError {
+        ScenarioError::Setting { file: self.path().to_owned(), key: key.to_owned(), why }
     }
 }
 
 /// Changes a number in a table; tables on the way are made where they are missing.
-fn put(table: &mut Table, path: &[&str], change: Change) -> Result<(), String> {
+fn put(table: &mut Table, path: &[&str], change: Change) -> Result<(), SettingError> {
     match path {
-        [] | [""] => Err("a key is expected".to_owned()),
+        [] | [""] => Err(SettingError::NoKey),
         [last] => {
             let value = match change {
                 Change::Value(value) => value,
@@ -125,17 +132,17 @@ fn put(table: &mut Table, path: &[&str], change: Change) -> Result<(), String> {
             match next {
                 Value::Table(next) => put(next, rest, change),
                 Value::Array(list) => put_into_list(list, first, rest, change),
-                other => Err(format!("{first} is a {}, expected a table", other.type_str())),
+                other => Err(SettingError::NotATable((*first).to_owned(), other.type_str())),
             }
         }
     }
 }
 
 /// The number that stands at a place, with provenance or without.
-fn standing(at: Option<&Value>) -> Result<f64, String> {
+fn standing(at: Option<&Value>) -> Result<f64, SettingError> {
     let number = |at: &Value| at.as_float().or_else(|| at.as_integer().map(|whole| whole as f64));
     let found = at.and_then(|at| number(at.get("value").unwrap_or(at)));
-    found.ok_or_else(|| "no number stands there, expected one to multiply".to_owned())
+    found.ok_or(SettingError::NoNumber)
 }
 
 /// Changes a number in the tables of a list that the first part of the path means.
@@ -144,9 +151,9 @@ fn put_into_list(
     of: &str,
     path: &[&str],
     change: Change,
-) -> Result<(), String> {
+) -> Result<(), SettingError> {
     let [which, rest @ ..] = path else {
-        return Err(format!("{of} is a list, expected a name or a number behind it"));
+        return Err(SettingError::List(of.to_owned()));
     };
     let named = |table: &Table| {
         NAMES.iter().any(|key| table.get(*key).and_then(Value::as_str) == Some(which))
@@ -166,7 +173,7 @@ fn put_into_list(
     if found {
         Ok(())
     } else {
-        Err(format!("{of} has no \"{which}\", expected one of {}, or *", known.join(", ")))
+        Err(SettingError::Absent(of.to_owned(), (*which).to_owned(), known))
     }
 }
 
@@ -178,18 +185,17 @@ mod tests {
     const TEXT: &str = "title = \"a\"\nspeed_kmh = { value = 160.0, note = \"n\" }\n\
         [[body]]\nname = \"bogie\"\nmass_kg = 1.0\n[[body]]\nname = \"wheel\"\nmass_kg = 2.0\n";
 
-    fn set(key: &str) -> Result<Table, String> {
+    fn set(key: &str) -> Result<Table, ScenarioError> {
         with(Setting::to(key, 7.0))
     }
 
-    fn with(setting: Setting) -> Result<Table, String> {
+    fn with(setting: Setting) -> Result<Table, ScenarioError> {
         let source = Source::from_text(Path::new("a.toml"), TEXT);
         let changed = match setting.key.strip_prefix(VEHICLE) {
             Some(_) => source.with_vehicle_settings(&[setting]),
             None => source.with_settings(&[setting]),
         };
-        let changed = changed.map_err(|error| error.to_string())?;
-        changed.parse().map_err(|error| error.to_string())
+        changed?.parse()
     }
 
     #[test]
@@ -228,17 +234,22 @@ mod tests {
         assert_eq!(masses, [Some(0.5), Some(1.0)]);
         let expected = "a.toml: cannot set `damper.ke_n_per_m`: no number stands there, expected one \
                         to multiply";
-        assert_eq!(times("damper.ke_n_per_m").unwrap_err(), expected);
+        assert_eq!(times("damper.ke_n_per_m").unwrap_err().to_string(), expected);
     }
 
     #[test]
     fn a_key_that_leads_nowhere_is_told_with_what_there_is() {
         let expected = "a.toml: cannot set `body.axle.mass_kg`: body has no \"axle\", expected one \
                         of bogie, wheel, or *";
-        assert_eq!(set("body.axle.mass_kg").unwrap_err(), expected);
+        assert_eq!(set("body.axle.mass_kg").unwrap_err().to_string(), expected);
         assert!(set("body").is_ok_and(|table| table["body"].is_float()));
         assert!(set("body.wheel").is_err());
-        assert!(set("title.x").unwrap_err().ends_with("title is a string, expected a table"));
-        assert!(set("").unwrap_err().ends_with("a key is expected"));
+        assert!(
+            set("title.x")
+                .unwrap_err()
+                .to_string()
+                .ends_with("title is a string, expected a table")
+        );
+        assert!(set("").unwrap_err().to_string().ends_with("a key is expected"));
     }
 }

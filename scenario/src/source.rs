@@ -1,38 +1,15 @@
-//! Text files with one clear line for everything that is wrong in them.
+//! Text files, read with limits, whose errors name the line.
 
+pub use crate::error::ScenarioError;
+
+use crate::error::Place;
+use crate::kind::Kind;
 use files::identity::content_hash;
 use files::input::{self, InputError, Limit};
+use files::quote;
 use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-
-/// What is wrong with an input, in one line: file, line, place, what was found, what was expected.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ScenarioError {
-    /// The file.
-    pub file: PathBuf,
-    /// Line in it, from one, where there is one.
-    pub line: Option<usize>,
-    /// What is wrong.
-    pub message: String,
-}
-
-impl std::fmt::Display for ScenarioError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.line {
-            Some(line) => write!(f, "{}:{line}: {}", self.file.display(), self.message),
-            None => write!(f, "{}: {}", self.file.display(), self.message),
-        }
-    }
-}
-
-impl std::error::Error for ScenarioError {}
-
-impl From<InputError> for ScenarioError {
-    fn from(error: InputError) -> Self {
-        Self { file: error.path().to_owned(), line: None, message: error.reason() }
-    }
-}
 
 /// An input file in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,7 +18,7 @@ pub struct Source {
     text: String,
     /// Hash of the file's bytes.
     content_hash: String,
-    /// The text is not the file's own: its lines are told by the table that they stand in.
+    /// The text is not the file's own: a place in it is named by its table.
     rewritten: bool,
 }
 
@@ -76,12 +53,28 @@ impl Source {
     /// The first thing that does not fit, with its line.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ScenarioError> {
         toml::from_str(&self.text).map_err(|error| {
-            let message = error.message().replace('\n', " ");
-            match error.span() {
-                Some(span) => self.error(&span, message.trim()),
-                None => self.whole_error(message.trim()),
+            let (at, message) = self.said(&error);
+            ScenarioError::Syntax { at, message }
+        })
+    }
+
+    /// The same for a file of a kind: one of another known kind is named as such.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Kind`]; else as for [`parse`](Self::parse).
+    pub fn parse_as<T: DeserializeOwned>(&self, expected: Kind) -> Result<T, ScenarioError> {
+        toml::from_str(&self.text).map_err(|error| {
+            let (at, message) = self.said(&error);
+            match Kind::of(&self.text).filter(|found| !found.passes_for(expected)) {
+                Some(found) => ScenarioError::Kind { at, found, expected, message },
+                None => ScenarioError::Syntax { at, message },
             }
         })
+    }
+
+    fn said(&self, error: &toml::de::Error) -> (Place, String) {
+        let at = error.span().map_or_else(|| Place::whole(&self.path), |span| self.place(&span));
+        (at, quote::message(error.message()))
     }
 
     /// The file's path.
@@ -104,20 +97,26 @@ impl Source {
         self.path.parent().unwrap_or(Path::new("")).join(path)
     }
 
-    /// An error at a place in the file.
+    /// Parts that do not fit each other, at a place in the file. Text of the file in `message` goes
+    /// through [`files::quoted`].
     pub fn error(&self, span: &Range<usize>, message: impl Into<String>) -> ScenarioError {
-        let message = message.into();
-        let before = self.text.get(..span.start).unwrap_or(&self.text);
-        if self.rewritten {
-            return self.whole_error(format!("{}{message}", table_of(before)));
-        }
-        let line = Some(before.matches('\n').count() + 1);
-        ScenarioError { file: self.path.clone(), line, message }
+        ScenarioError::Mismatch { at: self.place(span), message: message.into() }
     }
 
-    /// An error of the file as a whole.
+    /// Parts of the file as a whole that do not fit each other.
     pub fn whole_error(&self, message: impl Into<String>) -> ScenarioError {
-        ScenarioError { file: self.path.clone(), line: None, message: message.into() }
+        ScenarioError::mismatch(&self.path, message)
+    }
+
+    /// A place in the file.
+    pub(crate) fn place(&self, span: &Range<usize>) -> Place {
+        let before = self.text.get(..span.start).unwrap_or(&self.text);
+        let (line, table) = if self.rewritten {
+            (None, table_of(before).map(Into::into))
+        } else {
+            (Some(before.matches('\n').count() + 1), None)
+        };
+        Place { file: self.path.clone(), line, table }
     }
 }
 
@@ -129,14 +128,14 @@ pub(crate) fn read_hashed(path: &Path, limit: Limit) -> Result<(String, String),
 }
 
 /// The table that a text ends in, in words: its head, and its number where it is one of a list.
-fn table_of(text: &str) -> String {
+fn table_of(text: &str) -> Option<String> {
     let heads = || text.lines().filter(|line| line.starts_with('['));
-    let Some(head) = heads().next_back() else { return String::new() };
+    let head = heads().next_back()?;
     if head.starts_with("[[") {
         let number = heads().filter(|line| *line == head).count() - 1;
-        return format!("{head} number {number}: ");
+        return Some(format!("{head} number {number}"));
     }
-    format!("{head}: ")
+    Some(head.to_owned())
 }
 
 #[cfg(test)]
@@ -144,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_that_no_file_has_is_told_by_its_table() {
+    fn a_line_that_no_file_has_is_named_by_its_table() {
         let file = Source::from_text(Path::new("a.toml"), "[[body]]\nmass_kg = 1\n");
         assert_eq!(file.error(&(9..16), "odd").to_string(), "a.toml:2: odd");
         let text = "x = 1\n[[body]]\nmass_kg = 1\n[[body]]\nmass_kg = 2\n[damper]\n";

@@ -1,9 +1,10 @@
 //! The track part of a scenario: one curve or none, and the irregularity.
 
+use crate::error::ScenarioError;
 use crate::inputs::Inputs;
 use crate::irregularity::{IrregularityFile, Samples};
 use crate::quantity::Quantity;
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
 use firmware_core::track::{Irregularity, Layout, Track};
 use serde::{Deserialize, Serialize};
 

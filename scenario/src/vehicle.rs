@@ -5,9 +5,11 @@
 //! once and its second bodies as a list; it is repeated for each of them at that body's station, and
 //! for both sides when `lateral_m` is not zero and `both_sides` is not switched off.
 
+use crate::error::ScenarioError;
 use crate::quantity::Quantity;
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
 use crate::wheel_rail::WheelRailFile;
+use files::quoted;
 use firmware_core::vehicle::{
     Anchor, Axle, Body, BodyId, BumpStop, DamperMount, Suspension, Torsion, Vehicle,
 };
@@ -228,8 +230,9 @@ impl Finder<'_> {
         found.and_then(BodyId::new).ok_or_else(|| {
             let known: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
             self.source.whole_error(format!(
-                "body \"{name}\" does not exist, expected track or one of {}",
-                known.join(", ")
+                "body \"{}\" does not exist, expected track or one of {}",
+                quoted(name),
+                quoted(&known.join(", "))
             ))
         })
     }
@@ -298,7 +301,7 @@ impl BodyFile {
         };
         for (axis, (value, key)) in given.into_iter().enumerate() {
             if free[2 + axis] && value.is_none() {
-                let name = &self.name;
+                let name = quoted(&self.name);
                 return Err(self.mass_kg.error(
                     source,
                     format!("body \"{name}\" has no {key}, but that axis is free"),
@@ -325,7 +328,7 @@ impl SuspensionFile {
                 source,
                 format!(
                     "suspension \"{}\": {} values of play_y_m for {} second bodies",
-                    self.name,
+                    quoted(&self.name),
                     self.play_y_m.len(),
                     self.second.len()
                 ),
@@ -402,7 +405,7 @@ impl BumpStopFile {
                 source,
                 format!(
                     "bump_stop \"{}\": {count} deflections and {} forces, expected two or more pairs",
-                    self.name,
+                    quoted(&self.name),
                     self.force_n.len()
                 ),
             ));
@@ -417,7 +420,10 @@ impl BumpStopFile {
             if pair.0 <= last.0 || pair.1 < last.1 || (last.0 < 0.0 && pair.1 != 0.0) {
                 return Err(deflection.error(
                     source,
-                    format!("bump_stop \"{}\": points must rise from force zero", self.name),
+                    format!(
+                        "bump_stop \"{}\": points must rise from force zero",
+                        quoted(&self.name)
+                    ),
                 ));
             }
             last = pair;

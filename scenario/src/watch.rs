@@ -15,9 +15,10 @@
 //! ```
 
 use crate::damper::DamperFile;
+use crate::error::ScenarioError;
 use crate::quantity::Quantity;
 use crate::run::CYCLE_S;
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
 use firmware_core::damper::Damper;
 use serde::{Deserialize, Serialize};
 
@@ -131,11 +132,11 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    fn built(text: &str) -> Result<WatchSetup, String> {
+    fn built(text: &str) -> Result<WatchSetup, ScenarioError> {
         let source = Source::from_text(Path::new("watch.toml"), text);
-        let file: WatchFile = source.parse().map_err(|error| error.to_string())?;
+        let file: WatchFile = source.parse()?;
         let base = DamperFile { ke_n_per_m: Some(Quantity::plain(9e6)), ..DamperFile::default() };
-        file.build(&source, &base).map_err(|error| error.to_string())
+        file.build(&source, &base)
     }
 
     #[test]
@@ -153,10 +154,11 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_named() {
-        let both = built("limit_n = 400.0\nlimit_ratio = 3.0").unwrap_err();
+        let refused = |text: &str| built(text).unwrap_err().to_string();
+        let both = refused("limit_n = 400.0\nlimit_ratio = 3.0");
         assert!(both.contains("watch.toml:1") && both.contains("expected one of them"), "{both}");
-        let low = built("limit_ratio = 0.5").unwrap_err();
+        let low = refused("limit_ratio = 0.5");
         assert!(low.contains("limit_ratio") && low.contains("1.1 to 1e6"), "{low}");
-        assert!(built("window_s = 0.0").unwrap_err().contains("window_s"));
+        assert!(refused("window_s = 0.0").contains("window_s"));
     }
 }

@@ -1,10 +1,12 @@
 //! The wheel/rail part of a vehicle file: profiles, friction, creep law, rail support.
 
 use crate::contact_geometry::{ContactPair, Placement};
+use crate::error::ScenarioError;
 use crate::inputs::Inputs;
-use crate::profile::{self, Jm3Like, Part, Profile, ProfileError};
+use crate::profile::{self, Jm3Like, Part, Profile};
 use crate::quantity::Quantity;
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
+use files::quoted;
 use firmware_core::vehicle::RailSupport;
 use firmware_core::wheel_rail::creep::{ConicalPrescribed, CreepLaw, Fastsim};
 use firmware_core::wheel_rail::hertz::Material;
@@ -207,7 +209,7 @@ impl WheelRailFile {
             "lma" => profile::lma(),
             "s1002" => profile::s1002(),
             "jm3_like" => {
-                profile::jm3_like(&shape).map_err(|error| source.whole_error(error.to_string()))?
+                profile::jm3_like(&shape).map_err(|error| error.asked_by(source.path()))?
             }
             path => from_csv(source, path, Part::Wheel, inputs)?,
         };
@@ -218,7 +220,7 @@ impl WheelRailFile {
         };
         let radius_m = self.wheel_radius_m.positive(source, "wheel_radius_m")?;
         let contact = Contact::new(&wheel, rail, placement, radius_m);
-        contact.map(Some).map_err(|error| source.whole_error(error.to_string()))
+        contact.map(Some).map_err(|error| error.asked_by(source.path()))
     }
 }
 
@@ -243,7 +245,7 @@ impl Contact {
         rail: Profile,
         placement: Placement,
         radius_m: f64,
-    ) -> Result<Self, ProfileError> {
+    ) -> Result<Self, ScenarioError> {
         let profiles = [wheel, &rail].map(|profile| ProfileNote {
             name: profile.name().to_owned(),
             provenance: profile.provenance(),
@@ -293,11 +295,10 @@ fn from_csv(
     if !path.exists() {
         return Err(source.whole_error(format!(
             "profile \"{}\" not found, expected {known} or a CSV file",
-            path.display()
+            quoted(&path.display().to_string())
         )));
     }
-    let read = Profile::from_csv_hashed(&path, part);
-    let (profile, hash) = read.map_err(|error| source.whole_error(error.to_string()))?;
+    let (profile, hash) = Profile::from_csv_hashed(&path, part)?;
     inputs.note(role, hash);
     Ok(profile)
 }

@@ -2,7 +2,8 @@
 
 use super::placement::{PlacedRail, Placement};
 use super::soft_minimum::{Facing, SOFTNESS_M, WheelPlace, contact};
-use crate::profile::{Profile, ProfileError, SurfacePoint};
+use crate::error::ScenarioError;
+use crate::profile::{Profile, SurfacePoint};
 use firmware_core::wheel_rail::geometry::{
     ContactGeometry, ContactZones, TABLE_FIRST_SHIFT_M, TABLE_ROWS, TABLE_STEP_M,
 };
@@ -75,7 +76,7 @@ impl ContactPair {
     /// ```
     /// use scenario::contact_geometry::{ContactPair, Placement};
     /// use scenario::profile::{cn60, lma};
-    /// # fn main() -> Result<(), scenario::profile::ProfileError> {
+    /// # fn main() -> Result<(), scenario::ScenarioError> {
     /// let pair = ContactPair::new(&lma(), cn60(), Placement::CHINA)?;
     /// let centred = pair.at(0.0, 0.0).tread;
     /// assert!((centred.slope - 1.0 / 40.0).abs() < 0.001); // runs on the 1:40 cone
@@ -85,7 +86,11 @@ impl ContactPair {
     ///
     /// # Errors
     /// Distances that do not fit each other, see [`PlacedRail::new`].
-    pub fn new(wheel: &Profile, head: Profile, placement: Placement) -> Result<Self, ProfileError> {
+    pub fn new(
+        wheel: &Profile,
+        head: Profile,
+        placement: Placement,
+    ) -> Result<Self, ScenarioError> {
         let rail = PlacedRail::new(head, &placement)?;
         let first = libm::ceil(wheel.first_m() / PLACE_STEP_M) as i64;
         let last = libm::floor(wheel.last_m() / PLACE_STEP_M) as i64;
@@ -105,8 +110,18 @@ impl ContactPair {
         };
         let (flange, tread): (Vec<_>, Vec<_>) =
             whole.iter().map(relieved).partition(|place| place.outward_m < divide_m);
-        ProfileError::check("places on the tread of the wheel", tread.len() as f64, 100.0, 1e5)?;
-        ProfileError::check("places on the flange of the wheel", flange.len() as f64, 100.0, 1e5)?;
+        ScenarioError::check_dimension(
+            "places on the tread of the wheel",
+            tread.len() as f64,
+            100.0,
+            1e5,
+        )?;
+        ScenarioError::check_dimension(
+            "places on the flange of the wheel",
+            flange.len() as f64,
+            100.0,
+            1e5,
+        )?;
         let mut pair = Self { rail, grid, first, flange, tread, divide_m, datum_m: 0.0, placement };
         pair.datum_m = pair.at(0.0, 0.0).tread.touch_m;
         Ok(pair)

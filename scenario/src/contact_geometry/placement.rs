@@ -1,6 +1,7 @@
 //! Where the rail stands under the wheel: cant, gauge, back-to-back distance.
 
-use crate::profile::{Profile, ProfileError, SurfacePoint};
+use crate::error::ScenarioError;
+use crate::profile::{Profile, SurfacePoint};
 
 /// Distances that place a rail under a wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,8 +69,8 @@ impl PlacedRail {
     ///
     /// # Errors
     /// A distance that no standard-gauge track has, or a head that ends above the gauge depth.
-    pub fn new(head: Profile, placement: &Placement) -> Result<Self, ProfileError> {
-        let check = ProfileError::check;
+    pub fn new(head: Profile, placement: &Placement) -> Result<Self, ScenarioError> {
+        let check = ScenarioError::check_dimension;
         let cant = check("rail_cant", placement.rail_cant, -0.05, 0.10)?;
         check("gauge_depth_m", placement.gauge_depth_m, 0.001, 0.020)?;
         check("gauge_m", placement.gauge_m, 0.3, 2.0)?;

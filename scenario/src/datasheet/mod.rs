@@ -35,8 +35,10 @@ pub mod knee;
 #[cfg(test)]
 mod tests;
 
+use crate::error::ScenarioError;
+use crate::kind::Kind;
 use crate::quantity::Quantity;
-use crate::source::{ScenarioError, Source};
+use crate::source::Source;
 use firmware_core::damper::Nominal;
 use first_harmonic::Point;
 use knee::{Row, TwoLines};
@@ -144,7 +146,7 @@ impl Datasheet {
     /// # Ok::<(), scenario::source::ScenarioError>(())
     /// ```
     pub fn from_source(source: &Source) -> Result<Self, ScenarioError> {
-        let file: DatasheetFile = source.parse()?;
+        let file: DatasheetFile = source.parse_as(Kind::Datasheet)?;
         let (mut warnings, mut conversion) = (Vec::new(), Vec::new());
         let rows = force_rows(source, &file.force, &mut warnings)?;
         let points = dynamic_points(source, &file.dynamic)?;

@@ -3,9 +3,9 @@
 use super::*;
 use std::fmt::Write as _;
 
-fn sheet(text: &str) -> Result<Datasheet, String> {
+fn sheet(text: &str) -> Result<Datasheet, ScenarioError> {
     let source = Source::from_text(Path::new("sheet.toml"), text);
-    Datasheet::from_source(&source).map_err(|error| error.to_string())
+    Datasheet::from_source(&source)
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn every_bad_datasheet_has_its_line() {
             "sheet.toml:4: missing field `stiffness_n_per_m`",
         ),
     ] {
-        let found = sheet(text).unwrap_err();
+        let found = sheet(text).unwrap_err().to_string();
         assert!(found.starts_with(expected), "{found} / {expected}");
     }
 }

@@ -17,8 +17,9 @@
 //! The curve is then replaced by arcs with common tangents through eleven of its places.
 
 use super::wheels::with_flange;
-use super::{Chain, Profile, ProfileError, Provenance, chain::sine_of, cn60};
+use super::{Chain, Profile, Provenance, chain::sine_of, cn60};
 use crate::contact_geometry::{PlacedRail, Placement};
+use crate::error::ScenarioError;
 
 /// What the JM3-like profile is calibrated by.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,8 +76,8 @@ const SHOULDER_CURVATURE_PER_M: f64 = 40.0;
 ///
 /// # Errors
 /// A parameter outside the range in which the construction gives a convex contact.
-pub fn jm3_like(shape: &Jm3Like) -> Result<Profile, ProfileError> {
-    let check = ProfileError::check;
+pub fn jm3_like(shape: &Jm3Like) -> Result<Profile, ScenarioError> {
+    let check = ScenarioError::check_dimension;
     let small = check("small_amplitude_conicity", shape.small_amplitude_conicity, 0.10, 0.40)?;
     check("large_amplitude_conicity", shape.large_amplitude_conicity, small, 0.60)?;
     check("rise_start_m", shape.rise_start_m, 0.0, shape.rise_end_m)?;

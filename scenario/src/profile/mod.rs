@@ -15,14 +15,12 @@
 //! or undercut parts (the back of a flange) are cut off and continue as steep straight lines.
 
 mod chain;
-mod error;
 mod jm3_like;
 mod points;
 mod rails;
 mod smoothing;
 mod wheels;
 
-pub use error::ProfileError;
 pub use jm3_like::{Jm3Like, jm3_like};
 pub use points::Part;
 pub use rails::{cn60, uic60};

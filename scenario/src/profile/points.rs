@@ -16,9 +16,10 @@
 
 use super::chain::Chain;
 use super::smoothing::smooth;
-use super::{Profile, ProfileError, Provenance};
+use super::{Profile, Provenance};
+use crate::error::ScenarioError;
 use crate::source;
-use files::Limit;
+use files::{Limit, quoted};
 use std::path::Path;
 
 /// Which body a file of points describes.
@@ -47,23 +48,26 @@ impl Profile {
     /// Reads a profile from a CSV of points.
     ///
     /// # Errors
-    /// [`ProfileError::File`] with the row and what was expected there: a file that cannot be read,
+    /// [`ScenarioError::Points`] with the row and what was expected there: a file that cannot be read,
     /// another header, a cell that is no number, `y` that does not grow, too few points, points too
     /// far apart, a wheel without its tape circle or with `z` pointing up.
-    pub fn from_csv(path: &Path, part: Part) -> Result<Self, ProfileError> {
+    pub fn from_csv(path: &Path, part: Part) -> Result<Self, ScenarioError> {
         Self::from_csv_hashed(path, part).map(|(profile, _)| profile)
     }
 
     /// The same with the hash of the file's bytes.
-    pub(crate) fn from_csv_hashed(path: &Path, part: Part) -> Result<(Self, String), ProfileError> {
+    pub(crate) fn from_csv_hashed(
+        path: &Path,
+        part: Part,
+    ) -> Result<(Self, String), ScenarioError> {
         let (text, hash) = source::read_hashed(path, Limit::Table)?;
         Ok((Self::from_text(path, &text, part)?, hash))
     }
 
-    fn from_text(path: &Path, text: &str, part: Part) -> Result<Self, ProfileError> {
-        let complain = |row: usize, found: String, expected: &str| ProfileError::File {
-            path: path.to_path_buf(),
-            row,
+    fn from_text(path: &Path, text: &str, part: Part) -> Result<Self, ScenarioError> {
+        let complain = |row: usize, found: String, expected: &str| ScenarioError::Points {
+            file: path.to_path_buf(),
+            row: (row > 0).then_some(row),
             found,
             expected: expected.to_owned(),
         };
@@ -111,10 +115,10 @@ impl Profile {
     }
 }
 
-type Complain<'a> = &'a dyn Fn(usize, String, &str) -> ProfileError;
+type Complain<'a> = &'a dyn Fn(usize, String, &str) -> ScenarioError;
 
 /// The points in metres.
-fn read_points(text: &str, complain: Complain<'_>) -> Result<Vec<(f64, f64)>, ProfileError> {
+fn read_points(text: &str, complain: Complain<'_>) -> Result<Vec<(f64, f64)>, ScenarioError> {
     const HEADERS: &str = "the header `y_mm,z_mm` or `y_m,z_m`";
     let mut rows = text
         .lines()
@@ -127,7 +131,7 @@ fn read_points(text: &str, complain: Complain<'_>) -> Result<Vec<(f64, f64)>, Pr
     let scale = match squeezed.as_str() {
         "y_mm,z_mm" => 1e-3,
         "y_m,z_m" => 1.0,
-        _ => return Err(complain(row, format!("`{header}`"), HEADERS)),
+        _ => return Err(complain(row, format!("`{}`", quoted(header)), HEADERS)),
     };
     let mut points: Vec<(f64, f64)> = Vec::new();
     for (row, line) in rows {
@@ -137,13 +141,17 @@ fn read_points(text: &str, complain: Complain<'_>) -> Result<Vec<(f64, f64)>, Pr
         };
         let number = |cell: &str| {
             let value = cell.parse::<f64>().ok().filter(|value| value.is_finite());
-            value.ok_or_else(|| complain(row, format!("`{cell}`"), "a number"))
+            value.ok_or_else(|| complain(row, format!("`{}`", quoted(cell)), "a number"))
         };
         let point = (number(y)? * scale, number(z)? * scale);
         if let Some(before) = points.last() {
             let distance_m = point.0 - before.0;
             if distance_m <= 0.0 {
-                return Err(complain(row, format!("y = {y}"), "y larger than in the row before"));
+                return Err(complain(
+                    row,
+                    format!("y = {}", quoted(y)),
+                    "y larger than in the row before",
+                ));
             }
             if distance_m > LARGEST_DISTANCE_M {
                 let found = format!("a gap of {:.1} mm in y", distance_m * 1e3);
