@@ -30,12 +30,12 @@ pub(crate) struct IdentifyArgs {
     /// Columns and units of the records.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
-    /// Fit a smooth map to the residual, over the coordinate that explains most of it: empirical and
-    /// no physics, kept only if it gains on left-out tests.
+    /// Fit a smooth map to the residual, over the coordinate that explains most of it: empirical
+    /// and no physics, kept only if it gains on left-out tests.
     #[arg(long)]
     empirical: bool,
-    /// Continue the search for pairs of effects past its usual limit of work: minutes instead of half
-    /// a minute.
+    /// Continue the search for pairs of effects past its usual limit of work: minutes instead of
+    /// half a minute.
     #[arg(long)]
     thorough: bool,
     /// Result folder [default: runs/identify-N].

@@ -132,8 +132,8 @@ impl Place {
     }
 }
 
-/// The tests of a file without a force column; `None` where it has one or the mapping names one. The
-/// displacement stands in the place of the force, so that every check of the motion is made.
+/// The tests of a file without a force column; `None` where it has one or the mapping names one.
+/// The displacement stands in the place of the force, so that every check of the motion is made.
 fn motions(
     path: &Path,
     mapping: Option<&Path>,

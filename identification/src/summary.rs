@@ -2,31 +2,8 @@
 
 use super::identify::Identification;
 use super::model_file::MODEL_WITH_MAP;
-use super::result::{EffectFound, EmpiricalPart, Errors, IdentifyResult, Verdict};
+use super::result::{EffectFound, EmpiricalPart, Errors, IdentifyResult};
 use std::fmt::{self, Write};
-
-/// The verdict in a sentence without its full stop.
-pub(crate) fn sentence(result: &IdentifyResult) -> String {
-    let names: Vec<String> = result
-        .effects
-        .iter()
-        .map(|effect| match effect.alternatives.as_slice() {
-            [] => effect.name.to_owned(),
-            others => format!("{} (or {})", effect.name, others.join(", or ")),
-        })
-        .collect();
-    let unexplained = result.unexplained.as_ref().map_or(String::new(), |part| {
-        format!("{:.4} N rms are unexplained, over {}", part.rms_n, part.coordinate)
-    });
-    match result.verdict {
-        Verdict::NoMissingEffect => "no effect is missing".to_owned(),
-        Verdict::EffectsFound => format!("missing: {}", names.join(", ")),
-        Verdict::Unexplained => unexplained,
-        Verdict::EffectsFoundAndUnexplained => {
-            format!("missing: {}; {unexplained}", names.join(", "))
-        }
-    }
-}
 
 impl Identification {
     /// The summary for a terminal.
@@ -42,7 +19,7 @@ fn write_summary(out: &mut impl Write, result: &IdentifyResult) -> fmt::Result {
     if result.interrupted {
         writeln!(out, "interrupted: the findings are those of the search so far")?;
     }
-    writeln!(out, "{}\n", sentence(result))?;
+    writeln!(out, "{}\n", result.sentence())?;
     write_errors(out, result)?;
     writeln!(out)?;
     write_nominal(out, result)?;
