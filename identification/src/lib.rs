@@ -28,7 +28,7 @@
 //! | `residual`, `empirical` | is the residual noise? a map of it, if asked for |
 //! | `uncertainty`, `cautions` | how well parameters are known; reasons for doubt |
 //! | `question`, `identify`, `result` | files to a question; the whole; `result.json` |
-//! | `summary`, `page`, `model_file`, `predictions` | text, report, `model.toml`, CSV files |
+//! | `tables`, `summary`, `page`, `model_file`, `predictions` | text, report, `model.toml`, CSV files |
 //!
 //! Layers: the crate knows `measurement`, `scenario`, `signal`, `report`, `files` and the core, but
 //! no bench and no vehicle.
@@ -70,6 +70,7 @@ mod simulation;
 mod split;
 mod start;
 mod summary;
+mod tables;
 mod test_set;
 mod trial;
 mod uncertainty;

@@ -2,17 +2,12 @@
 
 use super::prefix::Prefixed;
 use super::shown::Shown;
+use crate::tables::{DATASHEET, REFITTED, WITH_EFFECTS};
 use report::Plot;
 use std::ops::Range;
 
 /// The record.
 pub(super) const MEASURED: &str = "measured";
-/// The maker's model.
-pub(super) const DATASHEET: &str = "datasheet";
-/// The nominal model refitted.
-pub(super) const REFITTED: &str = "refitted";
-/// The model with what was found.
-pub(super) const WITH_EFFECTS: &str = "with effects";
 /// Colours of the models, the same in every plot.
 pub(super) const PALETTE: [&str; 3] = [WITH_EFFECTS, DATASHEET, REFITTED];
 

@@ -1,17 +1,15 @@
 //! The empirical map, where it was asked for: last, and separate from everything that has a name.
 
 use super::coordinates::{branches, name_of, present};
-use super::curves::{REFITTED, WITH_EFFECTS};
 use super::prefix::{Prefixed, quantity};
 use super::words::capitalised;
 use crate::empirical::{Empirical, FittedMap};
 use crate::identify::Identification;
 use crate::result::Errors;
+use crate::tables::{EMPIRICAL_MAP, REFITTED, WITH_EFFECTS};
 use firmware_core::damper::MapKnot;
 use report::{Cell, Plot, Section, Table};
 
-/// The map's own name.
-const MAP: &str = "empirical map";
 /// The curve that it was fitted to.
 const LEFT: &str = "mean residual";
 
@@ -51,7 +49,7 @@ fn curve(identification: &Identification, fitted: &FittedMap) -> Option<Plot> {
     let (at, upper_n, lower_n) = (all(|k| k.at), all(|k| k.upper_n), all(|k| k.lower_n));
     let x = Prefixed::for_all(unit, &at);
     let force = Prefixed::for_all("N", upper_n.iter().chain(&lower_n));
-    let mut plot = Plot::new(&format!("{} over {name}", capitalised(MAP)))
+    let mut plot = Plot::new(&format!("{} over {name}", capitalised(EMPIRICAL_MAP)))
         .palette(&[upper, lower])
         .x(name, &x.unit)
         .y("force added", &force.unit)
@@ -95,5 +93,9 @@ fn errors(identification: &Identification, tried: &Empirical, fitted: &FittedMap
         .number_with_digits("of the force", "%", 3)
         .number_with_digits("squared error removed on left-out pieces", "%", 3)
         .row(row(before, result.errors.with_effects, Cell::Empty))
-        .row(row(&format!("{MAP}, {kept}"), with_map, (100.0 * fitted.holdout_gain).into()))
+        .row(row(
+            &format!("{EMPIRICAL_MAP}, {kept}"),
+            with_map,
+            (100.0 * fitted.holdout_gain).into(),
+        ))
 }

@@ -1,8 +1,8 @@
 //! Errors, test by test.
 
-use super::curves::{DATASHEET, REFITTED, WITH_EFFECTS};
 use crate::identify::Identification;
 use crate::result::{Models, PerTest};
+use crate::tables::{DATASHEET, REFITTED, WITH_EFFECTS};
 use report::{Cell, Section, Table};
 
 /// The error tables.

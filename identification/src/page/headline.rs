@@ -1,12 +1,12 @@
 //! The summary at the top of the page, and the method and notes at its end.
 
-use super::curves::{DATASHEET, REFITTED, WITH_EFFECTS};
 use super::prefix::{Prefixed, quantity};
 use super::words::{floor_has_lines, percent};
 use crate::identify::Identification;
 use crate::result::Errors;
+use crate::tables;
 use crate::test_set::TestSet;
-use report::{Cell, Section, Table, Tile, significant};
+use report::{Section, Tile, significant};
 
 /// Names and values under the title.
 pub(super) fn facts(identification: &Identification) -> Vec<(&'static str, String)> {
@@ -39,7 +39,7 @@ pub(super) fn section(identification: &Identification) -> Section {
     let result = &identification.result;
     let errors = &result.errors;
     let held_out = errors.refitted.is_some_and(|errors| errors.holdout_rmse_n.is_some());
-    let shown: Vec<(&str, f64, f64)> = models(identification)
+    let shown: Vec<(&str, f64, f64)> = tables::models(&identification.result)
         .into_iter()
         .filter_map(|(name, errors)| {
             let (rmse_n, share) = judged(errors.as_ref()?);
@@ -85,27 +85,13 @@ pub(super) fn section(identification: &Identification) -> Section {
              effect was still judged on pieces left out of the fit one by one.",
         );
     }
-    section.table(summary(identification))
+    section.table(tables::errors(identification))
 }
 
 /// Error and its share of the force: on tests held out, if there are any.
 fn judged(errors: &Errors) -> (f64, f64) {
     let fitted = (errors.train_rmse_n, errors.train_nrmse);
     errors.holdout_rmse_n.zip(errors.holdout_nrmse).unwrap_or(fitted)
-}
-
-/// The models there are, with their errors: the last is the refitted one where nothing was added.
-fn models(identification: &Identification) -> Vec<(&'static str, Option<Errors>)> {
-    let errors = &identification.result.errors;
-    let mut models = Vec::new();
-    if errors.datasheet.is_some() {
-        models.push((DATASHEET, errors.datasheet));
-    }
-    models.push((REFITTED, errors.refitted));
-    if !identification.result.effects.is_empty() {
-        models.push((WITH_EFFECTS, errors.with_effects));
-    }
-    models
 }
 
 fn story(identification: &Identification, held_out: bool) -> String {
@@ -131,45 +117,13 @@ fn story(identification: &Identification, held_out: bool) -> String {
             result.effects.iter().map(|effect| super::words::spoken(effect.name)).collect();
         sentences.push(format!("With {} it is {with_effects}.", super::words::listed(&names)));
     }
-    let floor = floor_share(identification);
+    let floor = tables::floor_share(identification);
     let (floor, method) = (percent(floor), &result.noise_floor_method);
     let lines = if floor_has_lines(result) { ", including lines of the spectrum" } else { "" };
     sentences.push(format!(
         "Noise alone is {floor} of the force of the fitted tests ({method}{lines})."
     ));
     sentences.join(" ")
-}
-
-/// The noise floor over the force of the fitted tests.
-fn floor_share(identification: &Identification) -> f64 {
-    let force_n = identification.train.measured_rms_n().unwrap_or(f64::NAN);
-    identification.result.noise_floor_n / force_n
-}
-
-/// Errors of the three models.
-fn summary(identification: &Identification) -> Table {
-    let mut table = Table::new("Error of free-run simulation")
-        .text("model")
-        .number("fitted tests, rms", "N")
-        .number_with_digits("of the force", "%", 3)
-        .number("held-out tests, rms", "N")
-        .number_with_digits("of the force", "%", 3);
-    for (name, errors) in models(identification) {
-        table = table.row([
-            Cell::from(name),
-            errors.map(|errors| errors.train_rmse_n).into(),
-            errors.map(|errors| 100.0 * errors.train_nrmse).into(),
-            errors.and_then(|errors| errors.holdout_rmse_n).into(),
-            errors.and_then(|errors| errors.holdout_nrmse).map(|share| 100.0 * share).into(),
-        ]);
-    }
-    table.row([
-        Cell::from("noise floor"),
-        identification.result.noise_floor_n.into(),
-        (100.0 * floor_share(identification)).into(),
-        Cell::Empty,
-        Cell::Empty,
-    ])
 }
 
 /// The method, and notes for the reader.

@@ -114,9 +114,9 @@ fn spectrum(identification: &Identification) -> Vec<Plot> {
         .y("amplitude spectral density", "N/√Hz")
         .log_x()
         .log_y();
-    plot = plot.line(super::curves::REFITTED, &hz, &first);
+    plot = plot.line(crate::tables::REFITTED, &hz, &first);
     if !identification.result.effects.is_empty() {
-        plot = plot.line(super::curves::WITH_EFFECTS, &hz, &last);
+        plot = plot.line(crate::tables::WITH_EFFECTS, &hz, &last);
     }
     if let Some(line) = strongest {
         plot = plot.at("strongest line", line.frequency_hz);
