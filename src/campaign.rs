@@ -1,8 +1,9 @@
-//! `yawbench campaign`: the proof of `identify` on records whose truth is known.
+//! `yawbench campaign`: how often `identify` is right, on simulated records of known dampers.
 
+use crate::error::CommandError;
 use crate::output::print;
 use crate::progress;
-use anyhow::bail;
+use crate::value::whole;
 use clap::Args;
 use evidence::campaign::score::Line;
 use evidence::campaign::{Campaign, Table, page, run, table};
@@ -10,23 +11,24 @@ use hil_host::record::RunFolder;
 use signal::shards::{Shard, merge};
 use std::path::{Path, PathBuf};
 
-/// Options of `campaign`.
 #[derive(Debug, Args)]
 pub(crate) struct CampaignArgs {
-    /// Number of cases; 773 hold every kind. A folder that has some of them is completed.
-    #[arg(long, value_name = "N", requires = "seed", required_unless_present = "merge")]
+    /// Number of cases; 773 hold every kind. A folder that has some of them already computes the rest.
+    #[arg(long, value_name = "N", required_unless_present = "merge",
+        value_parser = whole::<usize>(1, 1_000_000))]
     cases: Option<usize>,
-    /// Seed of the campaign.
-    #[arg(long, value_name = "S", requires = "cases")]
+    /// Seed of the cases.
+    #[arg(long, value_name = "S", required_unless_present = "merge")]
     seed: Option<u64>,
-    /// The part of the campaign to run, such as 1/4.
-    #[arg(long, value_name = "I/N", requires = "cases")]
+    /// The part of the campaign to compute, such as 1/4.
+    #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
-    /// Fewer and shorter tests per case, to try the campaign itself.
-    #[arg(long, requires = "cases")]
+    /// Fewer and shorter tests per case: a quick check of the campaign itself.
+    #[arg(long)]
     brief: bool,
-    /// The table of cases that shards have run.
-    #[arg(long, value_name = "JSONL", num_args = 1.., conflicts_with = "cases")]
+    /// Print the table of cases that shards have computed, and compute nothing.
+    #[arg(long, value_name = "JSONL", num_args = 1..,
+        conflicts_with_all = ["cases", "seed", "shard", "brief"])]
     merge: Vec<PathBuf>,
     /// Folder for the files [default: runs/campaign-SEED].
     #[arg(long, value_name = "DIR")]
@@ -36,16 +38,15 @@ pub(crate) struct CampaignArgs {
     json: bool,
 }
 
-/// Runs a campaign or a shard of it, or merges what others have run.
+/// Runs a campaign or a shard of it, or merges shards.
 ///
 /// # Errors
-/// Bad input; files that are no lines of this campaign; a disk that fails.
-pub(crate) fn command(args: &CampaignArgs) -> anyhow::Result<()> {
-    if !args.merge.is_empty() {
-        return tell(args, &args.merge, None);
-    }
-    let Some(cases) = args.cases else { bail!("--cases: no number of cases") };
-    let Some(seed) = args.seed else { bail!("--seed: no seed") };
+/// Bad input; files that hold no cases of this campaign; a disk that fails.
+pub(crate) fn command(args: &CampaignArgs) -> Result<(), CommandError> {
+    // Without --merge clap requires both.
+    let (Some(cases), Some(seed)) = (args.cases, args.seed) else {
+        return conclude(args, &args.merge, None);
+    };
     let campaign = Campaign { cases, seed, brief: args.brief };
     let shard = args.shard.unwrap_or(Shard::WHOLE);
     // A fixed name, so that the same command goes on where it was stopped.
@@ -56,7 +57,7 @@ pub(crate) fn command(args: &CampaignArgs) -> anyhow::Result<()> {
         progress::show(&bar, [done, of], last(line));
     })?;
     bar.finish_and_clear();
-    tell(args, &[path], Some(&folder))
+    conclude(args, &[path], Some(&folder))
 }
 
 /// The last case in a few words.
@@ -66,8 +67,12 @@ fn last(line: &Line) -> String {
     format!("case {} ({truth}): {right}", line.index)
 }
 
-/// Prints the table and writes it where there is a folder.
-fn tell(args: &CampaignArgs, files: &[PathBuf], folder: Option<&Path>) -> anyhow::Result<()> {
+/// Merges the cases, prints their table and writes it where there is a folder.
+fn conclude(
+    args: &CampaignArgs,
+    files: &[PathBuf],
+    folder: Option<&Path>,
+) -> Result<(), CommandError> {
     let table = Table::new(&merge(files)?);
     let (json, text) = (serde_json::to_string_pretty(&table)?, page::text(&table));
     if let Some(folder) = folder.or(args.out.as_deref()) {

@@ -1,10 +1,15 @@
-//! The command line: one file per subcommand, each parses, calls and prints.
+//! The command line: one file per subcommand; each parses, calls and prints.
+//!
+//! Every command returns an exit code ([`exit`]) or an [`error`] that has one. [`stop`] is the flag that
+//! Ctrl-C sets, [`output`] is standard output, [`progress`] the bar on standard error, [`usage`] the
+//! answer to a command line that makes no sense, [`value`] the ranges of options.
 
 mod bench_options;
 mod campaign;
 mod characterise;
 mod critical_speed;
 mod curve;
+mod error;
 mod exit;
 mod identify;
 mod output;
@@ -16,15 +21,18 @@ mod run;
 mod simulate;
 mod stop;
 mod study;
+mod usage;
 mod validation;
+mod value;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
+use error::CommandError;
 use std::process::ExitCode;
 
-/// A bench for railway yaw dampers that believes it is bolted under a locomotive.
+/// A hardware-in-the-loop bench for railway yaw dampers: a locomotive model, a CAN bus and a damper.
 #[derive(Debug, Parser)]
-#[command(name = "yawbench", version, max_term_width = 100)]
+#[command(name = "yawbench", version, max_term_width = 100, after_help = exit::HELP)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -52,9 +60,10 @@ enum Command {
         after_help = "Example: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv"
     )]
     Identify(identify::IdentifyArgs),
-    /// Run `identify` on records whose truth is known.
+    /// How often is `identify` right? It runs on simulated records of known dampers.
     #[command(
-        after_help = "Example: yawbench campaign --cases 773 --seed 1 --shard 1/2 --out campaign"
+        after_help = "Examples: yawbench campaign --cases 773 --seed 1 --shard 1/2 --out campaign
+          yawbench campaign --merge campaign/cases-1-of-2.jsonl campaign/cases-2-of-2.jsonl"
     )]
     Campaign(campaign::CampaignArgs),
     /// The force of a model on a record, free-running from its displacement.
@@ -86,43 +95,54 @@ enum Command {
 
 /// Runs the command line.
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match parsed() {
         Ok(cli) => cli,
-        Err(told)
-            if told.use_stderr()
-                && told.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
+        Err(why)
+            if why.use_stderr()
+                && why.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
         {
-            eprintln!("{}", one_line(&told.render().to_string()));
+            let command = std::env::args().nth(1);
+            eprintln!("error: {}", usage::one_line(&why, command.as_deref()));
             return ExitCode::from(exit::BAD_INPUT);
         }
         // Help or version, on standard output.
-        Err(told) => told.exit(),
+        Err(help) => help.exit(),
     };
-    let result = match &cli.command {
-        Command::Run(args) => run::command(args),
-        Command::Rig(args) => rig::command(args),
-        Command::Characterise(args) => characterise::command(args).map(|()| ExitCode::SUCCESS),
-        Command::Identify(args) => identify::command(args),
-        Command::Campaign(args) => campaign::command(args).map(|()| ExitCode::SUCCESS),
-        Command::Simulate(args) => simulate::command(args).map(|()| ExitCode::SUCCESS),
-        Command::CriticalSpeed(args) => critical_speed::command(args),
-        Command::Reproduce(args) => reproduce::command(args),
-        Command::Ride(args) => ride::command(args),
-        Command::Curve(args) => curve::command(args),
-    };
-    match result {
+    match run(&cli.command) {
         Ok(code) => code,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(exit::code(&error))
+        Err(why) => {
+            eprintln!("error: {why}");
+            ExitCode::from(why.exit_code())
         }
     }
 }
 
-/// What clap says of an argument, in one line and without the usage behind it.
-fn one_line(told: &str) -> String {
-    let lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
-    let ours =
-        lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
-    ours.collect::<Vec<_>>().join("; ").replace(":; ", ": ")
+/// Parses the command line. Every option takes a negative number as its value, so that the option itself
+/// can say what it expects.
+fn parsed() -> Result<Cli, clap::Error> {
+    let negative = |arg: Arg| {
+        let takes_value = arg.get_action().takes_values() && !arg.is_positional();
+        arg.allow_negative_numbers(takes_value)
+    };
+    let command = Cli::command().mut_subcommands(|command| command.mut_args(negative));
+    Cli::from_arg_matches(&command.try_get_matches()?)
+}
+
+fn run(command: &Command) -> Result<ExitCode, CommandError> {
+    Ok(match command {
+        Command::Run(args) => run::command(args)?,
+        Command::Rig(args) => rig::command(args)?,
+        Command::Characterise(args) => characterise::command(args).map(done)?,
+        Command::Identify(args) => identify::command(args)?,
+        Command::Campaign(args) => campaign::command(args).map(done)?,
+        Command::Simulate(args) => simulate::command(args).map(done)?,
+        Command::CriticalSpeed(args) => critical_speed::command(args)?,
+        Command::Reproduce(args) => reproduce::command(args)?,
+        Command::Ride(args) => ride::command(args)?,
+        Command::Curve(args) => curve::command(args)?,
+    })
+}
+
+const fn done((): ()) -> ExitCode {
+    ExitCode::SUCCESS
 }
