@@ -1,8 +1,8 @@
 //! `yawbench identify`: from measured records to the effect that a damper model lacks.
 
+use crate::error::CommandError;
 use crate::output::print;
 use crate::{exit, stop};
-use anyhow::bail;
 use clap::Args;
 use files::{FolderError, ResultFolder};
 use identification::{
@@ -21,8 +21,7 @@ pub(crate) struct IdentifyArgs {
     #[arg(long, value_name = "FILE")]
     datasheet: Option<PathBuf>,
     /// Records to fit.
-    #[arg(long, value_name = "CSV", num_args = 1..,
-        required_unless_present_any = ["campaign", "merge"])]
+    #[arg(long, value_name = "CSV", num_args = 1.., required = true)]
     train: Vec<PathBuf>,
     /// Records that no fit sees; without them some of the training tests are held out.
     #[arg(long, value_name = "CSV", num_args = 1..)]
@@ -30,12 +29,12 @@ pub(crate) struct IdentifyArgs {
     /// Columns and units of the records.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
-    /// Fit a smooth map to the residual, over the coordinate that explains most of it: empirical and
-    /// no physics, kept only if it gains on left-out tests.
+    /// Fit a smooth map to the residual, over the coordinate that explains most of it: empirical
+    /// and no physics, kept only if it gains on left-out tests.
     #[arg(long)]
     empirical: bool,
-    /// Continue the search for pairs of effects past its usual limit of work: minutes instead of half
-    /// a minute.
+    /// Continue the search for pairs of effects past its usual limit of work: minutes instead of
+    /// half a minute.
     #[arg(long)]
     thorough: bool,
     /// Result folder [default: runs/identify-N].
@@ -47,22 +46,13 @@ pub(crate) struct IdentifyArgs {
     /// Print result.json instead of a summary.
     #[arg(long)]
     json: bool,
-    /// Moved to `yawbench campaign`.
-    #[arg(long, hide = true, num_args = 0.., allow_hyphen_values = true)]
-    campaign: Option<Vec<String>>,
-    /// Moved to `yawbench campaign`.
-    #[arg(long, hide = true, num_args = 0.., allow_hyphen_values = true)]
-    merge: Option<Vec<String>>,
 }
 
 /// Runs `identify`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
-pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
-    if args.campaign.is_some() || args.merge.is_some() {
-        bail!("identify --campaign is now `yawbench campaign --cases N --seed S`");
-    }
+pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     let (question, warnings) = question(args)?;
     let out = args.out.as_deref();
     let mut folder = ResultFolder::fresh(out, "identify", "identify", args.overwrite)?;

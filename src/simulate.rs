@@ -1,6 +1,6 @@
 //! `yawbench simulate`: a model's force on a record, free-running from its displacement.
 
-use anyhow::{Context, bail};
+use crate::error::CommandError;
 use clap::Args;
 use firmware_core::damper::Damper;
 use identification::result::Models;
@@ -38,7 +38,7 @@ pub(crate) struct SimulateArgs {
 ///
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
-pub(crate) fn command(args: &SimulateArgs) -> anyhow::Result<()> {
+pub(crate) fn command(args: &SimulateArgs) -> Result<(), CommandError> {
     let damper = DamperFile::load_model(&args.model)?.build(&Source::read(&args.model)?)?;
     let mapping = args.mapping.as_deref();
     let motions = motions(&args.record, mapping)?;
@@ -47,13 +47,15 @@ pub(crate) fn command(args: &SimulateArgs) -> anyhow::Result<()> {
         Some(records) => records,
         None => read_tests(std::slice::from_ref(&args.record), mapping)?,
     };
-    if records.len() != 1 {
-        let (file, count) = (args.record.display(), records.len());
-        bail!("{file}: {count} tests in one file, expected one; a mapping can choose with `where`");
-    }
-    let place = Place::checked(args)?;
     let tests = TestSet::new(records);
-    let Some(test) = tests.tests.first() else { bail!("no test") };
+    let [test] = tests.tests.as_slice() else {
+        return Err(CommandError::Input {
+            file: args.record.clone(),
+            found: format!("{} tests in one file", tests.tests.len()),
+            expected: "one; a mapping can choose with `where`".to_owned(),
+        });
+    };
+    let place = Place::checked(args)?;
     for repair in &test.record.repairs {
         eprintln!("note: {}: {repair}", args.record.display());
     }
@@ -65,7 +67,7 @@ pub(crate) fn command(args: &SimulateArgs) -> anyhow::Result<()> {
         let start_m = if measured { start_deflection_m(damper, test) } else { 0.0 };
         simulate(damper, test, start_m)
     };
-    // A model with a map is two: its physics, and what the map makes of it.
+    // A model with a map is two: its physics, and the same with the map.
     let mapped_n = damper.empirical().map(|_| run(&damper));
     let force_n = run(&damper.without_empirical());
     let prediction = Prediction {
@@ -86,40 +88,45 @@ struct Place {
 
 impl Place {
     /// Refuses a place where no file can be made, or where one is in the way.
-    fn checked(args: &SimulateArgs) -> anyhow::Result<Self> {
+    fn checked(args: &SimulateArgs) -> Result<Self, CommandError> {
+        let refused = |found: String, expected: &str| {
+            let file = format!("--out {}", args.out.display()).into();
+            Err(CommandError::Input { file, found, expected: expected.to_owned() })
+        };
         let (csv, mapping) = (args.out.clone(), args.out.with_extension("toml"));
-        let file = csv.display();
         let folder = csv.parent().filter(|folder| !folder.as_os_str().is_empty());
         if csv.is_dir() || folder.is_some_and(|folder| !folder.is_dir()) {
-            bail!("--out {file}: found no place for a file, expected one in a folder that exists");
+            return refused("no place for a file".to_owned(), "one in a folder that exists");
         }
         if mapping == csv {
-            bail!("--out {file}: found the ending .toml, which is for the mapping, expected .csv");
+            let found = "the ending .toml, which the mapping has".to_owned();
+            return refused(found, "another one, such as .csv");
         }
-        let same = |path: &Path| std::fs::canonicalize(path).ok();
         let inputs = [Some(&args.record), Some(&args.model), args.mapping.as_ref()];
         for output in [&csv, &mapping] {
-            let shown = output.display();
-            let is_output = |input: &&PathBuf| same(input).is_some() && same(input) == same(output);
-            if same(output) == same(&args.record) && same(output).is_some() {
-                bail!("--out {file}: found the record itself, expected another file");
+            let shown = output.display().to_string();
+            let shown = files::quoted(&shown);
+            if is_same(output, &args.record) {
+                return refused("the record itself".to_owned(), "another file");
             }
-            if inputs.into_iter().flatten().any(|input| is_output(&input)) {
-                bail!("--out {file}: {shown} is an input of this command, expected another file");
+            if inputs.into_iter().flatten().any(|input| is_same(output, input)) {
+                let found = format!("{shown}, which is an input of this command");
+                return refused(found, "another file");
             }
             if !args.overwrite && output.symlink_metadata().is_ok() {
-                bail!("--out {file}: {shown} exists, expected a new file; --overwrite replaces it");
+                let found = format!("{shown}, which exists");
+                return refused(found, "a new file; --overwrite replaces it");
             }
         }
         Ok(Self { csv, mapping, overwrite: args.overwrite })
     }
 
-    fn write(&self, prediction: &Prediction<'_>) -> anyhow::Result<()> {
+    fn write(&self, prediction: &Prediction<'_>) -> Result<(), CommandError> {
         self.write_file(&self.csv, &prediction.to_csv())?;
         self.write_file(&self.mapping, &prediction.to_mapping())
     }
 
-    fn write_file(&self, path: &Path, text: &str) -> anyhow::Result<()> {
+    fn write_file(&self, path: &Path, text: &str) -> Result<(), CommandError> {
         let mut options = OpenOptions::new();
         options.write(true);
         if self.overwrite {
@@ -128,12 +135,18 @@ impl Place {
             options.create_new(true);
         }
         let written = options.open(path).and_then(|mut file| file.write_all(text.as_bytes()));
-        written.with_context(|| path.display().to_string())
+        written.map_err(|why| CommandError::File(path.to_owned(), why))
     }
 }
 
-/// The tests of a file without a force column; `None` where it has one or the mapping names one. The
-/// displacement stands in the place of the force, so that every check of the motion is made.
+/// True for two paths to the same existing file.
+fn is_same(one: &Path, other: &Path) -> bool {
+    let existing = |path: &Path| std::fs::canonicalize(path).ok();
+    existing(one).is_some_and(|one| Some(one) == existing(other))
+}
+
+/// The tests of a file without a force column; `None` where it has one or the mapping names one.
+/// The displacement stands in the place of the force, so that every check of the motion is made.
 fn motions(
     path: &Path,
     mapping: Option<&Path>,

@@ -1,36 +1,39 @@
-//! What a candidate has to show before it is accepted, and what cannot be told from it.
+//! The tests that a candidate has to pass before it is accepted, and the choice among those that
+//! do.
 //!
-//! Gain on pieces left out and on those seen, four in five pieces improved or unchanged, no chance with all
-//! candidates counted, parameters off their bounds, and the same choice made again without each piece.
-//! Among those that predict equally well one is named and the others beside it, those too that only a
-//! parameter on its bound speaks against.
+//! A candidate must gain on left-out pieces and on the pieces it is fitted to; improve or leave
+//! unchanged four pieces in five; be significant with all candidates counted; keep its parameters
+//! off their bounds; and be chosen again without each piece. Among candidates that predict equally
+//! well one is named. The others are its alternatives, including those that only a parameter on its
+//! bound speaks against.
 
 use super::candidate::Candidate;
-use super::cautions::impossible_beyond;
+use super::cautions::physical_limit;
 use super::evidence::{Evidence, LEAST_GAIN};
 use super::grey_box::{CE, KE, RELIEF};
 use super::judged::Judged;
 use super::test_set::TestSet;
 use super::trial::Trial;
 
-/// Pieces that must be improved or unchanged.
+/// Share of pieces that must be improved or unchanged.
 const LEAST_IMPROVED: f64 = 0.8;
-/// Pieces without which the same choice must be made.
+/// Share of pieces without which the same choice must be made.
 const LEAST_AGREEMENT: f64 = 0.8;
 /// Largest probability of a chance finding among all candidates.
 const LARGEST_P: f64 = 0.01;
-/// Standard errors by which a rival's error on left-out blocks must be larger to be told apart.
+/// Standard errors by which the error of an alternative on left-out blocks must be larger.
 const MARGIN: f64 = 2.5;
-/// Ratio from which a nominal parameter is of another size.
+/// Ratio from which a nominal parameter counts as another size.
 const OTHER_SIZE: f64 = 3.0;
 
-/// The trial to accept, with the trials that cannot be told from it.
+/// The trial to accept, with the trials that cannot be distinguished from it.
 pub(crate) fn choose(
     standing: &Judged,
     trials: &[Trial],
     tried: &[Candidate],
     tests: &TestSet,
 ) -> Option<(usize, Vec<usize>)> {
+    debug_assert!(trials.iter().all(|trial| trial.candidate < tried.len()));
     let fit_for_it: Vec<usize> = (0..trials.len())
         .filter(|index| objection(standing, &trials[*index], tried.len(), tests).is_none())
         .collect();
@@ -40,7 +43,7 @@ pub(crate) fn choose(
         .copied()
         .filter(|index| !distinguishable(&trials[best].judged, &trials[*index].judged, tests))
         .collect();
-    // Among equals one that leaves the damper the size it has, then the one with fewest parameters.
+    // Among equals: one that leaves the damper its size, then the one with the fewest parameters.
     let parameters = |index: &usize| tried[trials[*index].candidate].effect.parameters.len();
     let rank = |index: &usize| (remakes(standing, &trials[*index]), parameters(index), *index);
     let winner = alike.iter().copied().min_by_key(rank)?;
@@ -55,7 +58,8 @@ pub(crate) fn choose(
     if (agreeing as f64) < LEAST_AGREEMENT * tests.pieces.len() as f64 {
         return None;
     }
-    // What a bound speaks against is not named, but told beside what is: it predicts as well.
+    // An effect with a parameter on a bound is not named, but it is an alternative: it predicts as
+    // well.
     let rivals = (0..trials.len()).filter(|index| {
         *index != winner
             && no_gain(standing, &trials[*index], tried.len()).is_none()
@@ -75,7 +79,7 @@ pub(super) fn remakes(standing: &Judged, trial: &Trial) -> bool {
     })
 }
 
-/// Why a trial cannot be accepted, if anything speaks against it.
+/// The reason why a trial cannot be accepted, if there is one.
 pub(crate) fn objection(
     standing: &Judged,
     trial: &Trial,
@@ -87,7 +91,7 @@ pub(crate) fn objection(
     })
 }
 
-/// Why a trial does not predict better than the standing model, if it does not.
+/// The reason why a trial does not predict better than the standing model, if there is one.
 fn no_gain(standing: &Judged, trial: &Trial, candidates: usize) -> Option<String> {
     let Evidence { holdout_gain, improved, p_value } = trial.evidence;
     let before = standing.fit().total_n2();
@@ -101,15 +105,15 @@ fn no_gain(standing: &Judged, trial: &Trial, candidates: usize) -> Option<String
     (p > LARGEST_P).then(|| format!("may be chance: p = {p:.3} with all candidates counted"))
 }
 
-/// Why a gain is none, if it is none.
+/// The reason why a gain is too small, if it is.
 pub(super) fn too_little(gain: f64, of: &str) -> Option<String> {
     (gain < LEAST_GAIN).then(|| {
         let gain = 100.0 * gain;
-        format!("takes away {gain:.2} % of the squared error on {of}, less than 3 %")
+        format!("removes {gain:.2} % of the squared error on {of}, less than 3 %")
     })
 }
 
-/// Why a gain in too few pieces is none.
+/// The reason why too few pieces are improved, if there are too few.
 pub(super) fn too_seldom(improved: f64) -> Option<String> {
     (improved < LEAST_IMPROVED).then(|| {
         let share = 100.0 * improved;
@@ -117,8 +121,7 @@ pub(super) fn too_seldom(improved: f64) -> Option<String> {
     })
 }
 
-/// The first parameter of a new effect that ends on a bound that only the impossible lies beyond, and
-/// whose value matters there.
+/// The first parameter of a new effect that ends on a physical limit and whose value matters there.
 fn at_a_bound(standing: &Judged, trial: &Trial, tests: &TestSet) -> Option<&'static str> {
     let fit = trial.judged.fit();
     let known = standing.fit().model.effects.len();
@@ -130,12 +133,12 @@ fn at_a_bound(standing: &Judged, trial: &Trial, tests: &TestSet) -> Option<&'sta
         let (lower, upper) = row.bounds(&tests.scale);
         let span = upper - lower;
         let value = fit.values[index];
-        let beyond = impossible_beyond(value, (lower, upper)).is_some();
+        let at_limit = physical_limit(value, (lower, upper)).is_some();
         let slope = fit.model.coordinates()[index].slope(free[index]).max(1e-12 * span);
         let columns = &trial.judged.linearised.slopes[index];
         let squares: f64 = columns.iter().flatten().map(|s| s * s).sum();
         let moved_n = (squares / tests.counted_samples() as f64).sqrt() * 0.01 * span / slope;
-        (beyond && moved_n > 0.1 * error_n).then_some(row.name)
+        (at_limit && moved_n > 0.1 * error_n).then_some(row.name)
     })
 }
 

@@ -1,4 +1,4 @@
-//! The effects of the catalogue as candidates on the records at hand.
+//! The effects of the catalogue as candidates for the records.
 
 use super::grey_box::GreyBox;
 use super::test_set::TestSet;
@@ -13,8 +13,8 @@ pub(crate) struct Candidate {
     pub starts: Vec<Vec<f64>>,
 }
 
-/// All candidates that the model does not have yet, that the sampling rate can hold, and whose traces
-/// the laboratory's processing has left in the training records.
+/// All effects that the model does not have yet, that the sampling rate can show, and whose traces
+/// the processing of the laboratory has not destroyed in the training records.
 pub(crate) fn candidates(model: &GreyBox, tests: &TestSet) -> Vec<Candidate> {
     let has = |info: &EffectInfo| model.effects.iter().any(|effect| effect.name == info.name);
     let rate_hz = rate_hz(tests);
@@ -35,7 +35,7 @@ pub(crate) fn candidates(model: &GreyBox, tests: &TestSet) -> Vec<Candidate> {
         .collect()
 }
 
-/// What was done to a training record that has destroyed the traces of an effect.
+/// The processing of a training record that has destroyed the traces of an effect.
 pub(crate) fn destroyed<'a>(tests: &'a TestSet, name: &str) -> Option<&'a str> {
     tests.tests.iter().find_map(|test| test.record.destroyed.get(name).map(String::as_str))
 }
@@ -43,6 +43,6 @@ pub(crate) fn destroyed<'a>(tests: &'a TestSet, name: &str) -> Option<&'a str> {
 /// The lowest sampling rate of the records, Hz.
 pub(crate) fn rate_hz(tests: &TestSet) -> f64 {
     let rates = tests.tests.iter().map(|test| 1.0 / test.record.step_s);
-    // A rate that a time column in milliseconds rounds is the rate.
+    // A time column in milliseconds rounds the rate.
     rates.fold(f64::INFINITY, f64::min) * (1.0 + 1e-6)
 }

@@ -1,12 +1,12 @@
-//! One way to say what two sets of parameters say alike.
+//! One choice between two sets of parameters that describe the same damper.
 //!
-//! A valve with three slopes is a relief knee and a stage, and either knee can be either:
+//! A valve with three slopes has a relief knee and a stage, and either knee can be either:
 //!
 //! ```text
 //! stage at k > F_r with ratio r   =   relief at k with C2' = r C2, stage at F_r with ratio C2 / Ce
 //! ```
 //!
-//! The stage is told below relief, where its table has its usual size.
+//! The canonical stage lies below relief, where its table has its usual size.
 
 use super::fit::Fit;
 use super::grey_box::{C2, CE, RELIEF};
@@ -15,7 +15,8 @@ use super::test_set::TestSet;
 /// Share by which the squared error may differ.
 const SAME: f64 = 1e-9;
 
-/// The same fit in the agreed parameters; as it is where it is in them, or where nothing is the same.
+/// The same fit in canonical parameters; unchanged where it has them already, or where the
+/// canonical ones do not describe the same damper.
 pub(crate) fn canonical(fit: Fit, tests: &TestSet) -> Fit {
     let stage = fit.model.effects.iter().position(|info| info.name == "second_valve_stage");
     let Some(start) = stage.map(|effect| fit.model.range_of(effect).start) else { return fit };
@@ -42,7 +43,7 @@ mod tests {
     use measurement::{Measurement, Series};
 
     #[test]
-    fn a_stage_above_relief_is_told_as_one_below() {
+    fn a_stage_above_relief_becomes_one_below() {
         let w = std::f64::consts::TAU * 3.5;
         let motion = |n: usize| {
             let (sin, cos) = libm::sincos(w * n as f64 * 1e-3);

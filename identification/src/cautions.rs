@@ -1,4 +1,4 @@
-//! What a careful colleague would ask before believing the numbers.
+//! Cautions: reasons to doubt the numbers, a line each.
 
 use super::budget::MOST_PASSES;
 use super::coordinate::Coordinate;
@@ -8,11 +8,11 @@ use super::residual::Unexplained;
 use super::test_set::{Test, TestSet};
 use signal::statistics::{min_max, rms};
 
-/// A test held out may go this much beyond the training tests, of their range.
+/// Share of the range of the training tests by which a held-out test may exceed it.
 const BEYOND: f64 = 0.1;
-/// Ratio of forces beyond which units are the first suspicion.
+/// Ratio of forces beyond which a wrong unit is suspected.
 const OTHER_UNIT: f64 = 30.0;
-/// Tests held out are not followed from this multiple of the error of the fitted ones.
+/// Multiple of the training error from which held-out tests count as not followed.
 const NOT_FOLLOWED: f64 = 5.0;
 
 /// A parameter closer to its bound than this share is on it.
@@ -41,8 +41,8 @@ fn few_tests(train: &TestSet) -> Option<String> {
     let (tests, pieces) = (train.tests.len(), train.pieces.len());
     (!train.whole_tests).then(|| {
         format!(
-            "training tests: {tests}, fewer than four: folds leave out {pieces} runs of whole cycles \
-             with a guard gap between them, and not whole tests"
+            "training tests: {tests}, fewer than four: folds leave out {pieces} runs of whole \
+             cycles with a guard gap between them, and not whole tests"
         )
     })
 }
@@ -51,7 +51,7 @@ fn cut_short(findings: &Findings) -> Option<String> {
     findings.cut_short.then(|| {
         format!(
             "the search ended at its limit of work, {MOST_PASSES} passes of a model over the \
-             training tests: --thorough goes on"
+             training tests: --thorough continues it"
         )
     })
 }
@@ -64,14 +64,14 @@ fn accepted_together(findings: &Findings) -> impl Iterator<Item = String> {
         let first = first.name;
         still_there.then(|| {
             format!(
-                "{first} and {second} were accepted together, neither of them alone: the evidence of \
-                 {first} is that of both"
+                "{first} and {second} were accepted together, neither of them alone: the \
+                 evidence of {first} is that of both"
             )
         })
     })
 }
 
-/// Tests held out that ask for more than the training tests have shown, a line each.
+/// Held-out tests that exceed the range of the training tests, a line each.
 pub(crate) fn extrapolations(train: &TestSet, holdout: &TestSet) -> Vec<String> {
     let quantities: [(&str, &str, Signal); 3] = [
         ("force", "N", |test| &test.record.force_n),
@@ -88,8 +88,8 @@ pub(crate) fn extrapolations(train: &TestSet, holdout: &TestSet) -> Vec<String> 
             let Some((from, to)) = min_max(values(test)) else { continue };
             if from < low - room || to > high + room {
                 lines.push(format!(
-                    "{}: {name} from {from:.4e} to {to:.4e} {unit}, the training tests from {low:.4e} to \
-                     {high:.4e}: its errors are those of extrapolation",
+                    "{}: {name} from {from:.4e} to {to:.4e} {unit}, the training tests from \
+                     {low:.4e} to {high:.4e}: its errors are those of extrapolation",
                     test.record.name
                 ));
             }
@@ -98,8 +98,8 @@ pub(crate) fn extrapolations(train: &TestSet, holdout: &TestSet) -> Vec<String> 
     lines
 }
 
-/// Tests held out that the model does not follow, where all of them together are missed by far more than the
-/// fitted ones: what is wrong there, no fitted test shows.
+/// Held-out tests that the model does not follow: their error is far larger than that of the
+/// training tests, and no training test shows why.
 pub(crate) fn not_followed(
     (on_train, train): (&Fit, &TestSet),
     (on_holdout, holdout): (&Fit, &TestSet),
@@ -115,36 +115,38 @@ pub(crate) fn not_followed(
         rms_n: held_n,
         coordinate: "held_out_tests",
         description: format!(
-            "tests held out are missed by {:.0} times as much as the fitted ones, {name} most with {most_n:.4e} N: \
-             another damper, another state, or an effect that no fitted test shows",
+            "the error on the tests held out is {:.0} times that on the fitted ones, {name} has \
+             the largest with {most_n:.4e} N: another damper, another state, or an effect that \
+             no fitted test shows",
             held_n / seen_n
         ),
     })
 }
 
-/// Tests in which the datasheet's forces are of another size than the measured ones: a line for all, or one each.
+/// Tests in which the datasheet's forces have another size than the measured ones: a line for all
+/// tests, or one each.
 pub(crate) fn other_unit(datasheet: Option<&Fit>, tests: &TestSet) -> Vec<String> {
     let Some(fit) = datasheet else { return Vec::new() };
     let ratio = |test: &Test, force_n: &[f64]| rms(force_n) / rms(&test.record.force_n);
     let ratios = tests.tests.iter().zip(&fit.force_n).map(|(test, force_n)| ratio(test, force_n));
     let ratios: Vec<f64> = ratios.collect();
     let odd = |ratio: &f64| ratio.is_finite() && !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(ratio);
-    let told = |what: &str, ratio: f64| {
+    let line = |what: &str, ratio: f64| {
         format!(
-            "{what}: by the datasheet the force is {ratio:.3e} times the measured one: is the force, the \
-             displacement or the datasheet in another unit?"
+            "{what}: the datasheet's force is {ratio:.3e} times the measured one: is the force, \
+             the displacement or the datasheet in another unit?"
         )
     };
     if ratios.iter().all(odd)
         && let Some(first) = ratios.first()
     {
-        return vec![told("all tests", *first)];
+        return vec![line("all tests", *first)];
     }
     let each = tests.tests.iter().zip(&ratios).filter(|(_, ratio)| odd(ratio));
-    each.map(|(test, ratio)| told(&test.record.name, *ratio)).collect()
+    each.map(|(test, ratio)| line(&test.record.name, *ratio)).collect()
 }
 
-/// Parameters of effects that lie on a bound which only the impossible lies beyond, a line each.
+/// Parameters of effects that lie on a physical limit, a line each.
 pub(crate) fn on_bounds(fit: &Fit, tests: &TestSet) -> Vec<String> {
     let mut lines = Vec::new();
     for (index, info) in fit.model.effects.iter().enumerate() {
@@ -154,13 +156,13 @@ pub(crate) fn on_bounds(fit: &Fit, tests: &TestSet) -> Vec<String> {
             let spread = matches!(fit.model.coordinates()[place], Coordinate::Spread { .. });
             let size = if spread && value < (1.0 + ON_BOUND) * lower {
                 "small"
-            } else if let Some(size) = impossible_beyond(value, (lower, upper)) {
+            } else if let Some(size) = physical_limit(value, (lower, upper)) {
                 size
             } else {
                 continue;
             };
             lines.push(format!(
-                "{}: {} = {value:.3e} lies on its bound: take it for \"as {size} as can be\"",
+                "{}: {} = {value:.3e} lies on its bound: read it as \"as {size} as possible\"",
                 info.name, row.name
             ));
         }
@@ -168,9 +170,9 @@ pub(crate) fn on_bounds(fit: &Fit, tests: &TestSet) -> Vec<String> {
     lines
 }
 
-/// The bound beyond which only the impossible lies, if a value is on it. Zero as the lower bound is no
-/// such: an effect is not there.
-pub(super) fn impossible_beyond(value: f64, (lower, upper): (f64, f64)) -> Option<&'static str> {
+/// The physical limit that a value lies on, if it does. Zero as the lower bound is no such limit:
+/// it means that the effect is absent.
+pub(super) fn physical_limit(value: f64, (lower, upper): (f64, f64)) -> Option<&'static str> {
     let near = ON_BOUND * (upper - lower);
     if lower < 0.0 && value < lower + near {
         Some("negative")
@@ -198,46 +200,49 @@ mod tests {
     }
 
     #[test]
-    fn more_than_was_shown_is_told_and_less_is_not() {
+    fn a_larger_range_is_reported_and_a_smaller_one_is_not() {
         let train = tests(1e-3, 1.0);
         assert_eq!(extrapolations(&train, &tests(1.1e-3, 1.0)), [""; 0]);
-        let told = extrapolations(&train, &tests(2e-3, 1.0));
-        assert_eq!(told.len(), 3, "{told:?}");
-        assert!(told[2].starts_with("a: displacement from -2.0000e-3 to 2.0000e-3 m"), "{told:?}");
+        let lines = extrapolations(&train, &tests(2e-3, 1.0));
+        assert_eq!(lines.len(), 3, "{lines:?}");
+        assert!(
+            lines[2].starts_with("a: displacement from -2.0000e-3 to 2.0000e-3 m"),
+            "{lines:?}"
+        );
     }
 
     #[test]
-    fn a_parameter_on_its_bound_is_told() {
+    fn a_parameter_on_its_bound_is_reported() {
         let tests = tests(1e-3, 1.0);
         let stage = CATALOGUE.iter().find(|info| info.name == "second_valve_stage").unwrap();
         let model = GreyBox::nominal(&tests.scale).with(stage, &tests.scale);
-        let told = |ratio: f64| {
+        let lines = |ratio: f64| {
             let values = [vector_of(&Nominal::NEW), vec![5e3, ratio]].concat();
             on_bounds(&Fit::evaluate(&model, &values, &tests).unwrap(), &tests)
         };
-        assert_eq!(told(0.5), [""; 0]);
+        assert_eq!(lines(0.5), [""; 0]);
         let expected = "second_valve_stage: slope_ratio = 1.000e-2 lies on its bound";
-        assert!(told(0.01)[0].starts_with(expected), "{:?}", told(0.01));
+        assert!(lines(0.01)[0].starts_with(expected), "{:?}", lines(0.01));
     }
 
     #[test]
-    fn a_parameter_on_its_negative_bound_is_told() {
+    fn a_parameter_on_its_negative_bound_is_reported() {
         let tests = tests(1e-3, 1.0);
         let info = CATALOGUE.iter().find(|info| info.name == "asymmetric_damping").unwrap();
         let model = GreyBox::nominal(&tests.scale).with(info, &tests.scale);
-        let told = |share: f64| {
+        let lines = |share: f64| {
             let (lower, upper) = info.parameters[0].bounds(&tests.scale);
             let value = lower + share * (upper - lower);
             let others = vec![0.0; info.parameters.len() - 1];
             let values = [vector_of(&Nominal::NEW), vec![value], others].concat();
             on_bounds(&Fit::evaluate(&model, &values, &tests).unwrap(), &tests)
         };
-        assert_eq!(told(0.4), [""; 0]);
-        assert!(told(0.0)[0].ends_with("\"as negative as can be\""), "{:?}", told(0.0));
+        assert_eq!(lines(0.4), [""; 0]);
+        assert!(lines(0.0)[0].ends_with("\"as negative as possible\""), "{:?}", lines(0.0));
     }
 
     #[test]
-    fn a_test_held_out_of_another_damper_went_without_a_word() {
+    fn a_held_out_test_of_another_damper_went_unreported() {
         let (own, other) = (tests(1e-3, 1.0), tests(1e-3, 2.0));
         // The dashpot that they were made with, on a stiff attachment.
         let damper =
@@ -248,7 +253,7 @@ mod tests {
         let on_other = Fit::evaluate(&own_fit.model, &own_fit.values, &other).unwrap();
         let left = not_followed((&own_fit, &own), (&on_other, &other)).unwrap();
         assert_eq!(left.coordinate, "held_out_tests");
-        assert!(left.description.contains(", a most with "), "{left:?}");
+        assert!(left.description.contains(", a has the largest with "), "{left:?}");
     }
 
     #[test]
@@ -258,7 +263,10 @@ mod tests {
             Fit::evaluate(&GreyBox::nominal(&tests.scale), &vector_of(&Nominal::NEW), tests)
         };
         assert_eq!(other_unit(fit(&tests[0]).as_ref(), &tests[0]), [""; 0]);
-        let told = other_unit(fit(&tests[1]).as_ref(), &tests[1]);
-        assert!(told[0].starts_with("all tests: ") && told[0].contains("another unit"), "{told:?}");
+        let lines = other_unit(fit(&tests[1]).as_ref(), &tests[1]);
+        assert!(
+            lines[0].starts_with("all tests: ") && lines[0].contains("another unit"),
+            "{lines:?}"
+        );
     }
 }

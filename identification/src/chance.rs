@@ -1,16 +1,16 @@
-//! How likely chance alone does as much.
+//! The probability that chance alone explains a set of scores.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Probability that scores of independent blocks, each with mean zero, have a mean as large:
-/// Student's test of one sample,
+/// Probability that scores of independent blocks, each with mean zero, have a mean as large as
+/// observed: Student's test of one sample,
 ///
 /// ```text
 /// t = mean / (s / sqrt(n)), with n - 1 degrees of freedom
 /// ```
 ///
-/// Nothing is said of the scores' size or of what is within a block; where a few blocks are much
-/// larger than the rest the test errs on the side of chance.
+/// The test assumes nothing about the size of the scores or about the inside of a block; where a
+/// few blocks are much larger than the rest, it errs on the side of chance.
 pub(crate) fn one_sided(scores: &[f64]) -> f64 {
     let count = scores.len() as f64;
     if scores.len() < 2 {

@@ -4,9 +4,10 @@
 //! r_t = a_1 r_(t-1) + ... + a_p r_(t-p) + w_t
 //! ```
 //!
-//! Coefficients by Levinson's recursion on the sample autocovariance (stable by construction), the
-//! order by Schwarz's criterion. Noise of a bench is coloured: filters, ripple, slow drift of an
-//! amplifier. Statistics that take its samples for independent find effects in it that are not there.
+//! The coefficients come from Levinson's recursion on the sample autocovariance (stable by
+//! construction), the order from Schwarz's criterion. The noise of a bench is coloured by filters,
+//! ripple and the slow drift of an amplifier. Statistics that take its samples as independent find
+//! effects in it that do not exist.
 
 /// Highest order tried.
 const HIGHEST_ORDER: usize = 16;
@@ -16,7 +17,7 @@ const HIGHEST_ORDER: usize = 16;
 pub struct Colour {
     /// Coefficients, that of the last sample first.
     pub coefficients: Vec<f64>,
-    /// rms of what is left after whitening.
+    /// rms of the whitened residual before scaling.
     pub innovation_rms: f64,
 }
 

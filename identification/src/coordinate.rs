@@ -1,17 +1,17 @@
 //! Unbounded coordinates for bounded parameters, so that a solver for free ones can be used.
 //!
 //! ```text
-//! spread   lower > 0, upper / lower large     ln t = ln lower + L / (1 + e^-u),  L = ln(upper / lower)
-//! from 0   lower = 0                          t = s ln(1 + e^u), capped at upper
-//! of either sign                              t = d sinh u, capped at both bounds
-//! between                                     t = lower + (upper - lower) / (1 + e^-u)
+//! spread   lower > 0, upper / lower large   ln t = ln lower + L / (1 + e^-u), L = ln(upper / lower)
+//! from 0   lower = 0                        t = s ln(1 + e^u), capped at upper
+//! of either sign                            t = d sinh u, capped at both bounds
+//! between                                   t = lower + (upper - lower) / (1 + e^-u)
 //! ```
 //!
-//! with s a tenth of the usual value and d the usual value: nearly linear in what matters. Close to
-//! zero a parameter from 0 is flat: a fit that is to leave zero has to be started above it
+//! with s a tenth of the usual value and d the usual value: nearly linear in the relevant range.
+//! Close to zero a parameter from 0 is flat: a fit that is to leave zero has to start above it
 //! ([`Coordinate::lifted`]).
 
-/// How one parameter is written for the solver.
+/// The coordinate of one parameter in the solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coordinate {
     /// Over several decades.
@@ -52,12 +52,13 @@ const SPREAD: f64 = 30.0;
 const ALIVE: f64 = 6.0;
 /// Share of the bend below which a parameter from zero is stuck.
 const STUCK: f64 = 1e-2;
-/// A coordinate stays within this, or numbers vanish.
+/// A coordinate stays within this, or exponentials underflow.
 const FAR: f64 = 30.0;
 
 impl Coordinate {
     /// The coordinate for bounds and a usual size above zero.
     pub fn new(lower: f64, upper: f64, usual: f64) -> Self {
+        debug_assert!(lower < upper, "bounds {lower} and {upper} enclose nothing");
         if lower == 0.0 {
             Self::FromZero { bend: 0.1 * usual.abs(), upper }
         } else if lower > 0.0 && upper / lower > SPREAD {
@@ -77,7 +78,7 @@ impl Coordinate {
         }
     }
 
-    /// The same for a value that has run so close to zero that no fit comes back from there.
+    /// The same for a value so close to zero that no fit leaves it again.
     pub fn freed(&self, value: f64) -> f64 {
         match *self {
             Self::FromZero { bend, .. } if value < STUCK * bend => bend,
@@ -85,8 +86,8 @@ impl Coordinate {
         }
     }
 
-    /// The coordinate itself, or, where it lies so close to a bound that nothing changes with it, the
-    /// nearest one at which something does.
+    /// The coordinate itself, or, where it lies so close to a bound that the parameter does not
+    /// change with it, the nearest one at which it does.
     pub fn inside(&self, u: f64) -> f64 {
         match *self {
             Self::FromZero { .. } => u.max(-ALIVE),

@@ -1,4 +1,5 @@
-//! The evidence for one effect: a richer model against a poorer one, on pieces that neither has seen.
+//! The evidence for one effect: a richer model against a poorer one, on pieces that neither has
+//! seen.
 
 use super::chance::one_sided;
 use super::gram::Gram;
@@ -14,9 +15,9 @@ const UNCHANGED: f64 = 0.01;
 /// The evidence for one effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
-    /// Share of the squared error on left-out pieces that the effect takes away.
+    /// Share of the squared error on left-out pieces that the effect removes.
     pub holdout_gain: f64,
-    /// Share of pieces that it improves or leaves as they are.
+    /// Share of pieces that it improves or leaves unchanged.
     pub improved: f64,
     /// Probability of such a gain without the effect, for one candidate.
     pub p_value: f64,
@@ -40,19 +41,20 @@ pub(crate) fn evidence(poorer: &Judged, richer: &Judged, tests: &TestSet) -> Evi
     }
 }
 
-/// Share of pieces whose squared error falls or stays.
+/// Share of pieces whose squared error falls or does not change.
 pub(crate) fn improved(before_n2: &[f64], after_n2: &[f64]) -> f64 {
+    debug_assert_eq!(before_n2.len(), after_n2.len(), "the same pieces before and after");
     let pairs = before_n2.iter().zip(after_n2);
     let improved = pairs.filter(|(b, a)| **a <= **b * (1.0 + UNCHANGED)).count();
     improved as f64 / before_n2.len() as f64
 }
 
-/// Probability that the change which the richer model makes goes along with the residual by chance.
+/// Probability that the change made by the richer model correlates with the residual by chance.
 ///
-/// The change d of a left-out piece comes from fits that have not seen it; what the poorer model's
-/// own parameters could do is projected out of it. So without the effect every block's sum of d r
-/// has mean zero, whatever the colour of the noise within blocks. Both are whitened first; the sum
-/// over blocks is compared with its own scatter.
+/// The change d of a left-out piece comes from fits that have not seen it; the part that the poorer
+/// model's own parameters can produce is projected out of it. So without the effect the sum of d r
+/// in every block has mean zero, whatever the colour of the noise within blocks. Both are whitened
+/// first; the sum over blocks is compared with its own scatter.
 fn p_value(poorer: &Judged, richer: &Judged, tests: &TestSet) -> f64 {
     let own = &poorer.linearised.slopes;
     let whitened: Vec<(Vec<Vec<f64>>, Vec<f64>)> = tests
@@ -84,8 +86,8 @@ fn p_value(poorer: &Judged, richer: &Judged, tests: &TestSet) -> f64 {
         .collect();
     let Some(whole) = Gram::sum(grams.iter()) else { return 1.0 };
     let explained = whole.solve();
-    // Each block's sum, plainly and over the length of its change: the first is sharper where all
-    // blocks are alike, the second where a few are much larger than the rest.
+    // The sum of each block, plain and divided by the norm of its change: the first is more
+    // powerful where all blocks are alike, the second where a few are much larger than the rest.
     let (mut plain, mut even) = (Vec::new(), Vec::new());
     for (piece, (columns, residual)) in tests.pieces.iter().zip(&whitened) {
         for block in tests.blocks(piece) {
@@ -103,7 +105,7 @@ fn p_value(poorer: &Judged, richer: &Judged, tests: &TestSet) -> f64 {
     (2.0 * one_sided(&plain).min(one_sided(&even))).min(1.0)
 }
 
-/// The change stands behind the columns of the poorer model.
+/// The change is the last column, after those of the poorer model.
 fn own_count(columns: &[Vec<f64>]) -> usize {
     columns.len() - 1
 }

@@ -1,8 +1,8 @@
-//! Least squares on free-running simulation: Levenberg-Marquardt in free coordinates.
+//! Least squares on free-run simulation: Levenberg-Marquardt in free coordinates.
 //!
-//! The sum of squares runs over the counted samples of chosen pieces. Derivatives are differences
-//! of simulations, one per parameter and test, side by side on all cores; sums are formed in the
-//! order of tests, so the result does not depend on how many cores there are.
+//! The sum of squares runs over the counted samples of all pieces. Derivatives are differences of
+//! simulations, one per parameter and test, in parallel on all cores; sums are formed in the order
+//! of the tests, so the result does not depend on the number of cores.
 
 use super::control::Control;
 use super::grey_box::GreyBox;
@@ -16,10 +16,10 @@ use rayon::prelude::*;
 /// Step of a derivative, in a free coordinate.
 const DERIVATIVE_STEP: f64 = 2e-4;
 
-/// How long a fit goes on.
+/// The effort of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// Runs of the solver, each with new starts of the dashpots.
+    /// Runs of the solver, each with new initial positions of the dashpots.
     pub rounds: usize,
     /// Most evaluations of a run, in multiples of the number of parameters plus one.
     pub patience: usize,
@@ -28,9 +28,9 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// To the bottom.
+    /// To the minimum.
     pub const FULL: Self = Self { rounds: 3, patience: 12, gain: 1e-7 };
-    /// Near enough to the bottom to judge a candidate.
+    /// Near enough to the minimum to judge a candidate.
     pub const TRIAL: Self = Self { rounds: 2, patience: 8, gain: 1e-5 };
     /// Enough to compare starts.
     pub const SHORT: Self = Self { rounds: 1, patience: 4, gain: 1e-4 };
@@ -52,7 +52,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// A model as it is, simulated on every test.
+    /// A model with given parameters, simulated on every test.
     pub fn evaluate(model: &GreyBox, values: &[f64], tests: &TestSet) -> Option<Self> {
         debug_assert_eq!(values.len(), model.coordinates().len(), "one value per parameter");
         let damper = model.damper(values)?;
@@ -129,7 +129,7 @@ pub(crate) fn fit_on(
         if gained > 0.0 {
             best = fitted;
         }
-        // A new start of the dashpots may open the way further.
+        // New initial positions of the dashpots may allow a further descent.
         if round + 1 < effort.rounds && gained < 1e-4 * before {
             break;
         }
@@ -142,8 +142,8 @@ pub(crate) fn fit_on(
 }
 
 /// The same, and once more with parameters that are stuck at zero lifted off it: on the way a
-/// parameter may fall to zero that belongs elsewhere, such as a clearance while the air in series is
-/// still too large.
+/// parameter may fall to zero that belongs elsewhere, such as a clearance while the air in series
+/// is still too large.
 pub(crate) fn fit_freely(
     from: Fit,
     tests: &TestSet,
@@ -158,7 +158,7 @@ pub(crate) fn fit_freely(
     }
 }
 
-/// One run of the solver with the starts of the dashpots as they are.
+/// One run of the solver with fixed initial positions of the dashpots.
 fn descend(from: &Fit, tests: &TestSet, effort: Effort, control: Control<'_>) -> Option<Fit> {
     if control.is_stopped() {
         return None;
@@ -279,7 +279,7 @@ pub(crate) fn slopes(
     debug_assert_eq!((force_n.len(), starts_m.len()), (count, count), "one of each per test");
     let dampers: Vec<_> = (0..free.len())
         .map(|index| {
-            // Away from where no damper is, if the first side has none.
+            // The other side, if there is no damper on the first.
             [DERIVATIVE_STEP, -DERIVATIVE_STEP].into_iter().find_map(|step| {
                 let mut shifted = free.to_vec();
                 shifted[index] += step;

@@ -1,16 +1,15 @@
-//! What a fitted model says of pieces that it has not seen.
+//! Predictions of a fitted model for pieces that it has not seen.
 //!
-//! For every piece the model is refitted without it, warm: from the fit to all pieces, damped
-//! Gauss-Newton steps on the others with the sensitivities of that fit and fresh simulations,
+//! For every piece the model is refitted without it, starting from the fit to all pieces: damped
+//! Gauss-Newton steps on the others with the sensitivities of that fit and new simulations,
 //!
 //! ```text
 //! u <- u + (sum_(k != i) J_k' J_k + l diag)^-1 sum_(k != i) J_k' r_k(u)
 //! ```
 //!
-//! each kept only if the others' squared error falls. A hundredth of the left-out piece's own J' J
-//! is added as a restraint: a direction that nothing but this piece sees stays where it is, instead
-//! of running away along nothing. The left-out piece is then simulated,
-//! free-running, with the parameters found without it.
+//! each kept only if the squared error of the others falls. A hundredth of the left-out piece's own
+//! J' J is added as a restraint: a direction that only this piece determines stays where it is. The
+//! left-out piece is then simulated, in free run, with the parameters found without it.
 
 use super::fit::Fit;
 use super::gram::Gram;
@@ -20,7 +19,7 @@ use super::test_set::{Piece, TestSet};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Steps of a fold's refit.
+/// Most steps of the refit of a fold.
 const STEPS: usize = 5;
 /// Weight of the left-out piece as a restraint.
 const RESTRAINT: f64 = 0.01;
@@ -56,6 +55,13 @@ impl LeftOut {
             .map(|out| fold(standing, &grams, out, tests))
             .collect();
         let folds = folds?;
+        debug_assert!(
+            folds
+                .iter()
+                .zip(&tests.pieces)
+                .all(|(fold, piece)| fold.0.len() == piece.samples.len()),
+            "every prediction covers its piece"
+        );
         let mut result =
             Self { force_n: Vec::new(), squares_n2: Vec::new(), seen_squares_n2: Vec::new() };
         for (force_n, squares, seen) in folds {
@@ -86,8 +92,8 @@ impl LeftOut {
     }
 }
 
-/// Force on the left-out piece, its squared error, and that of the others. `grams` are those of the fit,
-/// one a piece.
+/// Force on the left-out piece, its squared error, and that of the others. `grams` are those of the
+/// fit, one a piece.
 fn fold(
     standing: &Linearised,
     grams: &[Gram],
@@ -132,7 +138,7 @@ fn fold(
             break;
         }
         for (index, piece) in seen.iter().enumerate() {
-            // The columns stay: only the residual is new.
+            // The columns are kept: only the residual is new.
             let toward = Gram::toward(&columns(standing, piece), &residual(&force_n, piece, tests));
             gram_now.residual = if index == 0 { toward } else { gram_now.residual + toward };
         }
@@ -162,7 +168,7 @@ fn residual(force_n: &[Vec<f64>], piece: &Piece, tests: &TestSet) -> Vec<f64> {
     measured.iter().zip(&force_n[piece.test][range]).map(|(y, f)| y - f).collect()
 }
 
-/// Share of the change that a richer model makes which falls on each piece.
+/// Share of each piece in the change that a richer model makes.
 pub(crate) fn change_shares(from: &Fit, to: &Fit, tests: &TestSet) -> Vec<f64> {
     let changes: Vec<f64> = tests
         .pieces

@@ -1,5 +1,5 @@
-//! Normal equations piece by piece: what least squares needs to know of a set of columns, so that
-//! pieces can be left out without looking at samples again.
+//! Normal equations piece by piece: everything that least squares needs of a set of columns, so
+//! that pieces can be left out without another pass over the samples.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -22,10 +22,16 @@ impl Gram {
         none.extended(columns, residual)
     }
 
-    /// Over more columns and the same residual, of which the products of the first columns are known.
+    /// Over more columns and the same residual, of which the products of the first columns are
+    /// known.
     #[must_use]
     pub(crate) fn extended(&self, columns: &[&[f64]], residual: &[f64]) -> Self {
         let (known, count) = (self.columns.nrows(), columns.len());
+        debug_assert!(known <= count, "the known columns are the first of all columns");
+        debug_assert!(
+            columns.iter().all(|column| column.len() == residual.len()),
+            "columns and residual cover the same samples"
+        );
         let mut products = self.columns.clone().resize(count, count, 0.0);
         for row in known..count {
             for column in 0..=row {
@@ -56,7 +62,7 @@ impl Gram {
         })
     }
 
-    /// Coefficients of least squares, directions that the columns do not hold left at zero.
+    /// Coefficients of least squares; directions that the columns do not determine stay zero.
     pub(crate) fn solve(&self) -> DVector<f64> {
         let count = self.columns.nrows();
         let scale = DVector::from_fn(count, |i, _| {
@@ -76,7 +82,7 @@ impl Gram {
         (eigen.eigenvectors * solved).component_mul(&scale)
     }
 
-    /// With a share of every column's own weight added: steps along weak directions get short.
+    /// With a share of every column's own weight added: steps along weak directions become short.
     #[must_use]
     pub(crate) fn damped(&self, share: f64) -> Self {
         let mut damped = self.clone();
@@ -91,9 +97,11 @@ impl Gram {
         2.0 * coefficients.dot(&self.residual) - coefficients.dot(&(&self.columns * coefficients))
     }
 
-    /// The same without what the first `count` columns explain of the others and of the residual.
+    /// The same without the parts of the other columns and of the residual that the first `count`
+    /// columns explain.
     #[must_use]
     pub(crate) fn without_first(&self, count: usize) -> Self {
+        debug_assert!(count <= self.columns.nrows());
         let rest = self.columns.nrows() - count;
         let first = Self {
             columns: self.columns.view((0, 0), (count, count)).into_owned(),
@@ -119,7 +127,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Directions with less than this share of the strongest one's weight are taken as not there.
+/// Directions with less than this share of the largest eigenvalue are ignored.
 const SMALLEST_SHARE: f64 = 1e-11;
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub(crate) const RELIEF: usize = 3;
 /// Of the slope beyond relief.
 pub(crate) const C2: usize = 4;
 
-/// Which effects a model has, and how its parameters are bounded.
+/// The effects of a model and the bounds of its parameters.
 #[derive(Debug, Clone)]
 pub struct GreyBox {
     /// The effects, in order of acceptance.
@@ -48,9 +48,14 @@ impl GreyBox {
         Self { effects: Vec::new(), coordinates }
     }
 
-    /// This model with one effect more.
+    /// This model with another effect.
     #[must_use]
     pub fn with(&self, effect: &'static EffectInfo, scale: &Scale) -> Self {
+        debug_assert!(
+            self.effects.iter().all(|known| known.name != effect.name),
+            "{} is in the model already",
+            effect.name
+        );
         let mut wider = self.clone();
         wider.effects.push(effect);
         for row in effect.parameters {
@@ -74,20 +79,22 @@ impl GreyBox {
 
     /// Parameters from free coordinates.
     pub fn values(&self, free: &[f64]) -> Vec<f64> {
+        debug_assert_eq!(free.len(), self.coordinates.len(), "one coordinate per parameter");
         self.coordinates.iter().zip(free).map(|(coordinate, u)| coordinate.value(*u)).collect()
     }
 
     /// Free coordinates of parameters.
     pub fn free(&self, values: &[f64]) -> Vec<f64> {
+        debug_assert_eq!(values.len(), self.coordinates.len(), "one value per parameter");
         self.coordinates.iter().zip(values).map(|(coordinate, v)| coordinate.at(*v)).collect()
     }
 
-    /// Start values of which none is stuck at zero.
+    /// Start values with every value lifted off zero.
     pub fn lifted(&self, values: &[f64]) -> Vec<f64> {
         self.coordinates.iter().zip(values).map(|(coordinate, v)| coordinate.lifted(*v)).collect()
     }
 
-    /// The same for those alone that are stuck at zero; nothing where none is.
+    /// The same for values stuck at zero only; none where no value is.
     pub fn freed(&self, values: &[f64]) -> Option<Vec<f64>> {
         let pairs = self.coordinates.iter().zip(values);
         let freed: Vec<f64> = pairs.map(|(coordinate, v)| coordinate.freed(*v)).collect();

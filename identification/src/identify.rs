@@ -52,7 +52,8 @@ impl Identification {
 /// effects that were accepted so far.
 ///
 /// # Errors
-/// There is nothing to fit, nothing fits, or the work is stopped before the nominal model is fitted.
+/// There is nothing to fit, nothing fits, or the work is stopped before the nominal model is
+/// fitted.
 pub fn identify(
     question: Question,
     control: Control<'_>,

@@ -1,4 +1,37 @@
 //! From measured records to the effect that a damper model lacks.
+//!
+//! ```text
+//! records -> nominal model refitted -> screening -> fits of the best few -> left-out pieces -> accepted
+//!                                          ^                                                   |
+//!                                          +---------------------------------------------------+
+//! ```
+//!
+//! All models run on the damper of `firmware_core`, in free-run simulation from the measured
+//! displacement, so a model that is found here is what `run`, the rig emulator and the firmware use.
+//! [`identify`] does it all: a [`Question`] in, an [`Identification`] out, with a [`Control`] that
+//! reports progress and ends the work early.
+//!
+//! Read in this order; a file uses only those above it.
+//!
+//! | files | content |
+//! | --- | --- |
+//! | `test_set`, `split` | records cut into pieces to leave out and independent blocks; the hold-out |
+//! | `coordinate`, `grey_box` | a model as a vector of bounded parameters |
+//! | `simulation`, `fit`, `start` | free-run simulation, least squares, start values |
+//! | `gram`, `colour`, `chance` | normal equations, coloured noise, significance |
+//! | `linearised`, `folds`, `judged` | a fitted model, and its predictions of left-out pieces |
+//! | `finding`, `evidence` | the vocabulary: accepted, rejected, not testable, and the evidence |
+//! | `candidate`, `screening`, `short_list` | the catalogue against the residual, to first order |
+//! | `trial`, `acceptance`, `rejection` | a candidate fitted and judged; the rules; the reasons |
+//! | `round`, `pair`, `settling`, `canonical` | the parts of one round of the search |
+//! | `search` | the rounds, one effect after the other |
+//! | `residual`, `empirical` | is the residual noise? a map of it, if asked for |
+//! | `uncertainty`, `cautions` | how well parameters are known; reasons for doubt |
+//! | `question`, `identify`, `result` | files to a question; the whole; `result.json` |
+//! | `tables`, `summary`, `page`, `model_file`, `predictions` | text, report, `model.toml`, CSV files |
+//!
+//! Layers: the crate knows `measurement`, `scenario`, `signal`, `report`, `files` and the core, but
+//! no bench and no vehicle.
 
 mod acceptance;
 mod budget;
@@ -37,6 +70,7 @@ mod simulation;
 mod split;
 mod start;
 mod summary;
+mod tables;
 mod test_set;
 mod trial;
 mod uncertainty;

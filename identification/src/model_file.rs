@@ -2,7 +2,6 @@
 
 use super::empirical::FittedMap;
 use super::identify::Identification;
-use super::summary::sentence;
 use firmware_core::damper::Damper;
 use scenario::damper::DamperFile;
 use scenario::quantity::Provenance;
@@ -32,7 +31,7 @@ impl Identification {
 
     fn text_of(&self, damper: &Damper, more: &str) -> String {
         let interrupted = if self.result.interrupted { " (search interrupted)" } else { "" };
-        let verdict = sentence(&self.result);
+        let verdict = self.result.sentence();
         let heading = format!("Identified from measured records: {verdict}{interrupted}.{more}");
         let notes = self.deviations();
         DamperFile::from_damper(damper, Provenance::Identified, &notes).to_model(&heading)

@@ -1,17 +1,17 @@
 //! Two effects at once.
 //!
-//! An effect may help only where another one is there too: alone it mends some tests and spoils others, as
-//! each of two that pull the same parameter in different directions does. Where no candidate is accepted
-//! alone and the residual is far above its noise, the best few are taken on trial one after the other, with
-//! a whole round on each. A pair is accepted when
+//! An effect may help only together with another one: alone it improves some tests and spoils
+//! others, as each of two effects does that pull the same parameter in different directions. Where
+//! no candidate is accepted alone and the residual is far above its noise, each of the best few is
+//! added on trial, with a whole round on top of it. A pair is accepted when
 //!
 //! - the second is accepted on top of the first by the usual rules ([`super::acceptance`]);
-//! - both together are accepted on top of the standing model by the same rules, with every ordered pair of
-//!   candidates counted against the significance;
-//! - both together take away at least half of the squared error on left-out pieces.
+//! - both together are accepted on top of the standing model by the same rules, with every ordered
+//!   pair of candidates counted against the significance;
+//! - both together remove at least half of the squared error on left-out pieces.
 //!
-//! Pairs that predict equally well are told as alternatives, one effect at a time. No further first is taken on
-//! trial past a limit of work.
+//! Pairs that predict equally well are named as alternatives, one effect at a time. Past a limit of
+//! work no further first effect is tried.
 
 use super::acceptance::{choose, distinguishable, objection, remakes};
 use super::budget::Budget;
@@ -25,17 +25,17 @@ use super::round::Round;
 use super::test_set::TestSet;
 use super::trial::Trial;
 
-/// Candidates that are taken on trial as the first of two.
+/// Candidates that are tried as the first of two.
 const FIRSTS: usize = 3;
-/// Share of the squared error on left-out pieces that two together have to take away. Two effects can bend
-/// themselves to much; what is neither of them leaves the better half.
+/// Share of the squared error on left-out pieces that two effects together have to remove. Two
+/// effects can imitate many others, but then more than half of the error remains.
 const LEAST_JOINT_GAIN: f64 = 0.5;
 
 /// Two effects of which neither was accepted alone.
 pub(crate) struct Pair {
     /// The effects, in the order of the model.
     pub accepted: [Accepted; 2],
-    /// The model with both, near its bottom.
+    /// The model with both, near its minimum.
     pub fit: Fit,
     /// The second of them as it was tried.
     pub second: Candidate,
@@ -131,7 +131,7 @@ fn second(
     Some(Acceptable { pair: Pair { accepted, fit, second }, joint })
 }
 
-/// Tells what a pair that predicts as well has in the place of one of the two.
+/// Adds an effect of a pair that predicts as well as an alternative to the one it replaces.
 fn add_alternatives(accepted: &mut [Accepted; 2], other: [&'static str; 2]) {
     let names = [accepted[0].name, accepted[1].name];
     for (place, shared) in [(0, names[1]), (1, names[0])] {
@@ -150,7 +150,7 @@ mod tests {
     use crate::evidence::Evidence;
 
     #[test]
-    fn pair_that_shares_an_effect_tells_an_alternative_to_the_other() {
+    fn a_pair_that_shares_an_effect_is_an_alternative_to_the_other() {
         let evidence = Evidence { holdout_gain: 0.9, improved: 1.0, p_value: 1e-9 };
         let mut pair = ["seal_friction", "sensor_delay"].map(|name| Accepted {
             name,

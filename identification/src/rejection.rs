@@ -31,7 +31,7 @@ fn screened_out_of(round: &Round, index: usize, outdone: &[Outdone]) -> Rejected
     let of_candidate = round.screened.iter().filter(|screened| screened.candidate == index);
     let gain = 100.0 * of_candidate.map(|screened| screened.gain(None)).fold(0.0, f64::max);
     let name = round.tried[index].effect.name;
-    let why = format!("screened out: to first order it explains {gain:.2} % of what is left");
+    let why = format!("screened out: to first order it explains {gain:.2} % of the residual");
     let Some(earlier) = outdone.iter().rfind(|other| other.name == name) else {
         return Rejected { name, why, holdout_gain: None };
     };
@@ -39,8 +39,8 @@ fn screened_out_of(round: &Round, index: usize, outdone: &[Outdone]) -> Rejected
     Rejected {
         name,
         why: format!(
-            "takes away {:.1} % of the squared error on tests left out where {by} takes away \
-             {:.1} %; beside that, {why}",
+            "removes {:.1} % of the squared error on left-out tests where {by} removes {:.1} %; \
+             with it, {why}",
             100.0 * gain,
             100.0 * gain_of_other
         ),

@@ -1,4 +1,4 @@
-//! One round of the search: what is tried on a standing model, and what comes of it.
+//! One round of the search: the candidates tried on a standing model, and their results.
 
 use super::candidate::{Candidate, candidates};
 use super::control::Control;
@@ -17,22 +17,22 @@ const FAR_OFF: f64 = 0.03;
 /// A residual is far above its noise from this multiple.
 const ABOVE_NOISE: f64 = 1.5;
 
-/// One round: what was tried on a standing model, and what came of it.
+/// One round: the candidates tried on a standing model, and their results.
 pub(crate) struct Round {
     /// All candidates.
     pub tried: Vec<Candidate>,
-    /// What they do to first order.
+    /// Their gains to first order.
     pub screened: Vec<Screened>,
     /// Candidates that the records cannot show.
     pub hidden: Vec<(usize, NotTestable)>,
-    /// Candidates that they can.
+    /// Candidates that the records can show.
     pub shown: Vec<usize>,
     /// Those that were fitted, by their error on pieces left out.
     pub trials: Vec<Trial>,
     /// The standing model is so far off that first-order screening says little.
     pub far_off: bool,
-    /// The residual is so far above its noise that a part of it must be due to large effects: what they do to
-    /// first order, with all other parameters as they are, says little.
+    /// The residual is so far above its noise that large effects must be missing: their gain to
+    /// first order, with all other parameters fixed, says little.
     pub above_noise: bool,
 }
 
@@ -103,7 +103,7 @@ impl Round {
         let tried = candidates(&standing.fit().model, tests);
         let screened = screen(&standing.linearised, &tried, tests, control);
         let hidden = hidden(&tried, &screened);
-        // What a model that is far off cannot show may show when it is near.
+        // An effect that a poor model hides may show once the model is better.
         let far_off = far_off(standing, tests);
         let shown: Vec<usize> = (0..tried.len())
             .filter(|index| far_off || !hidden.iter().any(|(i, _)| i == index))

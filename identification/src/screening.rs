@@ -1,15 +1,16 @@
 //! Screening: which effects could explain the residual, to first order.
 //!
-//! Each candidate is added at its start values and simulated once, and once more per parameter. What
-//! it changes, less what the parameters of the standing model can do themselves (projection onto the
-//! complement of their sensitivities), is compared with the residual:
+//! Each candidate is added at its start values and simulated once, and once more per parameter.
+//! What it changes, less the part that the parameters of the standing model can produce (projection
+//! onto the complement of their sensitivities), is compared with the residual:
 //!
 //! ```text
 //! r = S a + D b + rest        gain = fall of the sum of squares by D beyond S
 //! ```
 //!
-//! once plainly and once whitened by the colour of the residual. The same projection says how much
-//! of an effect the nominal parameters absorb: what they absorb wholly, no record here can show.
+//! once plainly and once whitened by the colour of the residual. The same projection shows how much
+//! of an effect the nominal parameters absorb: an effect that they absorb wholly, these records
+//! cannot show.
 
 use super::candidate::Candidate;
 use super::control::Control;
@@ -26,7 +27,8 @@ pub(crate) struct Screened {
     pub candidate: usize,
     /// Index of its start values.
     pub start: usize,
-    /// Normal equations of every piece: sensitivities of the model first, then the effect's columns.
+    /// Normal equations of every piece: sensitivities of the model first, then the effect's
+    /// columns.
     plain: Vec<Gram>,
     /// The same whitened.
     white: Vec<Gram>,
@@ -35,7 +37,7 @@ pub(crate) struct Screened {
 }
 
 impl Screened {
-    /// Share of the sum of squares that the effect would take away, over all pieces but one.
+    /// Share of the sum of squares that the effect would remove, over all pieces but one.
     pub(crate) fn gain(&self, without: Option<usize>) -> f64 {
         share(&self.plain, self.own, without)
     }
@@ -45,7 +47,8 @@ impl Screened {
         share(&self.white, self.own, without)
     }
 
-    /// Norm of the effect that the model's own parameters leave over, as a share of its whole norm.
+    /// Norm of the part of the effect that the model's own parameters cannot produce, as a share of
+    /// its whole norm.
     pub(crate) fn unabsorbed(&self) -> f64 {
         let Some(all) = Gram::sum(self.plain.iter()) else { return 0.0 };
         let whole = all.columns[(self.own, self.own)];
@@ -53,7 +56,7 @@ impl Screened {
         if whole > 0.0 { (left.max(0.0) / whole).sqrt() } else { 0.0 }
     }
 
-    /// How many standard errors the effect would stand out at its start values.
+    /// Number of standard errors by which the effect would stand out at its start values.
     pub(crate) fn standing_out(&self) -> f64 {
         let Some(all) = Gram::sum(self.white.iter()) else { return 0.0 };
         all.without_first(self.own).columns[(0, 0)].max(0.0).sqrt()
@@ -98,8 +101,8 @@ fn whitened(by_test: &[Vec<f64>], standing: &Linearised) -> Vec<Vec<f64>> {
     by_test.iter().zip(&standing.colours).map(|(values, colour)| colour.whitened(values)).collect()
 }
 
-/// What every candidate is held against: the sensitivities of the standing model, its residual, and their
-/// normal equations.
+/// The reference of every candidate: the sensitivities of the standing model, its residual, and
+/// their normal equations.
 struct Ground {
     /// By parameter, test, sample.
     slopes: Vec<Vec<Vec<f64>>>,
@@ -127,7 +130,8 @@ impl Ground {
         self.slopes.iter().map(|slope| &slope[piece.test][piece.samples.clone()]).collect()
     }
 
-    /// Normal equations of a piece with the columns of an effect, over the whole test, behind its own.
+    /// Normal equations of a piece with its own columns followed by those of an effect, which cover
+    /// the whole test.
     fn with(&self, at: usize, piece: &Piece, effect: &[Vec<f64>]) -> Gram {
         let range = piece.samples.clone();
         let mut columns = self.own(piece);

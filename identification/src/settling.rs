@@ -1,7 +1,7 @@
-//! An accepted model at its bottom.
+//! An accepted model at its minimum.
 //!
-//! A trial stops near the bottom, and perhaps in another hollow of the same effect than the deepest; and a
-//! nominal parameter may have run to nothing while the effect was missing, from where no fit comes back.
+//! A trial stops near a minimum, and the same effect may have a deeper one; and a nominal parameter
+//! may have fallen to zero while the effect was missing, from where no fit returns.
 
 use super::candidate::Candidate;
 use super::control::Control;
@@ -14,29 +14,29 @@ use rayon::prelude::*;
 pub(crate) const BETTER_MINIMUM: f64 = 0.01;
 /// A usual slope beyond relief, in shares of Ce.
 const USUAL_C2: f64 = 0.06;
-/// Share of it below which a fitted one is stuck at nothing.
+/// Share of it below which a fitted one is stuck at zero.
 const STUCK_C2: f64 = 0.02;
 
-/// An accepted model at the bottom: trials stop near it, and may lie in another hollow of the same
-/// effect than the deepest, which its other start values reach.
+/// An accepted model at its deepest minimum: a trial may lie in a shallower one, and the other
+/// start values of the effect may reach the deepest.
 pub(crate) fn settled(
     trial: &Fit,
     candidate: &Candidate,
     tests: &TestSet,
     control: Control<'_>,
 ) -> Option<Fit> {
-    // Whole tests with fewer samples are enough to compare hollows.
+    // Whole tests with fewer samples are enough to compare minima.
     let rough = tests.beginnings(f64::INFINITY);
     let nominal = trial.values.len() - candidate.effect.parameters.len();
     let others = candidate.starts.iter().map(|start| [&trial.values[..nominal], start].concat());
     let starts: Vec<Vec<f64>> = std::iter::once(trial.values.clone()).chain(others).collect();
-    let mut hollows: Vec<Fit> = starts
+    let mut minima: Vec<Fit> = starts
         .par_iter()
         .filter_map(|from| fit(&trial.model, from, &rough, Effort::TRIAL, control))
         .collect();
-    // The trial's own hollow stays first among equals.
-    hollows.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
-    let deepest = fit(&trial.model, &hollows.first()?.values, tests, Effort::FULL, control)?;
+    // The trial's own minimum stays first among equals.
+    minima.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
+    let deepest = fit(&trial.model, &minima.first()?.values, tests, Effort::FULL, control)?;
     let deepest = if deepest.total_n2() < trial.total_n2() {
         deepest
     } else {
@@ -45,8 +45,8 @@ pub(crate) fn settled(
     Some(with_slope_beyond_relief(&deepest, tests, control).unwrap_or(deepest))
 }
 
-/// The same model with a slope beyond relief again, where it had none and is much better with one: while
-/// the effect was missing, something else stood for the slope, and from nothing no fit comes back.
+/// The same model with a slope beyond relief, where it has none and is much better with one: while
+/// the effect was missing, another parameter replaced the slope, and from zero no fit returns.
 fn with_slope_beyond_relief(fitted: &Fit, tests: &TestSet, control: Control<'_>) -> Option<Fit> {
     let mut values = fitted.values.clone();
     let usual = USUAL_C2 * values[CE];
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slope_beyond_relief_that_had_run_to_nothing_stayed_there() {
+    fn a_slope_beyond_relief_that_had_fallen_to_zero_stayed_there() {
         let tests = tests(3.46e-3);
         let again = with_slope_beyond_relief(&stuck(&tests), &tests, Control::QUIET).unwrap();
         assert!((again.values[C2] / 80e3 - 1.0).abs() < 1e-3, "{:?}", again.values);

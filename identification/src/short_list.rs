@@ -1,4 +1,4 @@
-//! Which candidates are worth a fit, and which no record here can show.
+//! The candidates that are worth a fit, and those that these records cannot show.
 
 use super::candidate::Candidate;
 use super::evidence::LEAST_GAIN;
@@ -8,15 +8,15 @@ use super::judged::Judged;
 use super::screening::Screened;
 use rayon::prelude::*;
 
-/// A candidate that screens below this share is not fitted.
+/// A candidate whose screened gain is below this share is not fitted.
 const LEAST_SCREENED: f64 = 0.005;
 /// Candidates rehearsed per round, by plain and by whitened gain.
 const LISTED: (usize, usize) = (6, 3);
 /// Start values of a candidate that are fitted.
 const STARTS: usize = 4;
-/// Nominal parameters absorb an effect of which they leave less than this share.
+/// An effect of which less than this share remains is absorbed by the nominal parameters.
 const LEAST_UNABSORBED: f64 = 0.01;
-/// An effect that stands out by fewer standard errors at its usual size does not show.
+/// An effect that stands out by fewer standard errors at its usual size cannot show.
 const LEAST_STANDING_OUT: f64 = 1.0;
 
 /// Candidates that the records cannot show, with the reason.
@@ -28,12 +28,12 @@ pub(crate) fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, 
         let standing_out = starts().map(Screened::standing_out).fold(0.0, f64::max);
         let gain = starts().map(|start| start.gain(None)).fold(0.0, f64::max);
         let why = if starts().next().is_none() {
-            "no damper of this size has it".to_owned()
+            "no damper of this size can have it".to_owned()
         } else if standing_out == 0.0 {
-            "nothing in these records calls on it".to_owned()
+            "nothing in these records excites it".to_owned()
         } else if unabsorbed < LEAST_UNABSORBED {
             format!(
-                "the other parameters do the same: {:.2} % of it is left after their refit",
+                "the other parameters do the same: {:.2} % of it remains after their refit",
                 100.0 * unabsorbed
             )
         } else if standing_out < LEAST_STANDING_OUT && gain < LEAST_GAIN {
@@ -48,8 +48,8 @@ pub(crate) fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, 
     hidden
 }
 
-/// Fits to the beginnings of the tests: of all candidates where first order says little, otherwise of
-/// those that screening puts on top, chosen again without every piece.
+/// Fits to the beginnings of the tests: of all candidates where first order says little, otherwise
+/// of those that screening ranks first, with all pieces and without each of them.
 pub(crate) fn rehearsals(
     standing: &Judged,
     tried: &[Candidate],
@@ -79,7 +79,7 @@ pub(crate) fn rehearsals(
         .collect()
 }
 
-/// The candidates on top of the screening, also when a piece is left out.
+/// The candidates that screening ranks first, also when a piece is left out.
 pub(crate) fn short_list(screened: &[Screened], shown: &[usize], pieces: usize) -> Vec<usize> {
     let ranked = |gain: &dyn Fn(&Screened) -> f64| {
         let mut best: Vec<(f64, usize)> = shown

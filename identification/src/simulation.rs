@@ -1,17 +1,18 @@
-//! Free-running simulation of a test: measured displacement (without its
-//! noise, [`measurement::smoothing`]) in, force out, never a measured force.
+//! Free-run simulation of a test: measured displacement (without its noise,
+//! [`measurement::smoothing`]) in, force out, never a measured force.
 //!
-//! Where the dashpot stood at the first sample is not in the record: a joint rests anywhere in its
-//! clearance. It is one number per test, and the only one that a test held out gives to a model: the
-//! deflection of the attachment for which the model follows the measured force best over the run-in
-//! and twice as long again. (The run-in alone may pass inside the clearance and show nothing.)
+//! The position of the dashpot at the first sample is not in the record: a joint rests anywhere in
+//! its clearance. It is one number per test, and the only one that a held-out test gives to a
+//! model: the deflection of the attachment for which the model follows the measured force best over
+//! the run-in and twice as long again. (The run-in alone may pass inside the clearance and show
+//! nothing.)
 
 use super::test_set::Test;
 use firmware_core::damper::{Damper, DamperState, Motion};
 
-/// Length of the stretch that shows the start, in run-ins.
+/// Length of the stretch from which the start is found, in run-ins.
 const WINDOW: usize = 3;
-/// Half clearance that is none, as a share of the deflection under the largest force.
+/// Half clearance that counts as none, as a share of the deflection under the largest force.
 const NO_CLEARANCE: f64 = 1e-3;
 /// Points of the first, coarse search for the start of the dashpot.
 const COARSE: i32 = 4;
@@ -45,6 +46,7 @@ pub(crate) fn walk(
     samples: usize,
     mut at_sample: impl FnMut(f64, &DamperState),
 ) {
+    debug_assert!(samples <= test.record.len(), "a simulation ends with its record");
     test.simulated(samples);
     let record = &test.record;
     let step_s = test.model_step_s();
@@ -56,7 +58,7 @@ pub(crate) fn walk(
         if let Some(degc) = &record.temperature_degc {
             state.set_temperature_degc(Some(degc[i]));
         }
-        // At the first sample only the force is asked for.
+        // At the first sample only the force is needed.
         let force_n = if i == 0 {
             damper.advance(&mut state, motion(0), 1e-9)
         } else {
@@ -70,7 +72,7 @@ pub(crate) fn walk(
     }
 }
 
-/// The start of the dashpot that suits the run-in best: deflection of the attachment, m.
+/// The start of the dashpot that fits the run-in best: deflection of the attachment, m.
 pub fn start_deflection_m(damper: &Damper, test: &Test) -> f64 {
     let record = &test.record;
     let window = (WINDOW * record.run_in).min(record.force_n.len());
@@ -82,7 +84,7 @@ pub fn start_deflection_m(damper: &Damper, test: &Test) -> f64 {
     let force_at_start_n = record.force_n[..3.min(window)].iter().sum::<f64>() / 3.0;
     let largest = record.force_n[..window].iter().fold(0.0, |m: f64, f| m.max(f.abs()));
     if half_clearance_m < NO_CLEARANCE * largest / nominal.ke_n_per_m {
-        // Without clearance the force at the start says where the dashpot is.
+        // Without clearance the force at the start determines the position of the dashpot.
         return force_at_start_n / nominal.ke_n_per_m;
     }
     let reach = half_clearance_m + 0.5 * largest / nominal.ke_n_per_m;

@@ -1,7 +1,8 @@
-//! Which tests are held out when nobody said so.
+//! The tests that are held out by default.
 //!
-//! Whole tests are held out, a quarter of them and at least one, never the weakest or the strongest:
-//! a model is asked to predict between what it has seen. A single test gives its last 40 % of cycles.
+//! Whole tests are held out, a quarter of them and at least one, never the weakest or the
+//! strongest: a model is asked to predict inside the range it has seen. A single test gives its
+//! last 40 % of cycles.
 
 use measurement::Measurement;
 use signal::statistics::rms;
@@ -9,18 +10,18 @@ use signal::statistics::rms;
 /// Share of a single test that the model is fitted to.
 const SHARE_OF_ONE: f64 = 0.6;
 
-/// Records to fit and records to hold out, in their order, and how they were parted.
+/// Records to fit and records to hold out, in their order, and how they were chosen.
 #[derive(Debug, Clone)]
 pub(crate) struct Split {
     /// Fitted.
     pub train: Vec<Measurement>,
     /// Never fitted.
     pub holdout: Vec<Measurement>,
-    /// What was done, in words.
+    /// The choice, in words.
     pub how: String,
 }
 
-/// Parts records that came without hold-out.
+/// Chooses the hold-out of records.
 pub(crate) fn split(mut records: Vec<Measurement>) -> Split {
     if records.len() < 2 {
         let Some(record) = records.pop() else {

@@ -1,5 +1,5 @@
-//! Where the fit of the nominal damper starts: a coarse grid over everything possible, then a fit of
-//! the best few on the beginnings of the tests.
+//! The start of the fit of the nominal damper: a coarse grid over everything possible, then a fit
+//! of the best few on the beginnings of the tests.
 
 use super::control::Control;
 use super::fit::{Effort, Fit, fit, fit_freely, squares_of};
@@ -9,9 +9,9 @@ use super::test_set::TestSet;
 use firmware_core::damper::effects::Scale;
 use rayon::prelude::*;
 
-/// How much of each test the search looks at, s, after the run-in.
+/// Part of each test that the search for starts uses, s, after the run-in.
 pub(crate) const BEGINNING_S: f64 = 1.5;
-/// To near the bottom: the rest is done on the whole tests.
+/// To near the minimum: the rest is done on the whole tests.
 const HALF: Effort = Effort { rounds: 2, patience: 8, gain: 1e-5 };
 /// Other starts that are kept.
 const OTHERS: usize = 5;
@@ -66,7 +66,7 @@ pub fn nominal_fit(
         .collect();
     whole.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let others = given.iter().map(|values| values.to_vec());
-    // As the grid has them: a fit without the effect has bent the fitted ones.
+    // Grid points, not fitted ones: a fit without the effect moves them away.
     let others = others.chain(tried.iter().map(|(_, index)| grid[*index].clone()));
     let others = others.take(OTHERS).collect();
     whole.into_iter().next().map(|fit| NominalFit { fit, others })

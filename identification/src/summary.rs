@@ -2,139 +2,76 @@
 
 use super::identify::Identification;
 use super::model_file::MODEL_WITH_MAP;
-use super::result::{EffectFound, EmpiricalPart, Errors, IdentifyResult, Verdict};
-use std::fmt::{self, Write};
-
-/// The verdict in a sentence without its full stop.
-pub(crate) fn sentence(result: &IdentifyResult) -> String {
-    let names: Vec<String> = result
-        .effects
-        .iter()
-        .map(|effect| match effect.alternatives.as_slice() {
-            [] => effect.name.to_owned(),
-            others => format!("{} (or {})", effect.name, others.join(", or ")),
-        })
-        .collect();
-    let unexplained = result.unexplained.as_ref().map_or(String::new(), |part| {
-        format!("{:.4} N rms are unexplained, over {}", part.rms_n, part.coordinate)
-    });
-    match result.verdict {
-        Verdict::NoMissingEffect => "no effect is missing".to_owned(),
-        Verdict::EffectsFound => format!("missing: {}", names.join(", ")),
-        Verdict::Unexplained => unexplained,
-        Verdict::EffectsFoundAndUnexplained => {
-            format!("missing: {}; {unexplained}", names.join(", "))
-        }
-    }
-}
+use super::result::{EffectFound, EmpiricalPart};
+use super::tables;
 
 impl Identification {
     /// The summary for a terminal.
     pub fn summary(&self) -> String {
-        let mut text = String::new();
-        // Writing to a string cannot fail.
-        let _ = write_summary(&mut text, &self.result);
-        text
+        let result = &self.result;
+        let interrupted = result
+            .interrupted
+            .then(|| "interrupted: the findings are those of the search so far\n".to_owned());
+        let tables = [tables::errors(self), tables::parameters(result)];
+        let unexplained = result.unexplained.as_ref();
+        let lines = interrupted
+            .into_iter()
+            .chain([format!("{}\n", result.sentence())])
+            .chain(tables.map(|table| format!("\n{}", table.to_text())))
+            .chain(["\n".to_owned()])
+            .chain(result.effects.iter().map(effect))
+            .chain(unexplained.map(|part| format!("unexplained: {}\n", part.description)))
+            .chain(result.empirical.as_ref().map(map))
+            .chain(result.notes.iter().map(|note| format!("note: {note}\n")));
+        harmless(&lines.collect::<String>())
     }
 }
 
-fn write_summary(out: &mut impl Write, result: &IdentifyResult) -> fmt::Result {
-    if result.interrupted {
-        writeln!(out, "interrupted: the findings are those of the search so far")?;
-    }
-    writeln!(out, "{}\n", sentence(result))?;
-    write_errors(out, result)?;
-    writeln!(out)?;
-    write_nominal(out, result)?;
-    for effect in &result.effects {
-        write_effect(out, effect)?;
-    }
-    if let Some(part) = &result.unexplained {
-        writeln!(out, "unexplained: {}", part.description)?;
-    }
-    if let Some(part) = &result.empirical {
-        write_map(out, part)?;
-    }
-    for note in &result.notes {
-        writeln!(out, "note: {note}")?;
-    }
-    Ok(())
-}
-
-fn write_errors(out: &mut impl Write, result: &IdentifyResult) -> fmt::Result {
-    writeln!(out, "{:<14}{:>14}{:>10}{:>14}{:>10}", "rms error", "train N", "", "hold-out N", "")?;
-    let datasheet_given = result.nominal.values().any(|value| value.datasheet.is_some());
-    let map = result.empirical.as_ref().filter(|part| part.kept).and_then(|part| part.errors);
-    let models = [
-        ("datasheet", &result.errors.datasheet),
-        ("refitted", &result.errors.refitted),
-        ("with effects", &result.errors.with_effects),
-        ("empirical map", &map),
-    ];
-    for (name, errors) in models {
-        match errors {
-            Some(errors) => write_row_of_errors(out, name, errors)?,
-            None if name == "datasheet" && !datasheet_given => {
-                writeln!(out, "{name:<14}  none given")?;
-            }
-            None => {}
+/// With control characters escaped: names of records come from files.
+fn harmless(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c != '\n' && files::quote::acts(c) {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
         }
     }
-    writeln!(out, "{:<14}{:>14.4}", "noise floor", result.noise_floor_n)
+    shown
 }
 
-fn write_row_of_errors(out: &mut impl Write, name: &str, errors: &Errors) -> fmt::Result {
-    let train_share = 100.0 * errors.train_nrmse;
-    write!(out, "{name:<14}{:>14.4}{train_share:>9.2}%", errors.train_rmse_n)?;
-    if let (Some(rmse_n), Some(share)) = (errors.holdout_rmse_n, errors.holdout_nrmse) {
-        write!(out, "{rmse_n:>14.4}{:>9.2}%", 100.0 * share)?;
-    }
-    writeln!(out)
-}
-
-fn write_nominal(out: &mut impl Write, result: &IdentifyResult) -> fmt::Result {
-    writeln!(out, "{:<34}{:>14}{:>12}{:>14}", "parameter", "identified", "+-", "datasheet")?;
-    for (name, value) in &result.nominal {
-        let (identified, std) = (number(Some(value.value)), deviation(value.std));
-        writeln!(out, "{name:<34}{identified:>14}{std:>12}{:>14}", number(value.datasheet))?;
-    }
-    Ok(())
-}
-
-fn write_effect(out: &mut impl Write, effect: &EffectFound) -> fmt::Result {
+fn effect(effect: &EffectFound) -> String {
+    let EffectFound { name, place, .. } = effect;
     let (gain, p_value) = (100.0 * effect.evidence.holdout_gain, effect.evidence.p_value);
-    writeln!(
-        out,
-        "{} ({}): removes {gain:.1} % of the squared error on left-out tests, p = {p_value:.1e}",
-        effect.name, effect.place
-    )?;
-    for (name, value) in &effect.parameters {
-        let (identified, std) = (number(Some(value.value)), deviation(value.std));
-        writeln!(out, "  {name:<32}{identified:>14}{std:>12}  {}", value.unit)?;
-    }
+    let mut text = format!(
+        "{name} ({place}): removes {gain:.1} % of the squared error on left-out tests, \
+         p = {p_value:.1e}\n"
+    );
     if let Some(direction) = effect.direction {
-        writeln!(out, "  {direction}")?;
+        text.extend(["  ", direction, "\n"]);
     }
     if let Some(test) = &effect.separating_test {
         let others = effect.alternatives.join(", ");
-        writeln!(out, "  cannot be distinguished from {others}: {test}")?;
+        text.extend(["  cannot be distinguished from ", &others, ": ", test, "\n"]);
     }
-    Ok(())
+    text
 }
 
-fn write_map(out: &mut impl Write, part: &EmpiricalPart) -> fmt::Result {
+fn map(part: &EmpiricalPart) -> String {
     let over = part.coordinate.map_or(String::new(), |over| format!(" over {over}"));
     if part.kept {
-        writeln!(out, "empirical map{over}: {}; it is no physics ({MODEL_WITH_MAP})", part.why)
+        format!("empirical map{over}: {}; it is no physics ({MODEL_WITH_MAP})\n", part.why)
     } else {
-        writeln!(out, "no empirical map{over}: {}", part.why)
+        format!("no empirical map{over}: {}\n", part.why)
     }
 }
 
-fn number(value: Option<f64>) -> String {
-    value.map_or("-".to_owned(), |value| format!("{value:.5e}"))
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn deviation(std: Option<f64>) -> String {
-    std.map_or("not fixed".to_owned(), |std| format!("{std:.1e}"))
+    #[test]
+    fn a_terminal_sequence_in_a_name_is_shown_and_does_not_act() {
+        assert_eq!(harmless("note: \u{1b}[31mred: µm\n"), "note: \\u{1b}[31mred: µm\n");
+    }
 }

@@ -1,9 +1,9 @@
-//! The tests at hand: records as the models see them, cut into the pieces that errors are counted in.
+//! A set of tests: records as the models see them, cut into the pieces in which errors are counted.
 //!
-//! - A **piece** is what is left out at a time when models are judged: a whole test, or, with fewer
-//!   than four tests, a run of whole cycles with a guard gap to its neighbours.
-//! - A **block** is the smallest stretch whose errors are taken as independent of the next one's:
-//!   whole cycles of at least a quarter of a second together.
+//! - A **piece** is left out as a whole when models are judged: a whole test, or, with fewer than
+//!   four tests, a run of whole cycles with a guard gap to its neighbours.
+//! - A **block** is the smallest stretch whose errors are taken as independent of those of the next
+//!   one: whole cycles of at least a quarter of a second together.
 //!
 //! The run-in of a test belongs to neither: no error counts it.
 
@@ -15,9 +15,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Longest step of a model between two samples, s.
 const LONGEST_STEP_S: f64 = 1e-3;
-/// The same where only a start is looked for.
+/// The same where only a start is searched.
 const LONGEST_ROUGH_STEP_S: f64 = 5e-3;
-/// Samples closer than this say little more where only a start is looked for, s.
+/// Sampling period that is enough where only a start is searched, s.
 const ROUGH_SAMPLING_S: f64 = 2e-3;
 /// Shortest block, s.
 const SHORTEST_BLOCK_S: f64 = 0.25;
@@ -48,7 +48,7 @@ pub struct Test {
     pub substeps: usize,
     /// Blocks, in order of time.
     pub blocks: Vec<Range<usize>>,
-    /// Steps that models have made on the tests at hand and their beginnings, all together.
+    /// Steps that models have made on all tests of the set and on their beginnings.
     steps_made: Arc<AtomicU64>,
 }
 
@@ -85,6 +85,10 @@ impl TestSet {
                 );
             }
         }
+        debug_assert!(
+            pieces.iter().all(|piece| piece.samples.end <= tests[piece.test].record.len()),
+            "every piece lies inside its test"
+        );
         Self { tests, pieces, whole_tests, scale }
     }
 
@@ -101,7 +105,7 @@ impl TestSet {
         self.pieces.iter().map(|piece| piece.samples.len()).sum()
     }
 
-    /// What models have been simulated so far, in passes over all tests.
+    /// Simulation so far, in passes of a model over all tests.
     pub fn passes(&self) -> f64 {
         let steps: usize = self.tests.iter().map(|test| test.record.len() * test.substeps).sum();
         let made = self.tests.first().map_or(0, |test| test.steps_made.load(Ordering::Relaxed));
@@ -119,7 +123,8 @@ impl TestSet {
         (sum / self.counted_samples().max(1) as f64).sqrt()
     }
 
-    /// rms error of a simulated force over all tests, whatever they are cut into, N; run-ins left out.
+    /// rms error of a simulated force over all tests without their run-ins, whatever they are cut
+    /// into, N.
     pub fn rmse_n(&self, force_n: &[Vec<f64>]) -> Option<f64> {
         let (mut sum, mut count) = (0.0, 0);
         for (test, force_n) in self.tests.iter().zip(force_n) {
@@ -137,8 +142,8 @@ impl TestSet {
         self.rmse_n(&none)
     }
 
-    /// The same tests cut short after their run-in, with fewer samples and longer steps: enough to look
-    /// for start values. Their size stays that of the whole.
+    /// The same tests cut short after their run-in, with fewer samples and longer steps: enough to
+    /// search for start values. Their scale stays that of the whole.
     #[must_use]
     pub fn beginnings(&self, longest_s: f64) -> Self {
         let records = self.tests.iter().map(|test| {
@@ -163,7 +168,7 @@ impl Test {
         Self { record, substeps, blocks, steps_made }
     }
 
-    /// Notes that a model has been simulated over so many samples.
+    /// Counts a simulation over so many samples.
     pub fn simulated(&self, samples: usize) {
         self.steps_made.fetch_add((samples * self.substeps) as u64, Ordering::Relaxed);
     }
@@ -175,6 +180,7 @@ impl Test {
 
     /// Sum of squared errors of a simulated force over a stretch, N2.
     pub fn squares_n2(&self, force_n: &[f64], samples: Range<usize>) -> f64 {
+        debug_assert_eq!(force_n.len(), self.record.len(), "one force per sample");
         let pairs = self.record.force_n[samples.clone()].iter().zip(&force_n[samples]);
         pairs.map(|(y, f)| (y - f) * (y - f)).sum()
     }
@@ -232,7 +238,7 @@ fn blocks_of(record: &Measurement) -> Vec<Range<usize>> {
         }
     }
     match blocks.last_mut() {
-        // The rest joins the last block, so that no counted sample is in none.
+        // The rest joins the last block, so that every counted sample is in one.
         Some(last) => last.end = counted.end,
         None => blocks.push(counted),
     }

@@ -22,7 +22,7 @@ pub(crate) struct Trial {
     pub evidence: Evidence,
 }
 
-/// A piece that holds more than this share of all that a candidate changes cannot judge it, unless
+/// A piece with more than this share of the change that a candidate makes cannot judge it, unless
 /// the others would have found the candidate too.
 const LONE_SHARE: f64 = 0.98;
 
@@ -60,8 +60,8 @@ pub(crate) fn starts(
 }
 
 /// The best fit of a candidate to the beginnings of the tests: one from each group, from the member
-/// that is nearest to begin with. (Between groups nearness says nothing: an effect that starts where
-/// it does nothing is as near as the model without it.)
+/// with the smallest error before the fit. (Between groups that error says nothing: an effect that
+/// starts without influence has the same error as the model without it.)
 pub(crate) fn rehearse(
     base: &Judged,
     candidate: &Candidate,

@@ -1,18 +1,18 @@
-//! How well the records fix the parameters.
+//! Standard deviations of the parameters.
 //!
-//! Errors of neighbouring samples go together, so squares of residuals say too little. Blocks of
-//! record are taken as independent instead:
+//! Errors of neighbouring samples are correlated, so the squares of residuals alone underestimate
+//! the deviations. Blocks of record are taken as independent instead:
 //!
 //! ```text
 //! C = N^-1 (sum_b g_b g_b') N^-1 B / (B - p)        N = J' J,  g_b = J_b' r_b
 //! ```
 //!
-//! which holds for noise of any colour within blocks and of any strength between them. Widened by
-//! Student's factor for few blocks, so that 1.96 standard deviations hold 95 %.
+//! which holds for noise of any colour within blocks and of any strength between them. It is
+//! widened by Student's factor for few blocks, so that 1.96 standard deviations hold 95 %.
 //!
-//! What a bench does to every cycle of a test alike (its filter rounds each kink) is no noise of
-//! blocks; it pulls each test its own way. So the same is reckoned with whole tests for blocks, and
-//! each parameter is told the larger of its two deviations.
+//! A systematic error of the bench in every cycle of a test (its filter rounds each kink) is no
+//! noise of blocks; it biases each test in its own way. So the same is computed with whole tests as
+//! blocks, and each parameter gets the larger of its two deviations.
 
 use super::fit::{Fit, slopes};
 use super::gram::Gram;
@@ -25,13 +25,13 @@ use std::borrow::Cow;
 /// Change of force with one free coordinate, by test and sample.
 type Slope = Vec<Vec<f64>>;
 
-/// A coordinate that is uncertain by more than this is not fixed by the records, unless the parameter
-/// is certain to less than itself.
+/// A coordinate that is uncertain by more than this is not fixed by the records, unless the
+/// deviation of the parameter is smaller than the parameter.
 const NOT_FIXED: f64 = 3.0;
-/// Least freedom that is reckoned with: Student's factor runs away below.
+/// Fewest degrees of freedom in the computation: below, Student's factor grows without limit.
 const FEWEST_FREE: f64 = 3.0;
 
-/// Standard deviations of all parameters in their units, none where the records do not fix one.
+/// Standard deviations of all parameters in their units; none where the records do not fix one.
 pub(crate) fn uncertainty(standing: &Linearised, tests: &TestSet) -> Vec<Option<f64>> {
     let count = standing.slopes.len();
     let (free, slopes) = alive(standing, tests);
@@ -51,7 +51,7 @@ pub(crate) fn uncertainty(standing: &Linearised, tests: &TestSet) -> Vec<Option<
     }
     let inverse = inverse(&whole.columns);
     let by_block = variances(&blocks, blocks.len() - count, &inverse);
-    // With pieces of few tests their scores are those of the same motion.
+    // The pieces of few tests share the same motion, so their scores are not independent.
     let by_piece = if tests.whole_tests {
         variances(&pieces, pieces.len() - 1, &inverse)
     } else {
@@ -65,15 +65,16 @@ pub(crate) fn uncertainty(standing: &Linearised, tests: &TestSet) -> Vec<Option<
         .zip(coordinates)
         .map(|(spread, (coordinate, u))| {
             let deviation = spread * coordinate.slope(*u);
-            // Far above its bend a parameter from zero is known to its own size over many bends.
+            // Far above its bend a parameter from zero may be uncertain by many bends and still
+            // known.
             let fixed = spread < NOT_FIXED || deviation < coordinate.value(*u).abs();
             (fixed && spread > 0.0).then_some(deviation)
         })
         .collect()
 }
 
-/// Free coordinates and sensitivities. A parameter that lies on its bound has none there, but others may
-/// be uncertain because of it: it is looked at a little inside.
+/// Free coordinates and sensitivities. A parameter on its bound has no sensitivity there, but
+/// others may be uncertain because of it: it is evaluated a little inside.
 fn alive<'a>(standing: &'a Linearised, tests: &TestSet) -> (Vec<f64>, Cow<'a, [Slope]>) {
     let Fit { model, values, .. } = &standing.fit;
     let free = model.free(values);
@@ -90,11 +91,11 @@ fn alive<'a>(standing: &'a Linearised, tests: &TestSet) -> (Vec<f64>, Cow<'a, [S
     }
 }
 
-/// Variances of the free coordinates from independent scores, of which `freedom` are free: B - p blocks, or
-/// all tests but one.
+/// Variances of the free coordinates from independent scores, of which `freedom` are free: B - p
+/// blocks, or all tests but one.
 ///
-/// Where few blocks fix a parameter the scatter of their scores is itself uncertain. With
-/// `w_b = (N^-1 J_b' J_b N^-1)_ii` its freedom is `(sum w_b)^2 / sum w_b^2` (Satterthwaite), and Student's
+/// Where few blocks fix a parameter the scatter of their scores is itself uncertain. With `w_b =
+/// (N^-1 J_b' J_b N^-1)_ii` its freedom is `(sum w_b)^2 / sum w_b^2` (Satterthwaite), and Student's
 /// factor follows.
 fn variances(scores: &[Gram], freedom: usize, inverse: &DMatrix<f64>) -> Vec<f64> {
     let count = inverse.nrows();
@@ -119,7 +120,7 @@ fn variances(scores: &[Gram], freedom: usize, inverse: &DMatrix<f64>) -> Vec<f64
         .collect()
 }
 
-/// Inverse of normal equations; directions that no record holds get a very large one.
+/// Inverse of normal equations; directions that no record determines get a very large one.
 fn inverse(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let count = columns.nrows();
     let scale: Vec<f64> = (0..count).map(|i| columns[(i, i)].sqrt().max(1e-150)).collect();

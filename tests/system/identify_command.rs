@@ -279,6 +279,83 @@ fn one_test_gives_its_last_two_fifths() {
 }
 
 #[test]
+fn identify_deleted_csv_files_of_the_user_in_predictions() {
+    let place = VISIT.join("kept");
+    std::fs::create_dir_all(place.join("predictions")).unwrap();
+    let own = place.join("predictions/mine.csv");
+    std::fs::write(&own, "of the user").unwrap();
+    identified("kept", &["--train", "bench/work.csv"]);
+    assert_eq!(text_of(&own), "of the user");
+
+    // The folder holds a result now: it is replaced on request only, and nothing else is.
+    let args = ["--train", "bench/small.csv", "--out", "kept"];
+    let refused = identify(&args);
+    said_in_one_line(&refused, &args, &["--out kept", "holds a result", "--overwrite"]);
+    assert!(place.join("predictions/work-first-part.csv").exists());
+    identified("kept", &["--train", "bench/small.csv", "--overwrite"]);
+    assert_eq!(text_of(&own), "of the user");
+    assert!(!place.join("predictions/work-first-part.csv").exists());
+    assert!(!place.join("predictions/work-first-part.toml").exists());
+    assert!(place.join("predictions/small-first-part.csv").exists());
+}
+
+#[test]
+fn identify_replaced_files_that_it_had_not_written() {
+    let place = VISIT.join("foreign-files");
+    std::fs::create_dir_all(place.join("predictions")).unwrap();
+    for name in ["result.json", "predictions/work-last-part.csv"] {
+        let own = place.join(name);
+        std::fs::write(&own, "of the user").unwrap();
+        let args = ["--train", "bench/work.csv", "--out", "foreign-files", "--overwrite"];
+        said_in_one_line(&identify(&args), &args, &[name, "was not written by this program"]);
+        assert_eq!(text_of(&own), "of the user");
+        std::fs::remove_file(own).unwrap();
+    }
+}
+
+#[test]
+fn simulate_replaced_existing_files() {
+    let simulate = |out: &str, more: &[&str]| {
+        let args = ["simulate", "damper.toml", "bench/work.csv", "--out", out];
+        output(yawbench().args(args).args(more).current_dir(&*VISIT))
+    };
+    for (existing, out) in [("old.csv", "old.csv"), ("other.toml", "other.csv")] {
+        std::fs::write(VISIT.join(existing), "of the user").unwrap();
+        let parts = [out, existing, "exists", "--overwrite"];
+        said_in_one_line(&simulate(out, &[]), &[out], &parts);
+        assert_eq!(text_of(&VISIT.join(existing)), "of the user");
+        let done = simulate(out, &["--overwrite"]);
+        assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+        assert_ne!(text_of(&VISIT.join(existing)), "of the user");
+    }
+    // The mapping beside the CSV would be the model itself.
+    let damper = text_of(&VISIT.join("damper.toml"));
+    let refused = simulate("damper.csv", &["--overwrite"]);
+    said_in_one_line(&refused, &[], &["damper.csv", "damper.toml, which is an input"]);
+    assert_eq!(text_of(&VISIT.join("damper.toml")), damper);
+    said_in_one_line(&simulate("x.toml", &[]), &[], &["x.toml", "such as .csv"]);
+}
+
+/// Other programs read the CSV with their defaults, and its mapping states the direction.
+#[test]
+fn predictions_have_their_names_in_line_1_and_a_mapping() {
+    let args = ["simulate", "damper.toml", "bench/slow.csv", "--out", "plain.csv"];
+    let done = output(yawbench().args(args).current_dir(&*VISIT));
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let text = text_of(&VISIT.join("plain.csv"));
+    assert_eq!(text.lines().next(), Some(COLUMNS));
+    let columns = COLUMNS.split(',').count();
+    assert!(text.lines().all(|line| line.split(',').count() == columns));
+    // The mapping fits the file that it belongs to.
+    let args = ["simulate", "damper.toml", "plain.csv", "--mapping", "plain.toml"];
+    let again = output(yawbench().args(args).args(["--out", "again.csv"]).current_dir(&*VISIT));
+    assert_eq!(again.status.code(), Some(0), "{}", String::from_utf8_lossy(&again.stderr));
+    let extension = |name: &str| text_of(&VISIT.join(name)).lines().last().map(str::to_owned);
+    assert_eq!(extension("again.toml").as_deref(), Some("extension = \"positive\""));
+    assert_eq!(extension("plain.toml"), extension("again.toml"));
+}
+
+#[test]
 fn bad_input_gets_one_line_and_nothing_is_written() {
     let good = text_of(&VISIT.join("bench/work.csv"));
     let lines: Vec<&str> = good.lines().collect();

@@ -24,7 +24,15 @@ const SINES: [Sine; 5] = [
 
 /// What `identify --empirical` prints and its result, held against the schema.
 fn identified(place: &Path) -> (String, Value) {
-    let mut args = vec!["identify", "--empirical", "--out", "found", "--holdout", "bench/fast.csv"];
+    let mut args = vec![
+        "identify",
+        "--empirical",
+        "--overwrite",
+        "--out",
+        "found",
+        "--holdout",
+        "bench/fast.csv",
+    ];
     args.extend(["--train", "bench/work.csv", "bench/large.csv", "bench/small.csv"]);
     args.push("bench/slow.csv");
     let text = said(place, &args);
@@ -122,10 +130,13 @@ fn it_runs_in_a_vehicle(found: &Path) {
 }
 
 #[test]
-fn where_nothing_is_left_there_is_no_map_and_no_file_of_an_earlier_one() {
+fn a_residual_of_noise_gets_no_map_and_the_file_of_an_earlier_one_is_removed() {
     let place = visit("identify-no-map", DAMPER, &SINES, "");
     std::fs::create_dir_all(place.join("found")).unwrap();
     std::fs::write(place.join("found/model-empirical.toml"), "of an earlier one").unwrap();
+    let manifest = "{\"format\": 1, \"command\": \"identify\", \"identity\": null, \
+        \"files\": [\"model-empirical.toml\"]}";
+    std::fs::write(place.join("found/manifest.json"), manifest).unwrap();
     let (text, result) = identified(&place);
     assert_eq!(result["verdict"], "no_missing_effect");
     assert_eq!(result["empirical"]["kept"], false, "{}", result["empirical"]);

@@ -173,6 +173,6 @@ fn a_map_that_was_asked_for_comes_last_and_is_called_no_physics() {
     let verdict = found.result.verdict;
     let unexplained = [Verdict::Unexplained, Verdict::EffectsFoundAndUnexplained];
     assert!(unexplained.contains(&verdict), "the map has changed the verdict: {verdict:?}");
-    let titles = ["something is left without a name", "and more is left"];
+    let titles = ["structure without a name remains", "and structure remains"];
     assert!(titles.iter().any(|title| text.contains(title)), "the page does not say so");
 }

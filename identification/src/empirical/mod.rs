@@ -1,18 +1,18 @@
-//! A smooth map over one coordinate on what is left when the search is over: empirical, no physics.
+//! A smooth map over one coordinate of the final residual: empirical, no physics.
 //!
 //! ```text
 //! y = F + m_s(q)        q, s: coordinate and sense of motion of the damper that was found
 //! ```
 //!
-//! The coordinates of the left-over are tried in the order of what they explain, those that a damper
-//! knows while it runs: displacement, dashpot velocity, force, time since reversal. Coordinate and
-//! branch come from walking the damper itself, so what is fitted (`smooth`) is what `simulate` does.
-//! Judged is each piece with a model and a map that have not seen it; what counts is what counts for
-//! an effect, but for chance: a map claims nothing. The first that gains is taken, and kept if it is
-//! no worse on the tests held out.
+//! The coordinates are tried in the order of what they explain, those that a damper knows while it
+//! runs: displacement, dashpot velocity, force, time since reversal. Coordinate and branch come
+//! from simulating the damper itself, so the map that is fitted (`smooth`) is the one that
+//! `simulate` runs. Each piece is judged with a model and a map that have not seen it; the criteria
+//! are those for an effect, except significance, since a map claims nothing. The first map that
+//! gains is taken, and kept if it is no worse on the tests held out.
 //!
-//! Limits: it says nothing of what it stands for, and holds inside the range of the records only. The
-//! coordinate of a left-out piece is that of the damper fitted to all pieces.
+//! Limits: the map does not say what causes it, and is valid inside the range of the records only.
+//! The coordinate of a left-out piece is that of the damper fitted to all pieces.
 
 mod smooth;
 
@@ -28,27 +28,27 @@ use firmware_core::damper::{Damper, EmpiricalMap, MapCoordinate, MapKnot};
 use rayon::prelude::*;
 use smooth::{Along, Piece};
 
-/// What came of the wish for a map.
+/// A map that was asked for, kept or not.
 #[derive(Debug, Clone)]
 pub struct Empirical {
     /// It is kept.
     pub kept: bool,
-    /// Why, or why not.
+    /// The reason.
     pub why: String,
     /// The map that was fitted, if any could be.
     pub fitted: Option<FittedMap>,
 }
 
-/// A map fitted to what is left.
+/// A map fitted to the residual.
 #[derive(Debug, Clone)]
 pub struct FittedMap {
     /// The map.
     pub map: EmpiricalMap,
-    /// The damper that was found, with it.
+    /// The damper that was found, with the map.
     pub damper: Damper,
-    /// Share of the squared error that it takes away on pieces left out.
+    /// Share of the squared error on left-out pieces that it removes.
     pub holdout_gain: f64,
-    /// Share of those pieces that it improves or leaves as they are.
+    /// Share of those pieces that it improves or leaves unchanged.
     pub tests_improved: f64,
     /// Simulated force of every training test, N.
     pub on_train: Vec<Vec<f64>>,
@@ -69,15 +69,15 @@ impl Empirical {
     }
 }
 
-/// Fits a map to what the model leaves over, and judges it. `left` is what it leaves over on the
-/// training tests, `on_holdout` the model on the tests held out.
+/// Fits a map to the residual of a model on the training tests, and judges it. `on_holdout` is the
+/// model on the tests held out.
 pub fn empirical(
     model: &Judged,
-    left: &ResidualAnalysis,
+    residual: &ResidualAnalysis,
     on_holdout: Option<&Fit>,
     (train, holdout): (&TestSet, &TestSet),
 ) -> Empirical {
-    let explaining = left.maps.iter().filter(|map| map.share > 0.0);
+    let explaining = residual.maps.iter().filter(|map| map.share > 0.0);
     let coordinates = explaining.filter_map(|map| map.coordinate.of_a_damper());
     let mut best: Option<(Trial, Option<String>)> = None;
     for coordinate in coordinates {
@@ -90,8 +90,8 @@ pub fn empirical(
         best.get_or_insert((trial, objection));
     }
     let Some((trial, mut objection)) = best else {
-        let why = "no coordinate that a running damper knows explains any of what is left on tests \
-                   left out";
+        let why = "no coordinate that a running damper knows explains any of the residual on \
+                   left-out tests";
         return Empirical { kept: false, why: why.to_owned(), fitted: None };
     };
     let fitted = trial.on(train, holdout);
@@ -99,7 +99,7 @@ pub fn empirical(
     let kept = objection.is_none();
     let why = objection.unwrap_or_else(|| {
         format!(
-            "takes away {:.1} % of the squared error on tests left out, improves or leaves unchanged \
+            "removes {:.1} % of the squared error on left-out tests, improves or leaves unchanged \
              {:.0} % of them",
             100.0 * fitted.holdout_gain,
             100.0 * fitted.tests_improved
@@ -181,7 +181,7 @@ fn try_map(coordinate: MapCoordinate, model: &Judged, tests: &TestSet) -> Option
     })
 }
 
-/// Slow enough for the slowest test.
+/// A speed of reversal that is slow enough for the slowest test.
 fn reversal_m_per_s(tests: &TestSet) -> f64 {
     let largest = tests
         .tests
@@ -192,14 +192,14 @@ fn reversal_m_per_s(tests: &TestSet) -> f64 {
 }
 
 impl Trial {
-    /// What speaks against it, if anything does.
+    /// The reason against the map, if there is one.
     fn objection(&self) -> Option<String> {
         too_little(self.seen_gain, "the tests it is fitted to")
             .or_else(|| too_little(self.holdout_gain, "tests left out"))
             .or_else(|| too_seldom(self.tests_improved))
     }
 
-    /// Free-running on all tests, every dashpot started anew.
+    /// Free-run simulation of all tests, with the initial position of every dashpot found again.
     fn on(self, train: &TestSet, holdout: &TestSet) -> FittedMap {
         let run = |tests: &TestSet| {
             let each = tests
@@ -214,7 +214,7 @@ impl Trial {
     }
 }
 
-/// Why a map that predicts the tests held out worse than the model without it is not kept.
+/// The reason against a map that predicts the held-out tests worse than the model without it.
 fn worse(fitted: &FittedMap, without: Option<&Fit>, holdout: &TestSet) -> Option<String> {
     let before = holdout.rmse_n(&without?.force_n)?;
     let after = holdout.rmse_n(&fitted.on_holdout)?;

@@ -4,10 +4,10 @@
 //! sum (r - sum_k c_k h_k(q))^2 + w n sum_k (c_(k-1) - 2 c_k + c_(k+1))^2 -> min
 //! ```
 //!
-//! r residual, q coordinate, `h_k` hat functions at the knots of a branch, n samples per knot. Knots are
-//! quantiles, and the penalty counts in knots and not in the coordinate, so the map may bend where
-//! there are many samples. w is the weight whose maps predict pieces best that they were not
-//! fitted to; for the judgement of a piece it is chosen without that piece too.
+//! r residual, q coordinate, `h_k` hat functions at the knots of a branch, n samples per knot.
+//! Knots are quantiles, and the penalty counts in knots and not in the coordinate, so the map may
+//! bend where there are many samples. w is the weight with which maps predict left-out pieces best;
+//! to judge a piece, it is chosen without that piece too.
 
 use crate::gram::Gram;
 use firmware_core::damper::{EmpiricalMap, MAP_KNOTS};
@@ -17,7 +17,7 @@ use std::ops::Range;
 
 /// Weights of the penalty that are tried, the smoothest first.
 const WEIGHTS: [f64; 9] = [1e4, 1e3, 1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4];
-/// Pull of every value towards zero, in samples per knot: for knots that nothing is near.
+/// Pull of every value towards zero, in samples per knot: for knots without samples nearby.
 const PULL: f64 = 1e-6;
 /// Knots closer than this share of the whole range are one.
 const CLOSEST: f64 = 2e-3;
@@ -41,7 +41,7 @@ pub(super) fn places(mut values: Vec<f64>) -> Option<Vec<f64>> {
     (last > first && places.len() >= FEWEST_KNOTS).then_some(places)
 }
 
-/// What a coordinate was sample by sample, and which branch.
+/// A coordinate and its branch, sample by sample.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Along {
     /// The coordinate.
@@ -51,8 +51,8 @@ pub(super) struct Along {
 }
 
 impl Along {
-    /// Normal equations of a residual over some samples, upper branch first. `map` says where knots
-    /// are and finds a place between them as it will when it runs.
+    /// Normal equations of a residual over some samples, upper branch first. `map` holds the knots
+    /// and finds a place between them as it does when it runs.
     pub(super) fn gram(
         &self,
         map: &EmpiricalMap,
@@ -83,8 +83,8 @@ impl Along {
     }
 }
 
-/// A piece of record: the residual that a map is fitted to, and that of a model which has not seen
-/// the piece, by which it is judged.
+/// A piece of record: the residual that a map is fitted to, and the residual by which it is judged,
+/// of a model that has not seen the piece.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
     /// Of the model fitted to all pieces.
@@ -93,16 +93,16 @@ pub(super) struct Piece {
     pub(super) unseen: Gram,
 }
 
-/// A map fitted to all pieces, and what maps fitted to the others do to each.
+/// A map fitted to all pieces, and for each piece the error with a map fitted to the others.
 #[derive(Debug, Clone)]
 pub(super) struct Smoothed {
     /// Values at the knots, upper branch first, N.
     pub(super) values_n: DVector<f64>,
-    /// Share of the squared error that it takes away on the pieces it is fitted to.
+    /// Share of the squared error that it removes on the pieces it is fitted to.
     pub(super) seen_gain: f64,
     /// Squared error of each piece before, N2.
     pub(super) before_n2: Vec<f64>,
-    /// The same with a map that does not know the piece, N2.
+    /// The same with a map that has not seen the piece, N2.
     pub(super) after_n2: Vec<f64>,
 }
 
@@ -251,7 +251,7 @@ mod tests {
         }
         let (before, after): (f64, f64) =
             (smoothed.before_n2.iter().sum(), smoothed.after_n2.iter().sum());
-        // 10 N of noise are left of 10 N and about 20 N.
+        // 10 N of noise remain of 10 N and about 20 N.
         let rms = (after / (PIECES * SAMPLES) as f64).sqrt();
         assert!((rms - 10.0).abs() < 0.4 && after < 0.3 * before, "{rms}");
         assert!((smoothed.seen_gain - (1.0 - after / before)).abs() < 0.02);

@@ -1,11 +1,11 @@
-//! Candidates by what they gain on tests left out.
+//! Candidates by their gain on left-out pieces.
 
 use super::prefix::quantity;
 use super::words::spoken;
 use crate::identify::Identification;
 use report::{Cell, Plot, Section, Table};
 
-/// A loss beyond this is drawn to the edge: how bad a wrong effect is does not matter, %.
+/// A loss beyond this is drawn to the edge, %: the size of a loss does not matter.
 const WORST_DRAWN: f64 = -20.0;
 
 /// Candidates, ranked.
@@ -16,15 +16,15 @@ pub(super) fn section(identification: &Identification) -> Section {
     let error_n = |total_n2: f64| quantity((total_n2 / samples).sqrt(), "N");
     let before = error_n(findings.refitted.left_out.total_n2());
     let mut section = Section::new("Candidates").text(&format!(
-        "Every effect of the catalogue was compared with the residual to first order; the best were \
-         fitted together with all other parameters and judged on pieces of record that their fit had \
-         not seen. There the refitted model is off by {before} rms{}. The gain is the share of that \
-         squared error that a candidate takes away.",
+        "Every effect of the catalogue was compared with the residual to first order; the best \
+         were fitted together with all other parameters and judged on pieces of record that \
+         their fit had not seen. There the error of the refitted model is {before} rms{}. The \
+         gain is the share of that squared error that a candidate removes.",
         if result.effects.is_empty() {
             String::new()
         } else {
             let after = error_n(findings.with_effects.left_out.total_n2());
-            format!(", the final one by {after}")
+            format!(", that of the final one {after}")
         }
     ));
     let added: Vec<(String, f64)> = result
@@ -41,16 +41,16 @@ pub(super) fn section(identification: &Identification) -> Section {
     if !added.is_empty() || !tried.is_empty() {
         let largest = added.iter().chain(&tried).fold(0.0, |most: f64, (_, gain)| most.max(*gain));
         let least = tried.iter().fold(0.0, |least: f64, (_, gain)| least.min(*gain));
-        let mut plot = Plot::new("Gain on pieces left out")
+        let mut plot = Plot::new("Gain on left-out pieces")
             .palette(&["added", "tried and not added"])
-            .x("squared error taken away", "%")
+            .x("squared error removed", "%")
             .at("", 3.0)
             .x_range(least.max(WORST_DRAWN) - 0.5..=(1.08 * largest).max(5.0))
             .caption(if added.is_empty() {
-                "An effect is added from 3 % on (dotted), if everything else speaks for it too."
+                "An effect is added from 3 % on (dotted), if it passes all other tests too."
             } else {
-                "The gain of an added effect counts from the model before it, that of the others from \
-                 the final model: what is left for them to explain. Dotted: the 3 % that are needed."
+                "The gain of an added effect counts from the model before it, that of the others \
+                 from the final model. Dotted: the 3 % that are needed."
             });
         for (name, bars) in [("added", &added), ("tried and not added", &tried)] {
             if !bars.is_empty() {
@@ -61,14 +61,18 @@ pub(super) fn section(identification: &Identification) -> Section {
         }
         section = section.plot(plot);
     } else {
-        section = section.text("None was worth a fit: to first order none explains the residual.");
+        section = section.text(if result.interrupted {
+            "None was judged before the search was interrupted."
+        } else {
+            "None was fitted: to first order none explains the residual."
+        });
     }
     section.table(table(identification))
 }
 
 fn table(identification: &Identification) -> Table {
     let result = &identification.result;
-    let mut table = Table::new("Candidates by their gain on pieces left out")
+    let mut table = Table::new("Candidates by their gain on left-out pieces")
         .text("effect")
         .text("verdict")
         .number_with_digits("gain", "%", 3)

@@ -8,27 +8,28 @@ use crate::residual::coordinates::Coordinate;
 use crate::residual::maps::CoordinateMap;
 use report::{Cell, Plot, Section, Table};
 
-/// A map that explains less, or by chance with a larger probability, does not stand out.
+/// Least share that a map has to explain to be marked, and largest probability of that by chance.
 const LEAST_SHARE: f64 = 0.01;
 const LARGEST_P: f64 = 1e-3;
 
-/// What the refitted model leaves over.
+/// The residual of the refitted model.
 pub(super) fn section(identification: &Identification) -> Section {
     let left = &identification.residual_before;
-    let mut section = Section::new("What the refitted model leaves over").text(&format!(
-        "The residual of all fitted tests, {} rms, is averaged over each coordinate in bins of equal \
-         content, apart for the two branches of the motion. A model that lacks nothing leaves flat \
-         lines. The share says how much of the squared residual the curve of some tests explains on \
-         the others: below zero it is chance.",
+    let mut section = Section::new("The residual of the refitted model").text(&format!(
+        "The residual of all fitted tests, {} rms, is averaged over each coordinate in bins of \
+         equal content, separately for the two branches of the motion. A model that lacks \
+         nothing leaves flat lines. The share is the part of the squared residual that the curve \
+         of some tests explains on the others: below zero it is chance.",
         quantity(left.rms_n, "N")
     ));
     section = match strongest(left) {
         Some(map) => section.text(&format!(
-            "It lives mostly over {}: the curve explains {} of the squared residual on tests left out.",
+            "It depends most on {}: the curve explains {} of the squared residual on left-out \
+             tests.",
             name_of(map.coordinate).0,
             percent(map.share)
         )),
-        None => section.text("No coordinate explains more of it than chance does."),
+        None => section.text("No coordinate explains more of it than chance."),
     };
     section = section.plots(plots(identification, left, None)).table(shares(left, None));
     if let Some(part) = &identification.result.unexplained_before {
@@ -96,10 +97,10 @@ pub(super) fn plots(
 fn caption(map: &CoordinateMap) -> String {
     let by_chance = probability(map.p_value);
     if map.share <= 0.0 {
-        return format!("Explains nothing on tests left out ({by_chance}).");
+        return format!("Explains nothing on left-out tests ({by_chance}).");
     }
     format!(
-        "Explains {} of the squared residual on tests left out: {} rms, {by_chance}.",
+        "Explains {} of the squared residual on left-out tests: {} rms, {by_chance}.",
         percent(map.share),
         quantity(map.rms_n, "N")
     )
@@ -108,7 +109,7 @@ fn caption(map: &CoordinateMap) -> String {
 /// Shares of all coordinates.
 pub(super) fn shares(left: &ResidualAnalysis, before: Option<&ResidualAnalysis>) -> Table {
     let mut table =
-        Table::new("What each coordinate explains on tests left out").text("coordinate");
+        Table::new("The part that each coordinate explains on left-out tests").text("coordinate");
     if before.is_some() {
         table = table.number_with_digits("before: share", "%", 3).number_with_digits("rms", "N", 3);
     }

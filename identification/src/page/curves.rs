@@ -2,21 +2,16 @@
 
 use super::prefix::Prefixed;
 use super::shown::Shown;
+use crate::tables::{DATASHEET, REFITTED, WITH_EFFECTS};
 use report::Plot;
 use std::ops::Range;
 
 /// The record.
 pub(super) const MEASURED: &str = "measured";
-/// The maker's model.
-pub(super) const DATASHEET: &str = "datasheet";
-/// The nominal model refitted.
-pub(super) const REFITTED: &str = "refitted";
-/// The model with what was found.
-pub(super) const WITH_EFFECTS: &str = "with effects";
 /// Colours of the models, the same in every plot.
 pub(super) const PALETTE: [&str; 3] = [WITH_EFFECTS, DATASHEET, REFITTED];
 
-/// A whole record and its enlarged stretch stand below each other on one sheet of A4.
+/// A whole record and its enlarged stretch fit on one sheet of A4, one below the other.
 const TIME_HEIGHT_PX: u32 = 420;
 const LOOP_HEIGHT_PX: u32 = 360;
 
@@ -71,7 +66,7 @@ pub(super) fn over_time(title: &str, shown: &Shown<'_>, which: Which) -> Plot {
                 (*name, pairs.map(|(y, f)| y - f).collect())
             })
             .collect();
-        // The run-in is drawn and not counted; it shall not set the scale.
+        // The run-in is drawn and not counted; it does not set the scale.
         let largest = residuals
             .iter()
             .flat_map(|(_, residual)| &residual[counted.clone()])
@@ -93,7 +88,7 @@ pub(super) fn over_time(title: &str, shown: &Shown<'_>, which: Which) -> Plot {
     if let (Some(from), Some(to)) = (time_s.get(stretch.start), time_s.get(stretch.end - 1))
         && 2 * stretch.len() < samples
     {
-        plot = plot.zoom("Enlarged: where the refitted model is off by most", *from..=*to);
+        plot = plot.zoom("Enlarged: where the error of the refitted model is largest", *from..=*to);
     }
     plot
 }

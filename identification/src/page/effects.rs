@@ -1,5 +1,4 @@
-//! The effects that were added: equation, parameters, what each does to the force, and what speaks
-//! for it.
+//! The effects that were added: equation, parameters, contribution to the force, and evidence.
 
 use super::curves::{Which, over_time};
 use super::models::deviation;
@@ -26,8 +25,8 @@ pub(super) fn section(identification: &Identification, telling: Option<&Shown<'_
     let mut section = Section::new(&heading);
     if effects.is_empty() {
         return section.text(if identification.result.unexplained.is_some() {
-            "No effect of the catalogue passed all tests, and none is put in its place: what is left \
-             over stays without a name."
+            "No effect of the catalogue passed all tests, so none was added: the structure in the \
+             residual has no name."
         } else {
             "The refitted model is the final one."
         });
@@ -59,7 +58,7 @@ fn one(
         .text(&format!("It sits {}.", place(effect.place)))
         .preformatted(effect.equation)
         .tiles([
-            Tile::text("gain on pieces left out", &percent(effect.evidence.holdout_gain)),
+            Tile::text("gain on left-out pieces", &percent(effect.evidence.holdout_gain)),
             Tile::text("pieces improved or unchanged", &percent(effect.evidence.tests_improved)),
             Tile::text("by chance", &probability(effect.evidence.p_value)),
         ]);
@@ -88,18 +87,18 @@ fn one(
     }
     if effect.alternatives.is_empty() {
         return section
-            .text("These records tell it apart from every other effect that they can show.");
+            .text("These records distinguish it from every other effect that they can show.");
     }
     let rivals: Vec<String> = effect.alternatives.iter().map(|name| spoken(name)).collect();
     section.warning(&format!(
-        "These records cannot tell it from {}: with either the model predicts as well. It was chosen \
-         for its fewer parameters or smaller error, not for being the one.",
+        "These records cannot distinguish it from {}: with either the model predicts as well. It \
+         was chosen for fewer parameters or a smaller error, which does not prove it.",
         listed(&rivals)
     ))
 }
 
-/// What the effect does to the force: the final model less the same without it, in the test where
-/// that is most.
+/// The contribution of the effect to the force: the final model less the same without it, in the
+/// test where that is largest.
 fn contribution(identification: &Identification, index: usize, effect: &EffectFound) -> Vec<Plot> {
     let fit = identification.findings.with_effects.fit();
     let tests = &identification.train;
@@ -146,9 +145,9 @@ fn contribution(identification: &Identification, index: usize, effect: &EffectFo
 
 fn place(name: &str) -> &'static str {
     match name {
-        "inboard" => "inboard, beside the oil and inside the attachment, which filters it",
+        "inboard" => "inboard, parallel to the oil and inside the attachment, which filters it",
         "attachment" => "in the attachment, in series with the oil",
-        "parallel" => "beside the whole damper, between its eyes",
+        "parallel" => "parallel to the whole damper, between its eyes",
         "sensor" => {
             "between the force and its reading: it belongs to the bench and not to the damper"
         }

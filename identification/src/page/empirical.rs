@@ -1,32 +1,31 @@
-//! The empirical map, for those who asked for one: last, and apart from everything that has a name.
+//! The empirical map, where it was asked for: last, and separate from everything that has a name.
 
 use super::coordinates::{branches, name_of, present};
-use super::curves::{REFITTED, WITH_EFFECTS};
 use super::prefix::{Prefixed, quantity};
 use super::words::capitalised;
 use crate::empirical::{Empirical, FittedMap};
 use crate::identify::Identification;
 use crate::result::Errors;
+use crate::tables::{EMPIRICAL_MAP, REFITTED, WITH_EFFECTS};
 use firmware_core::damper::MapKnot;
 use report::{Cell, Plot, Section, Table};
 
-/// The map's own name.
-const MAP: &str = "empirical map";
-/// What it was fitted to.
+/// The curve that it was fitted to.
 const LEFT: &str = "mean residual";
 
-/// The map, kept or not; nothing where nobody asked for one.
+/// The map, kept or not; none where it was not asked for.
 pub(super) fn section(identification: &Identification) -> Option<Section> {
     let tried = identification.empirical.as_ref()?;
     let mut section = Section::new("An empirical map (no physics)").text(
-        "Asked for with --empirical: when the search for named effects is over, a smooth curve is put on \
-         what is left, over the coordinate that explains most of it. It describes and explains nothing. \
-         It changes neither verdict nor effects, and what is told as unexplained stays so.",
+        "Asked for with --empirical: after the search for named effects, a smooth curve is \
+         fitted to the residual, over the coordinate that explains most of it. It describes and \
+         explains nothing. It changes neither the verdict nor the effects, and does not make \
+         unexplained structure explained.",
     );
     section = if tried.kept {
         section.note(
-            "Kept, in model-empirical.toml beside model.toml: no physics, valid only inside the range of \
-             these records, constant beyond its ends, with no balance of energy.",
+            "Kept, in model-empirical.toml: no physics, valid only inside the range of these \
+             records, constant beyond its ends, without a balance of energy.",
         )
     } else {
         section.note(&format!("Not kept: {}.", tried.why))
@@ -38,7 +37,7 @@ pub(super) fn section(identification: &Identification) -> Option<Section> {
     Some(section.plot(curve(identification, fitted)?).table(errors(identification, tried, fitted)))
 }
 
-/// Both branches over the coordinate, with what the model without it leaves over behind them.
+/// Both branches over the coordinate, with the residual of the model without it behind them.
 fn curve(identification: &Identification, fitted: &FittedMap) -> Option<Plot> {
     let over = fitted.map.coordinate();
     let left = &identification.residual_after.maps;
@@ -50,13 +49,13 @@ fn curve(identification: &Identification, fitted: &FittedMap) -> Option<Plot> {
     let (at, upper_n, lower_n) = (all(|k| k.at), all(|k| k.upper_n), all(|k| k.lower_n));
     let x = Prefixed::for_all(unit, &at);
     let force = Prefixed::for_all("N", upper_n.iter().chain(&lower_n));
-    let mut plot = Plot::new(&format!("{} over {name}", capitalised(MAP)))
+    let mut plot = Plot::new(&format!("{} over {name}", capitalised(EMPIRICAL_MAP)))
         .palette(&[upper, lower])
         .x(name, &x.unit)
         .y("force added", &force.unit)
         .caption(&format!(
-            "Straight between its {} knots. In grey the mean residual in bins of equal content. The \
-             motion turns at {} the other way.",
+            "Straight between its {} knots. Grey: the mean residual in bins of equal content. The \
+             branch changes at {} in the other direction.",
             at.len(),
             quantity(fitted.map.reversal_m_per_s(), "m/s")
         ));
@@ -86,13 +85,17 @@ fn errors(identification: &Identification, tried: &Empirical, fitted: &FittedMap
     };
     let with_map = result.empirical.as_ref().and_then(|part| part.errors);
     let kept = if tried.kept { "kept" } else { "not kept" };
-    Table::new("Error of free-running simulation, without the map and with it")
+    Table::new("Error of free-run simulation, without the map and with it")
         .text("model")
         .number("fitted tests, rms", "N")
         .number_with_digits("of the force", "%", 3)
         .number("held-out tests, rms", "N")
         .number_with_digits("of the force", "%", 3)
-        .number_with_digits("less squared error on pieces left out", "%", 3)
+        .number_with_digits("squared error removed on left-out pieces", "%", 3)
         .row(row(before, result.errors.with_effects, Cell::Empty))
-        .row(row(&format!("{MAP}, {kept}"), with_map, (100.0 * fitted.holdout_gain).into()))
+        .row(row(
+            &format!("{EMPIRICAL_MAP}, {kept}"),
+            with_map,
+            (100.0 * fitted.holdout_gain).into(),
+        ))
 }

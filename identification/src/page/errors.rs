@@ -1,8 +1,8 @@
 //! Errors, test by test.
 
-use super::curves::{DATASHEET, REFITTED, WITH_EFFECTS};
 use crate::identify::Identification;
 use crate::result::{Models, PerTest};
+use crate::tables::{DATASHEET, REFITTED, WITH_EFFECTS};
 use report::{Cell, Section, Table};
 
 /// The error tables.
@@ -41,11 +41,16 @@ pub(super) fn section(identification: &Identification) -> Section {
         peaks = peaks.row(cells(row, &row.peak_force_error, 100.0));
         works = works.row(cells(row, &row.work_per_cycle_error, 100.0));
     }
-    let less = if added { " \"Less by\" is from refitted to with effects." } else { "" };
+    let less = if added {
+        " \"Less by\" compares the model with effects to the refitted one."
+    } else {
+        ""
+    };
     Section::new("Errors, test by test")
         .text(&format!(
-            "All of free-running simulation, over all samples but the run-in.{less} Peak and work are \
-             simulated over measured, less one; work has no value where a test has no cycles."
+            "All errors are those of free-run simulation, over all samples but the run-in.{less} \
+             Peak and work are simulated over measured, less one; a test without cycles has no \
+             value of work."
         ))
         .table(rms)
         .table(peaks)

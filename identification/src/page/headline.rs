@@ -1,12 +1,12 @@
-//! What a reader wants to know first, and at the end how it was found out.
+//! The summary at the top of the page, and the method and notes at its end.
 
-use super::curves::{DATASHEET, REFITTED, WITH_EFFECTS};
 use super::prefix::{Prefixed, quantity};
 use super::words::{floor_has_lines, percent};
 use crate::identify::Identification;
 use crate::result::Errors;
+use crate::tables;
 use crate::test_set::TestSet;
-use report::{Cell, Section, Table, Tile, significant};
+use report::{Section, Tile, significant};
 
 /// Names and values under the title.
 pub(super) fn facts(identification: &Identification) -> Vec<(&'static str, String)> {
@@ -39,7 +39,7 @@ pub(super) fn section(identification: &Identification) -> Section {
     let result = &identification.result;
     let errors = &result.errors;
     let held_out = errors.refitted.is_some_and(|errors| errors.holdout_rmse_n.is_some());
-    let shown: Vec<(&str, f64, f64)> = models(identification)
+    let shown: Vec<(&str, f64, f64)> = tables::models(&identification.result)
         .into_iter()
         .filter_map(|(name, errors)| {
             let (rmse_n, share) = judged(errors.as_ref()?);
@@ -66,40 +66,32 @@ pub(super) fn section(identification: &Identification) -> Section {
         },
     ));
     tiles.push(match &result.unexplained {
-        None => Tile::text("left unexplained", "nothing").good(),
+        None => Tile::text("unexplained", "nothing").good(),
         Some(part) => {
             let prefixed = Prefixed::for_size("N", part.rms_n);
-            Tile::number("left unexplained, rms", prefixed.value(part.rms_n), &prefixed.unit).bad()
+            Tile::number("unexplained, rms", prefixed.value(part.rms_n), &prefixed.unit).bad()
         }
     });
-    let mut section = Section::new("In short").tiles(tiles).text(&story(identification, held_out));
-    if !held_out {
-        section = section.note(
-            "No test was held out: the errors are those of the fitted tests. What an effect gains was \
-             still judged on pieces left out of the fit one by one.",
+    let mut section = Section::new("Summary").tiles(tiles).text(&story(identification, held_out));
+    if result.interrupted {
+        section = section.warning(
+            "The search was interrupted. The findings are those of the rounds until then: \
+             effects may be missing that a complete search would find.",
         );
     }
-    section.table(summary(identification))
+    if !held_out {
+        section = section.note(
+            "No test was held out: the errors are those of the fitted tests. The gain of an \
+             effect was still judged on pieces left out of the fit one by one.",
+        );
+    }
+    section.table(tables::errors(identification))
 }
 
 /// Error and its share of the force: on tests held out, if there are any.
 fn judged(errors: &Errors) -> (f64, f64) {
     let fitted = (errors.train_rmse_n, errors.train_nrmse);
     errors.holdout_rmse_n.zip(errors.holdout_nrmse).unwrap_or(fitted)
-}
-
-/// The models there are, with their errors: the last is the refitted one where nothing was added.
-fn models(identification: &Identification) -> Vec<(&'static str, Option<Errors>)> {
-    let errors = &identification.result.errors;
-    let mut models = Vec::new();
-    if errors.datasheet.is_some() {
-        models.push((DATASHEET, errors.datasheet));
-    }
-    models.push((REFITTED, errors.refitted));
-    if !identification.result.effects.is_empty() {
-        models.push((WITH_EFFECTS, errors.with_effects));
-    }
-    models
 }
 
 fn story(identification: &Identification, held_out: bool) -> String {
@@ -109,14 +101,14 @@ fn story(identification: &Identification, held_out: bool) -> String {
     let mut sentences = Vec::new();
     if let Some(datasheet) = share(&result.errors.datasheet) {
         sentences.push(format!(
-            "With the datasheet's numbers the model misses the force of {tests} by {datasheet} rms."
+            "With the datasheet's numbers the error of the force of {tests} is {datasheet} rms."
         ));
     }
     if let Some(refitted) = share(&result.errors.refitted) {
         sentences.push(if sentences.is_empty() {
-            format!("Refitted to the records, the model misses the force of {tests} by {refitted}.")
+            format!("Refitted to the records, the model has an error of {refitted} on {tests}.")
         } else {
-            format!("Refitted to the records it misses it by {refitted}.")
+            format!("Refitted to the records, it is {refitted}.")
         });
     }
     let with_effects = share(&result.errors.with_effects).filter(|_| !result.effects.is_empty());
@@ -125,48 +117,16 @@ fn story(identification: &Identification, held_out: bool) -> String {
             result.effects.iter().map(|effect| super::words::spoken(effect.name)).collect();
         sentences.push(format!("With {} it is {with_effects}.", super::words::listed(&names)));
     }
-    let floor = floor_share(identification);
+    let floor = tables::floor_share(identification);
     let (floor, method) = (percent(floor), &result.noise_floor_method);
-    let lines = if floor_has_lines(result) { ", lines of the spectrum counted in" } else { "" };
+    let lines = if floor_has_lines(result) { ", including lines of the spectrum" } else { "" };
     sentences.push(format!(
         "Noise alone is {floor} of the force of the fitted tests ({method}{lines})."
     ));
     sentences.join(" ")
 }
 
-/// The noise floor over the force of the fitted tests.
-fn floor_share(identification: &Identification) -> f64 {
-    let force_n = identification.train.measured_rms_n().unwrap_or(f64::NAN);
-    identification.result.noise_floor_n / force_n
-}
-
-/// Errors of the three models.
-fn summary(identification: &Identification) -> Table {
-    let mut table = Table::new("Error of free-running simulation")
-        .text("model")
-        .number("fitted tests, rms", "N")
-        .number_with_digits("of the force", "%", 3)
-        .number("held-out tests, rms", "N")
-        .number_with_digits("of the force", "%", 3);
-    for (name, errors) in models(identification) {
-        table = table.row([
-            Cell::from(name),
-            errors.map(|errors| errors.train_rmse_n).into(),
-            errors.map(|errors| 100.0 * errors.train_nrmse).into(),
-            errors.and_then(|errors| errors.holdout_rmse_n).into(),
-            errors.and_then(|errors| errors.holdout_nrmse).map(|share| 100.0 * share).into(),
-        ]);
-    }
-    table.row([
-        Cell::from("noise floor"),
-        identification.result.noise_floor_n.into(),
-        (100.0 * floor_share(identification)).into(),
-        Cell::Empty,
-        Cell::Empty,
-    ])
-}
-
-/// How it was done, and what the reader should know.
+/// The method, and notes for the reader.
 pub(super) fn about(identification: &Identification) -> Section {
     let train = &identification.train;
     let left_out = if train.whole_tests {
@@ -180,19 +140,24 @@ pub(super) fn about(identification: &Identification) -> Section {
     let tried = identification.empirical.as_ref();
     let mut section = Section::new("How this was done")
         .text(
-            "A laboratory tool and no safety function. Errors are measured less simulated force, \
-             simulated free-running from the measured displacement, over all samples but the run-in of \
-             each test. Where the dashpot stands at the start of a test is taken from the run-in. \
-             Uncertainties are one standard deviation from the scatter of independent blocks.",
+            "A laboratory tool and no safety function. Errors are the measured less the \
+             simulated force, in free-run simulation from the measured displacement, over all \
+             samples but the run-in of each test. The initial position of the dashpot is found \
+             from the run-in. Uncertainties are one standard deviation from the scatter of \
+             independent blocks.",
         )
         .text(&format!(
-            "Candidates were judged by leaving out {left_out}. Tests held out were used for nothing but \
+            "Candidates were judged by leaving out {left_out}. Tests held out were used only for \
              the errors shown{}.",
-            if tried.is_some() { " and to refuse an empirical map that is worse on them" } else { "" }
+            if tried.is_some() {
+                " and to refuse an empirical map that is worse on them"
+            } else {
+                ""
+            }
         ))
         .text(&format!(
-            "The numbers are in result.json, the damper in model.toml{}, every simulated sample in the \
-             folder predictions.",
+            "The numbers are in result.json, the damper in model.toml{}, and every simulated \
+             sample in the folder predictions.",
             if tried.is_some_and(|tried| tried.kept) {
                 ", with the empirical map in model-empirical.toml"
             } else {

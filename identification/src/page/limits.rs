@@ -1,4 +1,4 @@
-//! What these records could not tell apart or show, and which test would.
+//! Effects that these records could not distinguish or show, and the tests that would.
 
 use super::words::{listed, spoken};
 use crate::identify::Identification;
@@ -8,18 +8,21 @@ use report::{Section, Table};
 /// The limits of these records.
 pub(super) fn section(identification: &Identification) -> Section {
     let result = &identification.result;
-    let mut section = Section::new("What could not be told apart or tested");
+    let mut section = Section::new("Effects that could not be distinguished or tested");
     let rivals: Vec<_> =
         result.effects.iter().filter(|effect| !effect.alternatives.is_empty()).collect();
     if rivals.is_empty() && !result.effects.is_empty() {
-        section = section.text("Every effect that was added is told apart from all others that these records can show.");
+        section = section.text(
+            "These records distinguish every effect that was added from all \
+                                others that they can show.",
+        );
     }
     for effect in rivals {
         let group: Vec<String> = std::iter::once(effect.name)
             .chain(effect.alternatives.iter().copied())
             .map(spoken)
             .collect();
-        let mut table = Table::new(&format!("Not told apart: {}", listed(&group)))
+        let mut table = Table::new(&format!("Not distinguished: {}", listed(&group)))
             .text("effect")
             .text("test that shows it");
         for name in std::iter::once(effect.name).chain(effect.alternatives.iter().copied()) {
@@ -43,9 +46,6 @@ pub(super) fn section(identification: &Identification) -> Section {
         ]);
     }
     section
-        .text(
-            "Nothing is said about these effects: they may be there or not. The test in the last \
-             column would tell.",
-        )
+        .text("These effects may be present or not. The test in the last column would show it.")
         .table(table)
 }

@@ -20,8 +20,8 @@ pub(super) fn section(identification: &Identification, tests: &[Shown<'_>]) -> S
         (false, false) => "Loops",
     });
     section = section.text(if held_out {
-        "No fit and no choice has seen these tests. Drawn is the stretch in which the refitted model \
-         is off by most, whole cycles where there are any."
+        "No fit and no choice has seen these tests. The stretch shown is the one with the \
+         largest error of the refitted model, whole cycles where there are any."
     } else {
         "No test was held out, so these are fitted ones."
     });

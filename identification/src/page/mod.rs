@@ -1,13 +1,14 @@
-//! `report.html` of an identification: the story of what a damper model lacks, as one engineer tells
-//! it to another.
+//! `report.html`: an identification as an engineer reports it to another one.
 //!
-//! The verdict first. Then the record with the maker's model over it, the model refitted, the
-//! residual against every coordinate, the candidates, each effect that was added, loops before and
-//! after, errors test by test, what these records cannot show, and what is left, with an empirical map
-//! on it where one was asked for. A chapter shrinks where there is nothing to tell: no datasheet, no tests held out, no effect found.
+//! The verdict comes first. Then follow the record with the maker's model over it, the refitted
+//! model, the residual over every coordinate, the candidates, each effect that was added, loops
+//! before and after, errors test by test, what these records cannot show, and the remaining
+//! residual, with an empirical map of it where one was asked for. A chapter is short where it has
+//! no content: no datasheet, no tests held out, no effect found.
 //!
-//! Tables are in SI, to be copied; axes carry the prefix that reads best. All curves are
-//! free-running simulation from the measured displacement; the residual is measured less simulated.
+//! Tables are in SI units, to be copied; axes have the prefix that reads best. All curves are
+//! free-run simulation from the measured displacement; the residual is the measured less the
+//! simulated force.
 
 mod candidates;
 mod coordinates;

@@ -17,10 +17,10 @@ pub(super) fn datasheet(identification: &Identification, telling: Option<&Shown<
     let Some(shown) = telling else { return section };
     let name = &shown.test.record.name;
     section = section.text(&format!(
-        "Shown is the test {name}: of all loops the refitted model is off by most in this one.{}",
+        "The test shown is {name}: it has the largest error of the refitted model.{}",
         if given {
-            " All models get the measured displacement and nothing of the measured force; the run-in \
-             is counted in no error."
+            "All models are given the measured displacement only, not the measured force; no \
+             error counts the run-in."
         } else {
             " No datasheet was given, so there is no datasheet error."
         }
@@ -28,10 +28,10 @@ pub(super) fn datasheet(identification: &Identification, telling: Option<&Shown<
     let which = Which { datasheet: given, ..Which::default() };
     if let Some(errors) = identification.result.errors.datasheet {
         let held = errors.holdout_nrmse.map_or(String::new(), |share| {
-            format!(", and by {} over those held out", words::percent(share))
+            format!(" and {} over those held out", words::percent(share))
         });
         section = section.text(&format!(
-            "The maker's numbers miss the force by {} of its rms over the fitted tests{held}.",
+            "The error of the maker's numbers is {} of the rms force over the fitted tests{held}.",
             words::percent(errors.train_nrmse)
         ));
     }
@@ -47,11 +47,10 @@ pub(super) fn refitted(identification: &Identification, telling: Option<&Shown<'
     let given = identification.on_train.datasheet.is_some();
     let mut section = Section::new("The model, refitted");
     let text = if given {
-        "Before anything is called missing, the five numbers of the nominal model are fitted to the \
-         training tests. This is the honest \"before\": what the datasheet merely had wrong is gone."
+        "Before an effect is searched, the five numbers of the nominal model are fitted to the \
+         training tests. This is the baseline: errors of the datasheet's numbers are removed."
     } else {
-        "The five numbers of the nominal model are fitted to the training tests: the honest \
-         \"before\"."
+        "The five numbers of the nominal model are fitted to the training tests: the baseline."
     };
     section = section.text(text).table(nominal(identification));
     if let Some(shown) = telling {

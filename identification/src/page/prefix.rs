@@ -6,7 +6,7 @@ use report::significant;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Prefixed {
     factor: f64,
-    /// The unit as it is written.
+    /// The unit with its prefix.
     pub(super) unit: String,
 }
 
@@ -16,14 +16,15 @@ impl Prefixed {
     /// For values up to this size, in an SI unit.
     pub(super) fn for_size(unit: &str, largest: f64) -> Self {
         let pretty = unit.replace("s2", "s²").replace("m2", "m²");
-        // Seconds go down only, and what starts with no plain unit has no prefix.
+        // Seconds have no prefix above one, and compound units without a plain first unit have
+        // none.
         let (upwards, downwards) = match unit.split([' ', '/']).next() {
             Some("N") => (true, true),
             Some("m" | "s") => (false, true),
             _ => (false, false),
         };
         let fits = |size: f64| {
-            // Up to 2000 N nobody says kilonewton.
+            // Up to 2000 N the unit stays newton.
             let least = if size > 1.0 { 2.0 * size } else { size };
             largest.abs() >= least && (upwards || size <= 1.0) && (downwards || size >= 1.0)
         };
@@ -53,7 +54,7 @@ impl Prefixed {
     }
 }
 
-/// A value as it is said: `155 N`, `1.02 MN s/m`.
+/// A value in words: `155 N`, `1.02 MN s/m`.
 pub(super) fn quantity(si: f64, unit: &str) -> String {
     let prefixed = Prefixed::for_size(unit, si);
     with_unit(significant(prefixed.value(si), 3), &prefixed.unit)

@@ -1,8 +1,8 @@
-//! What is left when everything that was found is in the model.
+//! The residual of the final model.
 
 use super::coordinates::{plots, shares};
 use super::prefix::quantity;
-use super::words::{lives, probability};
+use super::words::{probability, seen};
 use crate::fit::Fit;
 use crate::identify::Identification;
 use crate::residual::ResidualAnalysis;
@@ -12,42 +12,42 @@ use signal::spectrum::Spectrum;
 /// Segments of a spectrum, as a share of the counted length of a test.
 const SEGMENTS: f64 = 4.0;
 
-/// What is left.
+/// The remaining residual.
 pub(super) fn section(identification: &Identification) -> Section {
     let (before, after) = (&identification.residual_before, &identification.residual_after);
     let added = !identification.result.effects.is_empty();
     let mapped = identification.empirical.as_ref().is_some_and(|tried| tried.kept);
-    let mut section = Section::new("What is left");
+    let mut section = Section::new("The remaining residual");
     section = match &after.unexplained {
         None => section.text(&format!(
-            "{} rms, of which over all tests nothing repeats, follows a coordinate or stands out of the \
-             spectrum beyond a quarter of the noise floor of {}: this is taken for noise{}.",
+            "{} rms. Over all tests no part of it repeats, follows a coordinate or stands out of \
+             the spectrum beyond a quarter of the noise floor of {}: it is taken for noise{}.",
             quantity(after.rms_n, "N"),
             quantity(after.noise_floor_n, "N"),
-            if after.lines.is_empty() { "" } else { ", the lines of single tests below with it" }
+            if after.lines.is_empty() { "" } else { ", including the lines of single tests below" }
         )),
         Some(part) => section
             .warning(&format!(
-                "{} rms {} have no name in the catalogue: {}. {}",
+                "{} rms {} have no explanation in the catalogue: {}. {}",
                 quantity(part.rms_n, "N"),
-                lives(part.coordinate),
+                seen(part.coordinate),
                 part.description,
                 if mapped {
-                    "The model has no patch over it; the empirical map below stands beside the model."
+                    "model.toml does not cover it; the empirical map below is a file of its own."
                 } else {
-                    "No patch was put over it."
+                    "The model does not cover it."
                 }
             ))
-            .text(&format!("In all {} rms are left.", quantity(after.rms_n, "N"))),
+            .text(&format!("The whole residual is {} rms.", quantity(after.rms_n, "N"))),
     };
     section = section.text(&repeat(after));
     section = if added {
         section
-            .text("The residual over the same coordinates, in grey what it was before.")
+            .text("The residual over the same coordinates; grey: before effects were added.")
             .plots(plots(identification, after, Some(before)))
             .table(shares(after, Some(before)))
     } else {
-        section.text("Over the coordinates it is what is drawn above, as no effect was added.")
+        section.text("Over the coordinates it is the residual drawn above, as no effect was added.")
     };
     section = section.plots(spectrum(identification));
     if after.lines.is_empty() {
@@ -67,15 +67,15 @@ pub(super) fn section(identification: &Identification) -> Section {
 fn repeat(left: &ResidualAnalysis) -> String {
     let repeat = &left.repeat;
     match repeat.noise_floor_n {
-        None => "No test has cycles, so nothing can be said of what repeats.".to_owned(),
+        None => "No test has cycles, so it is unknown whether a part of it repeats.".to_owned(),
         Some(floor) if repeat.repeated_rms_n == 0.0 => format!(
-            "From cycle to cycle nothing comes again ({}), {} do not; {} tests have cycles.",
+            "From cycle to cycle nothing repeats ({}), {} do not; {} tests have cycles.",
             probability(repeat.p_value),
             quantity(floor, "N"),
             repeat.tests
         ),
         Some(floor) => format!(
-            "From cycle to cycle {} rms come again ({}), {} do not; {} tests have cycles.",
+            "From cycle to cycle {} rms repeat ({}), {} do not; {} tests have cycles.",
             quantity(repeat.repeated_rms_n, "N"),
             probability(repeat.p_value),
             quantity(floor, "N"),
@@ -114,9 +114,9 @@ fn spectrum(identification: &Identification) -> Vec<Plot> {
         .y("amplitude spectral density", "N/√Hz")
         .log_x()
         .log_y();
-    plot = plot.line(super::curves::REFITTED, &hz, &first);
+    plot = plot.line(crate::tables::REFITTED, &hz, &first);
     if !identification.result.effects.is_empty() {
-        plot = plot.line(super::curves::WITH_EFFECTS, &hz, &last);
+        plot = plot.line(crate::tables::WITH_EFFECTS, &hz, &last);
     }
     if let Some(line) = strongest {
         plot = plot.at("strongest line", line.frequency_hz);

@@ -1,4 +1,4 @@
-//! Which tests are drawn, and which stretch of them.
+//! The tests that are drawn, and the stretch of each.
 
 use crate::fit::Fit;
 use crate::identify::Identification;
@@ -11,7 +11,7 @@ const STRETCH_S: f64 = 1.5;
 /// Two cycles are drawn where they are shorter than this together, else one, s.
 const TWO_CYCLES_S: f64 = 2.5;
 
-/// A test with what the three models say of it.
+/// A test with the forces of the three models.
 #[derive(Debug, Clone)]
 pub(super) struct Shown<'a> {
     /// The test.
@@ -37,10 +37,10 @@ fn of<'a>(tests: &'a TestSet, models: &'a Models<Option<Fit>>, held_out: bool) -
     each.collect()
 }
 
-/// A test without cycles must be off by this much more to be shown: loops tell more than a tangle.
+/// A test without cycles must have an error this much larger to be shown: loops are easier to read.
 const TANGLE: f64 = 1.5;
 
-/// The test that tells most: where the refitted model is off by most.
+/// The test with the largest error of the refitted model.
 pub(super) fn telling<'a, 'b>(tests: &'b [Shown<'a>]) -> Option<&'b Shown<'a>> {
     tests.iter().max_by(|a, b| a.telling_n().total_cmp(&b.telling_n()))
 }
@@ -52,7 +52,7 @@ impl Shown<'_> {
         format!("{} ({role})", self.test.record.name)
     }
 
-    /// The stretch in which the refitted model is off by most: whole cycles where there are any.
+    /// The stretch with the largest error of the refitted model: whole cycles where there are any.
     pub(super) fn stretch(&self) -> Range<usize> {
         let Some(refitted) = self.force_n.refitted else { return self.test.counted() };
         telling_stretch(self.test, refitted)
@@ -68,7 +68,7 @@ impl Shown<'_> {
     }
 }
 
-/// The stretch of a test in which a simulated force is off by most.
+/// The stretch of a test with the largest error of a simulated force.
 pub(super) fn telling_stretch(test: &Test, force_n: &[f64]) -> Range<usize> {
     let counted = test.counted();
     let starts: Vec<usize> =

@@ -1,4 +1,4 @@
-//! The verdict in plain words, and names as people say them.
+//! The verdict in plain words, and names without underscores.
 
 use super::prefix::{quantity, uncertain};
 use crate::identify::Identification;
@@ -12,28 +12,29 @@ pub(super) fn title(result: &IdentifyResult) -> String {
     let unexplained = result.unexplained.is_some();
     let verdict = match (names.len(), unexplained) {
         (0, false) => "nothing is missing".to_owned(),
-        (0, true) => "something is left without a name".to_owned(),
+        (0, true) => "structure without a name remains".to_owned(),
         (count, unexplained) => {
             let are = if count == 1 { "is" } else { "are" };
-            let more = if unexplained { ", and more is left" } else { "" };
+            let more = if unexplained { ", and structure remains" } else { "" };
             format!("{} {are} missing{more}", listed(&names))
         }
     };
-    format!("Damper identification: {verdict}")
+    let interrupted = if result.interrupted { " (interrupted)" } else { "" };
+    format!("Damper identification: {verdict}{interrupted}")
 }
 
-/// Where what is left lives: after "120 N rms".
-pub(super) fn lives(coordinate: &str) -> String {
+/// Where structure is seen: follows "120 N rms".
+pub(super) fn seen(coordinate: &str) -> String {
     match coordinate {
-        "phase" => "that come again in every cycle".to_owned(),
+        "phase" => "that repeat in every cycle".to_owned(),
         "frequency" => "in lines of the spectrum".to_owned(),
         "held_out_tests" => "in the tests held out".to_owned(),
         other => format!("over {}", spoken(other)),
     }
 }
 
-/// True where lines of the spectrum are left: they do not repeat with the cycle, and so the noise floor
-/// counts them in.
+/// True where lines remain in the spectrum: they do not repeat with the cycle, so the noise floor
+/// includes them.
 pub(super) fn floor_has_lines(result: &IdentifyResult) -> bool {
     result.unexplained.as_ref().is_some_and(|part| part.coordinate == "frequency")
 }
@@ -51,13 +52,13 @@ pub(super) fn sentence(identification: &Identification) -> String {
     let left = result
         .unexplained
         .as_ref()
-        .map(|part| format!("{} rms {}", quantity(part.rms_n, "N"), lives(part.coordinate)));
+        .map(|part| format!("{} rms {}", quantity(part.rms_n, "N"), seen(part.coordinate)));
     let effects: Vec<String> = result.effects.iter().map(effect).collect();
     if effects.is_empty() {
         return match left {
             None => format!(
-                "The nominal model lacks nothing that these records can show: what it leaves over, \
-                 {} rms, is noise ({floor}).",
+                "The nominal model lacks nothing that these records can show: its residual, {} \
+                 rms, is noise ({floor}).",
                 quantity(identification.residual_before.rms_n, "N")
             ),
             Some(left) => {
@@ -67,21 +68,22 @@ pub(super) fn sentence(identification: &Identification) -> String {
                     format!(", where the noise is {floor}")
                 };
                 format!(
-                    "Something is left that no effect of the catalogue explains: {left}{at_noise}."
+                    "The residual has structure that no effect of the catalogue explains: \
+                     {left}{at_noise}."
                 )
             }
         };
     }
     let verb = if effects.len() == 1 { "explains" } else { "together explain" };
     let text = match explained(identification) {
-        // It can happen, and then the reader must know.
+        // It can happen, and then the reader has to know.
         Explained::BeyondNoise(share) | Explained::OfAll(share) if share <= 0.0 => format!(
-            "{} {} on pieces left out of the fit, but not on the tests held out.",
+            "{} {} on left-out pieces, but not on the tests held out.",
             listed(&effects),
             if effects.len() == 1 { "gains" } else { "gain" }
         ),
         Explained::BeyondNoise(share) => format!(
-            "{} {verb} {} of what the refitted model left over beyond noise.",
+            "{} {verb} {} of the residual of the refitted model beyond noise.",
             listed(&effects),
             if share > 0.99 {
                 "more than 99\u{a0}%".to_owned()
@@ -90,18 +92,18 @@ pub(super) fn sentence(identification: &Identification) -> String {
             }
         ),
         Explained::OfAll(share) => format!(
-            "{} {verb} {:.0}\u{a0}% of the squared error that the refitted model left over.",
+            "{} {verb} {:.0}\u{a0}% of the squared error of the refitted model.",
             listed(&effects),
             100.0 * share
         ),
     };
     let rest = left.map_or(String::new(), |left| {
-        format!(" Something is left that nothing in the catalogue explains: {left}.")
+        format!(" The residual has structure that nothing in the catalogue explains: {left}.")
     });
     capitalised(&(text + &rest))
 }
 
-/// What effects take away of the squared error.
+/// The squared error that effects remove.
 enum Explained {
     /// Of what is beyond the noise floor.
     BeyondNoise(f64),
@@ -130,7 +132,7 @@ fn explained(identification: &Identification) -> Explained {
     }
 }
 
-/// An effect with its first parameter, and what it cannot be told from.
+/// An effect with its first parameter and its alternatives.
 fn effect(effect: &EffectFound) -> String {
     let info =
         firmware_core::damper::effects::CATALOGUE.iter().find(|info| info.name == effect.name);
@@ -142,12 +144,12 @@ fn effect(effect: &EffectFound) -> String {
     let rivals: Vec<String> = effect.alternatives.iter().map(|name| spoken(name)).collect();
     let rivals = match rivals.len() {
         0 => String::new(),
-        _ => format!(", or {} (these records cannot tell),", rivals.join(" or ")),
+        _ => format!(", or {} (these records cannot distinguish them),", rivals.join(" or ")),
     };
     format!("{}{}{rivals}", spoken(effect.name), first.unwrap_or_default())
 }
 
-/// `seal_friction` as it is said.
+/// `seal_friction` in words.
 pub(super) fn spoken(name: &str) -> String {
     name.replace('_', " ")
 }
@@ -183,7 +185,7 @@ pub(super) fn listed<S: AsRef<str>>(names: &[S]) -> String {
     format!("{} and {}", others.join(", "), last.as_ref())
 }
 
-/// With a large letter at its beginning.
+/// With a capital first letter.
 pub(super) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())

@@ -1,14 +1,14 @@
-//! Coordinates in which a residual may have a shape.
+//! Coordinates over which a residual may have a shape.
 //!
-//! Of the damper's end, what it did; of the dashpot, what the model says it did behind clearance and
-//! stiffness: a valve's knee is single-valued over the dashpot's velocity and a loop over that of
-//! the end.
+//! Those of the damper's end are measured; those of the dashpot are simulated behind clearance and
+//! stiffness: the knee of a valve is single-valued over the velocity of the dashpot and a loop over
+//! that of the end.
 
 use crate::simulation::walk;
 use crate::test_set::Test;
 use firmware_core::damper::{Damper, MapCoordinate};
 
-/// A reversal is one once the motion is faster than this share of its largest speed.
+/// A reversal counts once the motion is faster than this share of its largest speed.
 pub(crate) const UNDER_WAY: f64 = 0.02;
 
 /// A coordinate of a residual.
@@ -39,7 +39,7 @@ impl Coordinate {
         Self::Temperature,
     ];
 
-    /// As it is written in results.
+    /// Its name in results.
     pub const fn name(self) -> &'static str {
         match self.of_a_damper() {
             Some(coordinate) => coordinate.name(),
@@ -48,7 +48,7 @@ impl Coordinate {
         }
     }
 
-    /// As it is written on an axis, with its unit.
+    /// Its label on an axis, with its unit.
     pub const fn label(self) -> &'static str {
         match self {
             Self::Displacement => "displacement (m)",
@@ -69,7 +69,7 @@ impl Coordinate {
         }
     }
 
-    /// The same, if a damper knows it while it runs.
+    /// The same coordinate of a damper, if the damper knows it while it runs.
     pub const fn of_a_damper(self) -> Option<MapCoordinate> {
         match self {
             Self::Displacement => Some(MapCoordinate::Displacement),
@@ -104,7 +104,7 @@ pub(crate) struct Track {
 }
 
 impl Track {
-    /// Simulates the test once more and keeps what the dashpot does.
+    /// Simulates the test again and keeps the motion of the dashpot.
     pub(crate) fn simulate(damper: &Damper, test: &Test, start_m: f64) -> Self {
         let record = &test.record;
         let samples = record.force_n.len();

@@ -1,10 +1,10 @@
-//! Tones and narrow bands in a residual that no other test sees: ripple at a multiple of the speed
-//! that is not a whole one, a frame's resonance, a valve that flutters.
+//! Tones and narrow bands in a residual that the other analyses do not see: ripple at a fractional
+//! multiple of the speed, the resonance of a frame, a fluttering valve.
 //!
-//! The residual, whitened by a first-order filter, is cut into few and into many segments. A line is
-//! a stretch of its spectrum above the medians of what lies below and of what lies above it (a
-//! spectrum that only falls has none), by more than chance allows: with K segments, 2 K times the
-//! ratio follows chi-square with 2 K degrees of freedom.
+//! The residual, whitened by a first-order filter, is cut into few and into many segments. A line
+//! is a stretch of its spectrum above the medians of its neighbours below and above (a spectrum
+//! that only falls has none), by more than chance allows: with K segments, 2 K times the ratio
+//! follows chi-square with 2 K degrees of freedom.
 
 use crate::test_set::TestSet;
 use signal::spectrum::Spectrum;

@@ -1,13 +1,14 @@
-//! The mean of a residual over a coordinate, judged on pieces it was not taken from.
+//! The mean of a residual over a coordinate, judged on left-out pieces.
 //!
 //! The coordinate is cut into bins of equal content, each with two branches. The map m of the other
-//! pieces predicts a left-out one; what it takes away there is
+//! pieces predicts a left-out one; it removes there
 //!
 //! ```text
 //! E = sum_k (2 s_k m_k - n_k m_k^2)        s_k sum, n_k number of residuals in bin k
 //! ```
 //!
-//! whose mean is below zero where the residual knows nothing of the coordinate.
+//! of the squared error, whose mean is below zero where the residual does not depend on the
+//! coordinate.
 
 use super::coordinates::{Coordinate, Track};
 use crate::chance::one_sided;
@@ -29,7 +30,7 @@ pub struct CoordinateMap {
     pub lower_n: Vec<Option<f64>>,
     /// Share of the squared residual that the map explains on pieces left out; below zero: none.
     pub share: f64,
-    /// rms of what it explains there, N.
+    /// rms of the part that it explains there, N.
     pub rms_n: f64,
     /// Probability of that much by chance.
     pub p_value: f64,
@@ -42,6 +43,7 @@ pub(crate) fn map(
     residual_n: &[Vec<f64>],
     tests: &TestSet,
 ) -> Option<CoordinateMap> {
+    debug_assert_eq!((tracks.len(), residual_n.len()), (tests.tests.len(), tests.tests.len()));
     let edges = edges(coordinate, tracks, tests)?;
     let bin_of = |value: f64| edges.partition_point(|edge| *edge <= value);
     let cells = 2 * (edges.len() + 1);

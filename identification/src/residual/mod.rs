@@ -1,13 +1,14 @@
-//! What is left when the model has all that was found: noise, or something without a name.
+//! The residual of a model: noise, or structure.
 //!
-//! Three questions, each answered against chance with independent stretches of record:
-//! does the residual repeat from cycle to cycle ([`repeat`]); has it a shape over a coordinate that
-//! holds on tests left out ([`maps`]); has it lines in its spectrum ([`lines`])? What has none of
-//! these, above a quarter of the noise floor, is taken for noise, unless a cycle is unlike all others
-//! ([`unlike`]). Two ten-thousandths of the force and less are what steps, interpolation and bounds of the
-//! models themselves leave.
+//! Three questions, each answered against chance with independent stretches of record: does the
+//! residual repeat from cycle to cycle ([`repeat`]); has it a shape over a coordinate that holds on
+//! left-out tests ([`maps`]); has its spectrum lines ([`lines`])? A residual with none of these
+//! above a quarter of the noise floor is taken for noise, unless a cycle is unlike all others
+//! ([`unlike`]). Structure of two ten-thousandths of the force and less may come from steps,
+//! interpolation and bounds of the models themselves.
 
 pub(crate) mod coordinates;
+mod cycles;
 pub(crate) mod lines;
 pub(crate) mod maps;
 pub(crate) mod repeat;
@@ -22,31 +23,31 @@ use rayon::prelude::*;
 use repeat::Repeat;
 use signal::statistics::rms;
 
-/// Structure below this share of the noise floor is not worth a word.
+/// Structure below this share of the noise floor is not reported.
 const LEAST_SHARE_OF_FLOOR: f64 = 0.25;
 /// Structure below this share of the rms force may be the models' own.
 const LEAST_SHARE_OF_FORCE: f64 = 2e-4;
-/// A residual this many times the noise floor is no noise, whatever the tests say.
+/// A residual this many times the noise floor is no noise, even if no structure is significant.
 const FAR_ABOVE_FLOOR: f64 = 1.5;
 /// Largest probability of structure by chance, over all coordinates.
 const LARGEST_P: f64 = 1e-3;
 
-/// The residual of a model, looked at from all sides.
+/// The residual of a model in all respects.
 #[derive(Debug, Clone)]
 pub struct ResidualAnalysis {
     /// rms of the residual, N.
     pub rms_n: f64,
     /// Noise floor, N.
     pub noise_floor_n: f64,
-    /// How the floor was found.
+    /// The method by which the floor was found.
     pub noise_floor_method: &'static str,
-    /// Over every coordinate that was measured, the one that explains most first.
+    /// Maps over every coordinate that was measured, the one that explains most first.
     pub maps: Vec<CoordinateMap>,
-    /// What repeats.
+    /// The part that repeats from cycle to cycle.
     pub repeat: Repeat,
     /// Tones and bands.
     pub lines: Vec<Line>,
-    /// What stands out, if anything does.
+    /// The structure, if there is any.
     pub unexplained: Option<Unexplained>,
 }
 
@@ -55,14 +56,14 @@ pub struct ResidualAnalysis {
 pub struct Unexplained {
     /// Its rms, N.
     pub rms_n: f64,
-    /// Where it lives.
+    /// The coordinate over which it has a shape.
     pub coordinate: &'static str,
     /// In words.
     pub description: String,
 }
 
 impl ResidualAnalysis {
-    /// Looks at the residual of a fitted model.
+    /// Analyses the residual of a fitted model.
     pub fn new(fit: &Fit, tests: &TestSet) -> Option<Self> {
         let damper = fit.model.damper(&fit.values)?;
         let tracks: Vec<Track> = tests
@@ -127,7 +128,8 @@ impl ResidualAnalysis {
             self.repeat.p_value * questions < LARGEST_P && self.repeat.repeated_rms_n > least;
         let lines_rms_n = pooled(&self.lines, tests);
         let strongest = self.lines.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n));
-        // A spectrum looks at the middle of a record most: what is loud there alone seems more than it is.
+        // A spectrum weights the middle of a record most, and so overestimates a line that is there
+        // only.
         let at_most = |rms_n: f64| rms_n.min(self.rms_n);
         if let Some(line) = strongest.filter(|_| lines_rms_n > least)
             && mapped.is_none_or(|map| map.rms_n < lines_rms_n)
@@ -165,8 +167,8 @@ impl ResidualAnalysis {
                 rms_n: self.rms_n,
                 coordinate: "unknown",
                 description: format!(
-                    "{} N rms is {:.1} times the noise floor, and the records are too short to say \
-                     where it lives",
+                    "{} N rms is {:.1} times the noise floor, and the records are too short to \
+                     find its coordinate",
                     short(self.rms_n),
                     self.rms_n / self.noise_floor_n
                 ),
@@ -176,7 +178,7 @@ impl ResidualAnalysis {
             rms_n: at_most(self.repeat.repeated_rms_n),
             coordinate: "phase",
             description: format!(
-                "{} N rms come again in every cycle, without one shape over any coordinate",
+                "{} N rms repeat in every cycle, without one shape over any coordinate",
                 short(at_most(self.repeat.repeated_rms_n))
             ),
         })
@@ -184,12 +186,12 @@ impl ResidualAnalysis {
 }
 
 impl ResidualAnalysis {
-    /// Cycles that are unlike all others, told by the largest of them.
+    /// Cycles that are unlike all others, described by the largest of them.
     fn event(&self, tests: &TestSet) -> Option<Unexplained> {
         let unlike = &self.repeat.unlike;
         let largest = unlike.iter().max_by(|a, b| a.rms_n.total_cmp(&b.rms_n))?;
         let record = &tests.tests[largest.test].record;
-        let ends = repeat::starts(&tests.tests[largest.test]);
+        let ends = cycles::starts(&tests.tests[largest.test]);
         let square_n2: f64 = unlike.iter().map(|one| one.square_n2).sum();
         let rms_n = (square_n2 / tests.counted_samples() as f64).sqrt();
         let (from, to) = (ends.get(largest.cycle)?, ends.get(largest.cycle + 1)?);
@@ -197,8 +199,9 @@ impl ResidualAnalysis {
             rms_n: rms_n.min(self.rms_n),
             coordinate: "time",
             description: format!(
-                "something happens once in test {}, between {:.2} and {:.2} s: it differs from its neighbours by \
-                 {} N rms, cycles usually by {} N; {} such in all: a fault of the record?",
+                "a single event in test {}, between {:.2} and {:.2} s: the cycle differs from its \
+                 neighbours by {} N rms, cycles usually by {} N; {} such in all: a fault of the \
+                 record?",
                 record.name,
                 record.time_s(*from),
                 record.time_s(*to),
@@ -224,7 +227,7 @@ fn pooled(lines: &[Line], tests: &TestSet) -> f64 {
     (squares / counted.max(1) as f64).sqrt()
 }
 
-/// Where a map is largest, in words.
+/// The place where a map is largest, in words.
 fn describe(map: &CoordinateMap) -> String {
     let (upper, lower) = map.coordinate.branches();
     let cells = map.centres.iter().zip(map.upper_n.iter().zip(&map.lower_n));
@@ -237,7 +240,7 @@ fn describe(map: &CoordinateMap) -> String {
         format!("; largest near {} {unit}, {branch}: {} N", short(centre), short(mean))
     });
     format!(
-        "{:.0} % of the squared residual follows {} on tests left out{place}",
+        "{:.0} % of the squared residual follows {} on left-out tests{place}",
         100.0 * map.share,
         map.coordinate.name().replace('_', " ")
     )

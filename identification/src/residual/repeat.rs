@@ -1,39 +1,40 @@
-//! What repeats from cycle to cycle.
+//! The part of a residual that repeats from cycle to cycle.
 //!
-//! Noise of different cycles is independent; what the model lacks comes again at the same phase. With
+//! The noise of different cycles is independent; a missing effect returns at the same phase. With
 //! `r_i` the residual of cycle i over its phase,
 //!
 //! ```text
 //! power that repeats = mean over pairs i, j of different cycles of <r_i, r_j>
 //! ```
 //!
-//! whatever shape it has, slower than a few milliseconds (what is faster, a filter of the bench makes
-//! of every kink of the force, in a perfect model too), and half the mean square of `r_(i+1) - r_i` is the floor of noise, free of
-//! anything that repeats and of slow drift, without cycles that are unlike all others ([`super::unlike`]).
-//! Neighbouring cycles closer than the memory of ordinary
-//! noise make no pair.
+//! for any shape that is slower than a few milliseconds (a faster one, a filter of the bench makes
+//! of every kink of the force, with a perfect model too). Half the mean square of `r_(i+1) - r_i`
+//! is the noise floor, free of everything that repeats and of slow drift, and without cycles that
+//! are unlike all others ([`super::unlike`]). Neighbouring cycles closer than the memory of
+//! ordinary noise make no pair.
 
+use super::cycles::{cycles, starts};
 use super::unlike::{Unlike, unlike};
 use crate::chance::one_sided;
-use crate::test_set::{Test, TestSet};
+use crate::test_set::TestSet;
 
 /// Points of phase that a cycle is averaged into.
 const PHASES: usize = 256;
-/// Width of the moving mean that takes out what is faster, s.
+/// Width of the moving mean that removes faster shapes, s.
 const SMOOTHED_S: f64 = 8e-3;
 /// Cycles whose starts are closer than this make no pair, s.
 const APART_S: f64 = 0.3;
 
-/// What a residual repeats, and what it does not.
+/// The repeating part of a residual, and the noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Repeat {
-    /// rms of what repeats, N, without what is faster than a few milliseconds.
+    /// rms of the repeating part, N, without shapes faster than a few milliseconds.
     pub repeated_rms_n: f64,
-    /// rms of what repeats, N, however fast.
+    /// rms of the repeating part, N, however fast.
     pub repeated_in_all_rms_n: f64,
     /// Probability of that much by chance.
     pub p_value: f64,
-    /// rms of what does not, N; nothing without cycles.
+    /// rms of the rest, N; none without cycles.
     pub noise_floor_n: Option<f64>,
     /// Tests with cycles.
     pub tests: usize,
@@ -106,17 +107,6 @@ pub(crate) fn repeat(residual_n: &[Vec<f64>], tests: &TestSet) -> Repeat {
         tests: with_cycles,
         unlike,
     }
-}
-
-/// The residual of a test, cycle by cycle, without its run-in.
-pub(crate) fn cycles<'a>(test: &Test, residual_n: &'a [f64]) -> Vec<&'a [f64]> {
-    starts(test).windows(2).filter_map(|pair| residual_n.get(pair[0]..pair[1])).collect()
-}
-
-/// First samples of those cycles, and the end of the last.
-pub(crate) fn starts(test: &Test) -> Vec<usize> {
-    let record = &test.record;
-    record.cycles.iter().copied().filter(|at| *at >= record.run_in).collect()
 }
 
 /// Mean over `half` samples to either side.

@@ -1,16 +1,17 @@
 //! Cycles that are unlike all others.
 //!
-//! Noise of one bench is about as large in every cycle. A cycle whose residual differs from those of its
-//! neighbours many times as much as cycles usually do holds an event: a cable, a logger, a blow. It is no noise,
-//! and no effect of the catalogue comes once. Where such cycles hold less than half of the squared residual, the
-//! model is wrong elsewhere too and may make them itself; then they say nothing.
+//! The noise of one bench is about as large in every cycle. A cycle whose residual differs from
+//! those of its neighbours by many times the usual difference holds an event: a cable, a logger, an
+//! impact. It is no noise, and no effect of the catalogue occurs once. Where such cycles hold less
+//! than half of the squared residual, the model is wrong elsewhere too and may cause them itself;
+//! then they are ignored.
 
-use super::repeat::cycles;
+use super::cycles::cycles;
 use crate::test_set::TestSet;
 
 /// A cycle is unlike the others from this multiple of their usual difference.
 const UNLIKE: f64 = 8.0;
-/// Differences below this share of the rms force are not worth a word.
+/// Differences below this share of the rms force are not reported.
 const LEAST_SHARE_OF_FORCE: f64 = 0.01;
 /// Share of the squared residual that they hold together.
 const LEAST_SHARE_OF_ALL: f64 = 0.5;
@@ -24,9 +25,9 @@ pub struct Unlike {
     pub test: usize,
     /// Its place among the cycles of that test.
     pub cycle: usize,
-    /// rms by which it differs from the nearest of its neighbours, as noise of each, N.
+    /// rms difference from the most similar of its neighbours, as noise of each, N.
     pub rms_n: f64,
-    /// What is usual, N.
+    /// The usual difference, N.
     pub usual_n: f64,
     /// Sum of its squared residual, N2.
     pub square_n2: f64,
@@ -78,7 +79,7 @@ mod tests {
     use measurement::{Measurement, Series};
 
     #[test]
-    fn a_cycle_with_an_event_is_told_and_its_neighbours_are_not() {
+    fn a_cycle_with_an_event_is_reported_and_its_neighbours_are_not() {
         let w = std::f64::consts::TAU * 2.0;
         let x = |n: usize| 5e-3 * libm::sin(w * n as f64 * 1e-3);
         let f = |n: usize| 1e4 * libm::cos(w * n as f64 * 1e-3);

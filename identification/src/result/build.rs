@@ -177,7 +177,8 @@ fn effects_found(
             let direction = info.directional.then_some(match (declared, turned) {
                 (true, false) => "positive is extension, as declared",
                 (true, true) => {
-                    "positive is extension if the displacement was right, to which the force was turned"
+                    "positive is extension if the displacement was right, to which the force was \
+                     turned"
                 }
                 (false, _) => "not declared: positive is side A, negative side B",
             });
@@ -200,7 +201,7 @@ fn effects_found(
         .collect()
 }
 
-/// The tests that show each of a group.
+/// The tests that show each effect of a group.
 fn separating_test(name: &str, alternatives: &[&str]) -> String {
     let tests = std::iter::once(name).chain(alternatives.iter().copied()).filter_map(|name| {
         let info = CATALOGUE.iter().find(|info| info.name == name)?;

@@ -1,36 +1,37 @@
-//! The result as it is written to `result.json`.
+//! The schema of `result.json`.
 
 mod build;
+mod sentence;
 
 pub(crate) use build::{Parts, Simulated};
 
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What was found, in one word.
+/// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The refitted model explains all but noise.
     NoMissingEffect,
-    /// Named effects explain what the refitted model left over.
+    /// Named effects explain the residual of the refitted model.
     EffectsFound,
-    /// Something is left over and nothing in the catalogue explains it.
+    /// The residual has structure that nothing in the catalogue explains.
     Unexplained,
-    /// Named effects explain a part; something is left over.
+    /// Named effects explain a part; structure remains.
     EffectsFoundAndUnexplained,
 }
 
 /// The result of an identification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IdentifyResult {
-    /// In one word.
+    /// The verdict.
     pub verdict: Verdict,
     /// The search was interrupted: the effects are those that were accepted until then.
     pub interrupted: bool,
-    /// rms of what does not repeat, N.
+    /// rms of the part of the residual that does not repeat, N.
     pub noise_floor_n: f64,
-    /// How it was found.
+    /// The method by which it was found.
     pub noise_floor_method: String,
     /// Errors of the three models.
     pub errors: Models<Option<Errors>>,
@@ -44,22 +45,22 @@ pub struct IdentifyResult {
     pub rejected: Vec<EffectRejected>,
     /// Effects that these records cannot show.
     pub not_testable: Vec<EffectNotTestable>,
-    /// What is left.
+    /// Structure that remains.
     pub unexplained: Option<UnexplainedPart>,
-    /// What was left when the nominal model had been refitted.
+    /// Structure in the residual of the refitted nominal model.
     pub unexplained_before: Option<UnexplainedPart>,
-    /// A map on what is left, which is no physics; none where nobody asked for one.
+    /// An empirical map of the residual, which is no physics; none where it was not asked for.
     pub empirical: Option<EmpiricalPart>,
-    /// What the reader should know: how tests were parted, repairs of records, conversions.
+    /// Notes for the reader: the choice of the hold-out, repairs of records, conversions.
     pub notes: Vec<String>,
 }
 
 /// One value for each of the three models.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Models<T> {
-    /// The maker's numbers as they are.
+    /// The maker's numbers.
     pub datasheet: T,
-    /// The nominal model fitted to the training tests: the honest before.
+    /// The nominal model fitted to the training tests: the baseline.
     pub refitted: T,
     /// The same with the effects that were found.
     pub with_effects: T,
@@ -89,7 +90,7 @@ impl<T> Models<Option<T>> {
     }
 }
 
-/// Errors of free-running simulation over all samples but the run-in.
+/// Errors of free-run simulation over all samples but the run-in.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Errors {
     /// rms over the training tests, N.
@@ -109,7 +110,7 @@ pub struct PerTest {
     pub file: String,
     /// `train` or `holdout`.
     pub role: &'static str,
-    /// Samples that count, and those of the run-in.
+    /// Samples that errors count.
     pub samples: usize,
     /// Samples at the beginning that no error counts.
     pub run_in_samples: usize,
@@ -130,7 +131,7 @@ pub struct NominalValue {
     pub std: Option<f64>,
     /// Unit of both.
     pub unit: &'static str,
-    /// What the datasheet says.
+    /// Value of the datasheet.
     pub datasheet: Option<f64>,
 }
 
@@ -150,28 +151,28 @@ pub struct ParameterValue {
 pub struct EffectFound {
     /// Its name.
     pub name: &'static str,
-    /// Where it sits in the damper.
+    /// Its place in the damper.
     pub place: &'static str,
     /// Its equation.
     pub equation: &'static str,
     /// Its parameters.
     pub parameters: BTreeMap<&'static str, ParameterValue>,
-    /// What speaks for it.
+    /// The evidence for it.
     pub evidence: EvidenceFound,
-    /// Effects that these records cannot tell from it.
+    /// Effects that these records cannot distinguish from it.
     pub alternatives: Vec<&'static str>,
-    /// The test that would part it from them.
+    /// The test that would distinguish it from them.
     pub separating_test: Option<String>,
-    /// What is known of its direction, for effects that tell extension from compression.
+    /// Its direction, for effects that differ between extension and compression.
     pub direction: Option<&'static str>,
 }
 
-/// What speaks for an effect.
+/// The evidence for an effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EvidenceFound {
-    /// Share of the squared error that it takes away on pieces left out of the fit.
+    /// Share of the squared error on left-out pieces that it removes.
     pub holdout_gain: f64,
-    /// Share of those pieces that it improves or leaves as they are.
+    /// Share of those pieces that it improves or leaves unchanged.
     pub tests_improved: f64,
     /// Probability of such a finding by chance, all candidates counted.
     pub p_value: f64,
@@ -184,7 +185,7 @@ pub struct EffectRejected {
     pub name: &'static str,
     /// Why it was not accepted.
     pub why: String,
-    /// Share of the squared error on pieces left out; none if it was not worth a fit.
+    /// Share of the squared error on left-out pieces; none if it was not fitted.
     pub holdout_gain: Option<f64>,
 }
 
@@ -204,20 +205,20 @@ pub struct EffectNotTestable {
 pub struct UnexplainedPart {
     /// Its rms, N.
     pub rms_n: f64,
-    /// Where it lives.
+    /// The coordinate over which it has a shape.
     pub coordinate: &'static str,
     /// In words.
     pub description: String,
 }
 
-/// A smooth map over one coordinate on what is left: empirical, never physical.
+/// A smooth map of the residual over one coordinate: empirical, never physical.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EmpiricalPart {
-    /// It gains on tests it has not seen, and so is kept.
+    /// It gains on tests that it has not seen, and is kept.
     pub kept: bool,
-    /// Why, or why not.
+    /// The reason.
     pub why: String,
-    /// What it is drawn over; nothing where none could be fitted, like all below.
+    /// Its coordinate; none where no map could be fitted, as for all fields below.
     pub coordinate: Option<&'static str>,
     /// Unit of the coordinate.
     pub unit: Option<&'static str>,
@@ -227,9 +228,9 @@ pub struct EmpiricalPart {
     pub upper_n: Option<Vec<f64>>,
     /// Force at each while it is compressed, N.
     pub lower_n: Option<Vec<f64>>,
-    /// Share of the squared error that it takes away on pieces left out.
+    /// Share of the squared error on left-out pieces that it removes.
     pub holdout_gain: Option<f64>,
-    /// Share of those pieces that it improves or leaves as they are.
+    /// Share of those pieces that it improves or leaves unchanged.
     pub tests_improved: Option<f64>,
     /// Errors of the model with effects and map.
     pub errors: Option<Errors>,
