@@ -126,7 +126,7 @@ impl<S: Study> VariedStudy<S> {
             let run = varied.run(index, |run| study.duration_s(run))?;
             let in_file = |why| StudyError::InFile(varied.scenario.clone(), Box::new(why));
             study.fits(&run).map_err(in_file)?;
-            Ok(inputs(&run))
+            Ok(run.inputs)
         };
         let points: Vec<_> = (0..varied.grid.len()).into_par_iter().map(at).collect();
         let mut points = points.into_iter();
@@ -159,7 +159,7 @@ impl<S: Study> VariedStudy<S> {
         debug_assert!(index < self.varied.grid.len(), "{index} lies outside the grid");
         let Self { varied, study } = self;
         let run = varied.run(index, |run| study.duration_s(run))?;
-        self.refuse_changed(&identity.inputs, &inputs(&run))?;
+        self.refuse_changed(&identity.inputs, &run.inputs)?;
         let mut answer = S::Answer::default();
         let mut pace = None;
         let mut find = || -> Result<(), StudyError> {
@@ -186,8 +186,4 @@ impl<S: Study> VariedStudy<S> {
         let changes = changed.map(|(role, _)| role).chain(gone).cloned().collect();
         Err(StudyError::Changed(self.varied.scenario.clone(), changes))
     }
-}
-
-fn inputs(_run: &Run) -> BTreeMap<String, String> {
-    BTreeMap::new()
 }

@@ -50,19 +50,6 @@ pub struct Section {
 }
 
 /// The sections of a layout in order, straight track left out; to a tenth of a metre.
-///
-/// ```
-/// use firmware_core::track::Layout;
-/// use vehicle_studies::curve::sections::sections;
-/// let mut layout = Layout::tangent();
-/// layout.hold(100.0)?;
-/// layout.ramp(60.0, 1.0 / 400.0, 0.08, 6.0)?;
-/// layout.hold(200.0)?;
-/// layout.ramp(60.0, 0.0, 0.0, 6.0)?;
-/// let ends: Vec<f64> = sections(&layout).iter().map(|section| section.to_m.round()).collect();
-/// assert_eq!(ends, [160.0, 360.0, 420.0]);
-/// # Ok::<(), firmware_core::track::LayoutError>(())
-/// ```
 pub(super) fn sections(layout: &Layout) -> Vec<Section> {
     let mut found: Vec<Section> = Vec::new();
     let steps = libm::ceil(layout.end_m() / STEP_M) as usize;
@@ -76,4 +63,20 @@ pub(super) fn sections(layout: &Layout) -> Vec<Section> {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_has_an_entry_a_full_curve_and_an_exit() {
+        let mut layout = Layout::tangent();
+        layout.hold(100.0).unwrap();
+        layout.ramp(60.0, 1.0 / 400.0, 0.08, 6.0).unwrap();
+        layout.hold(200.0).unwrap();
+        layout.ramp(60.0, 0.0, 0.0, 6.0).unwrap();
+        let ends: Vec<f64> = sections(&layout).iter().map(|section| section.to_m.round()).collect();
+        assert_eq!(ends, [160.0, 360.0, 420.0]);
+    }
 }

@@ -81,8 +81,8 @@ pub const MEAN_COMFORT: [(f64, &str); 4] =
 /// The word for a mean comfort.
 ///
 /// ```
-/// assert_eq!(crate::ride::grade::mean_comfort(2.1), "comfortable");
-/// assert_eq!(crate::ride::grade::mean_comfort(5.0), "very uncomfortable");
+/// assert_eq!(vehicle_studies::ride::grade::mean_comfort(2.1), "comfortable");
+/// assert_eq!(vehicle_studies::ride::grade::mean_comfort(5.0), "very uncomfortable");
 /// ```
 pub fn mean_comfort(n_mv: f64) -> &'static str {
     let found = MEAN_COMFORT.iter().find(|(end, _)| n_mv < *end);
