@@ -33,13 +33,12 @@ fn comment<'a>(line: &'a str, mark: &str) -> Option<&'a str> {
             Some(_) if escaped => escaped = false,
             Some('"') if c == '\\' => escaped = true,
             Some(quote) if c == quote => quoted = None,
-            Some(_) => {}
             // In Rust a single quote begins a lifetime or a character.
             None if c == '"' || (c == '\'' && mark == "#") => quoted = Some(c),
             None if line[at..].starts_with(mark) => {
                 return Some(line[at..].trim_start_matches(['/', '!', '#']).trim());
             }
-            None => {}
+            Some(_) | None => {}
         }
     }
     None
