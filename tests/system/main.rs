@@ -1,5 +1,5 @@
-//! Tests of the whole program, one module per topic: the command line as a person uses it, scenarios
-//! run in this process, and the repository itself.
+//! Tests of the whole program, one module per topic: the command line as a person uses it,
+//! scenarios run in this process, and the repository itself.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 

@@ -1,9 +1,10 @@
-//! The layout of the workspace: a crate uses only crates of lower layers, and no files of a crate use
-//! each other in a circle.
+//! The layout of the workspace: a crate uses only crates of lower layers, and no files of a crate
+//! use each other in a circle.
 //!
 //! An edge from file to file is a `use` or an inline path, resolved through re-exports to the file
 //! that defines the item. Edges between a module and the modules below it do not count, and neither
-//! does test code. [`modules`] reads the sources, [`edges`] resolves the paths, [`circles`] finds the circles.
+//! does test code. [`modules`] reads the sources, [`edges`] resolves the paths, [`circles`] finds
+//! the circles.
 
 mod circles;
 mod edges;
