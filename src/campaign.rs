@@ -19,7 +19,8 @@ const COMMAND: &str = "campaign";
 
 #[derive(Debug, Args)]
 pub(crate) struct CampaignArgs {
-    /// Number of cases; 773 hold every kind. A folder that has some of them already computes the rest.
+    /// Number of cases; 773 cover every kind. Cases that the folder already holds are not computed
+    /// again.
     #[arg(long, value_name = "N", required_unless_present = "merge",
         value_parser = whole::<usize>(1, 1_000_000))]
     cases: Option<usize>,

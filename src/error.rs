@@ -1,8 +1,8 @@
 //! Everything that can end a command early, and the exit code that each of it has.
 //!
 //! The error of another crate is one variant: one line in the table below. Its own kind decides
-//! whether the input is at fault ([`BAD_INPUT`]), the operation failed ([`FAILED`]), or the bench ended
-//! in the safe state ([`SAFE_STATE`]).
+//! whether the input is at fault ([`BAD_INPUT`]), the operation failed ([`FAILED`]), or the bench
+//! ended in the safe state ([`SAFE_STATE`]).
 
 use crate::exit::{BAD_INPUT, FAILED, SAFE_STATE};
 use evidence::error::EvidenceError;
@@ -17,8 +17,8 @@ use std::io;
 use std::path::PathBuf;
 use vehicle_studies::StudyError;
 
-/// Declares [`CommandError`]: the errors of other crates with their exit codes, and the command line's
-/// own.
+/// Declares [`CommandError`]: the errors of other crates with their exit codes, and the command
+/// line's own.
 macro_rules! command_error {
     ($($(#[$doc:meta])* $variant:ident($error:ty) => $code:expr;)*) => {
         /// Why a command ended early.

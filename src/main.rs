@@ -1,8 +1,8 @@
 //! The command line: one file per subcommand; each parses, calls and prints.
 //!
-//! Every command returns an exit code ([`exit`]) or an [`error`] that has one. [`stop`] is the flag that
-//! Ctrl-C sets, [`output`] is standard output, [`progress`] the bar on standard error, [`usage`] the
-//! answer to a command line that makes no sense, [`value`] the ranges of options.
+//! Every command returns an exit code ([`exit`]) or an [`error`] that has one. [`stop`] is the flag
+//! that Ctrl-C sets, [`output`] is standard output, [`progress`] the bar on standard error,
+//! [`usage`] the answer to a wrong command line, [`value`] the ranges of options.
 
 mod bench_options;
 mod campaign;
@@ -30,7 +30,8 @@ use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use error::CommandError;
 use std::process::ExitCode;
 
-/// A hardware-in-the-loop bench for railway yaw dampers: a locomotive model, a CAN bus and a damper.
+/// A hardware-in-the-loop bench for railway yaw dampers: a locomotive model, a CAN bus and a
+/// damper.
 #[derive(Debug, Parser)]
 #[command(name = "yawbench", version, max_term_width = 100, after_help = exit::HELP)]
 struct Cli {
@@ -40,53 +41,54 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Run a scenario: the vehicle on its track, dampers modelled or on a rig.
+    /// Run a scenario: the vehicle on its track, with dampers modelled or on a rig.
     #[command(after_help = "Example: yawbench run scenarios/ss9-160kmh.toml --duration 10")]
     Run(run::RunArgs),
-    /// Be the rig at the other end of a CAN bus: actuator, load cell and an emulated damper.
+    /// Emulate the rig at the other end of a CAN bus: actuator, load cell and damper.
     #[command(
         after_help = "Example: yawbench rig scenarios/rigs/laboratory-rig.toml --bus socketcan:vcan0 --node 1"
     )]
     Rig(rig::RigArgs),
-    /// Visit a damper bench: records and figures of a damper that exists only as a model, or the
-    /// figures of measured records.
+    /// Simulate the bench tests of a damper model, or evaluate measured records: records and
+    /// figures.
     #[command(
         after_help = "Examples: yawbench characterise --physical scenarios/dampers/hydraulic-yaw-damper.toml --tests short
           yawbench characterise --from sine.csv triangle.csv --datasheet sheet.toml"
     )]
     Characterise(characterise::CharacteriseArgs),
-    /// Find the effect that a damper model lacks on measured records, and add it.
+    /// Find the effects in measured records that a damper model lacks, and add them to it.
     #[command(
         after_help = "Example: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv"
     )]
     Identify(identify::IdentifyArgs),
-    /// How often is `identify` right? It runs on simulated records of known dampers.
+    /// Measure how often `identify` is right: it runs on simulated records of known dampers.
     #[command(
         after_help = "Examples: yawbench campaign --cases 773 --seed 1 --shard 1/2 --out campaign
           yawbench campaign --merge campaign/cases-1-of-2.jsonl campaign/cases-2-of-2.jsonl"
     )]
     Campaign(campaign::CampaignArgs),
-    /// The force of a model on a record, free-running from its displacement.
+    /// Compute the force of a damper model on a record, as a free-run simulation from the
+    /// displacement.
     #[command(after_help = "Example: yawbench simulate model.toml sine.csv --out predicted.csv")]
     Simulate(simulate::SimulateArgs),
-    /// From which speed on does the vehicle of a scenario hunt? Its speed, track and duration do not
-    /// matter.
+    /// Find the critical speed of the vehicle of a scenario, above which it hunts. The speed, track
+    /// and duration of the scenario are not used.
     #[command(
         after_help = "Example: yawbench critical-speed scenarios/ss9-160kmh.toml --vary damper.ke_n_per_m=3e6:15e6:5"
     )]
     CriticalSpeed(critical_speed::CriticalSpeedArgs),
-    /// The study of the SS9's yaw dampers, figure by figure: its numbers beside ours.
+    /// Reproduce the study of the SS9's yaw dampers, figure by figure: its numbers next to ours.
     #[command(after_help = "Examples: yawbench reproduce --figure 10a --out reproduced
           yawbench reproduce --validation")]
     Reproduce(reproduce::ReproduceArgs),
-    /// How does the vehicle of a scenario ride on straight track? Sperling index, mean comfort,
-    /// accelerations, spectra; its layout and duration do not matter.
+    /// Assess the ride of the vehicle of a scenario on straight track: Sperling index, mean
+    /// comfort, accelerations, spectra. The layout and duration of the scenario are not used.
     #[command(
         after_help = "Example: yawbench ride scenarios/ss9-160kmh.toml --vary speed_kmh=80:180:11"
     )]
     Ride(ride::RideArgs),
-    /// How does the vehicle of a scenario go through its curve? Guiding forces, derailment, wheel load,
-    /// wear, stability; its duration does not matter.
+    /// Assess the vehicle of a scenario in its curve: guiding forces, derailment, wheel load, wear,
+    /// stability. The duration of the scenario is not used.
     #[command(
         after_help = "Example: yawbench curve scenarios/ss9-curve-400m.toml --vary damper.clearance_2a_m=0.5e-3,4e-3"
     )]
@@ -117,8 +119,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Parses the command line. Every option takes a negative number as its value, so that the option itself
-/// can say what it expects.
+/// Parses the command line. Every option takes a negative number as its value, so that the option
+/// itself can say what it expects.
 fn parsed() -> Result<Cli, clap::Error> {
     let negative = |arg: Arg| {
         let takes_value = arg.get_action().takes_values() && !arg.is_positional();

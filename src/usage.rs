@@ -47,6 +47,10 @@ pub(crate) fn one_line(error: &clap::Error, command: Option<&str>) -> String {
             let value = text(ContextKind::InvalidValue).unwrap_or_default();
             format!("{} {}: {}", option(&argument), quoted(&value), reason(error, &value))
         }),
+        ErrorKind::TooManyValues => argument.map(|argument| {
+            let value = text(ContextKind::InvalidValue).unwrap_or_default();
+            format!("{} {}: expected no value", option(&argument), quoted(&value))
+        }),
         ErrorKind::MissingRequiredArgument => {
             argument.map(|lacking| format!("{lacking} is missing"))
         }
@@ -58,7 +62,7 @@ pub(crate) fn one_line(error: &clap::Error, command: Option<&str>) -> String {
         }),
         _ => None,
     };
-    line.unwrap_or_else(|| joined(&error.render().to_string()))
+    line.unwrap_or_else(|| files::quote::message(&joined(&error.render().to_string())))
 }
 
 /// Why the value of an option is refused.

@@ -162,3 +162,86 @@ fn an_output_folder_that_cannot_be_made_is_bad_input() {
         has(&text, &["file/out", "no place for a folder"]);
     }
 }
+
+/// Command lines that are refused before anything is read, and the whole line that says so.
+const REFUSED: [(&[&str], &str); 25] = [
+    (&["runn", "a.toml"], "runn: unknown command; did you mean run?"),
+    (&["xyz"], "xyz: unknown command; `yawbench --help` lists the commands"),
+    (&["--foo"], "--foo: unknown option"),
+    (&["run", "a.toml", "--json=1"], "--json 1: expected no value"),
+    (&["run"], "<SCENARIO> is missing"),
+    (&["run", "a.toml", "b.toml"], "b.toml: unexpected argument"),
+    (&["run", "a.toml", "--durtion", "1"], "--durtion: unknown option; did you mean --duration?"),
+    (&["run", "a.toml", "--duration"], "--duration: found no value, expected a value"),
+    (
+        &["run", "a.toml", "--duration", "-1"],
+        "--duration -1: expected a duration from 0.001 to 86400 s",
+    ),
+    (
+        &["run", "a.toml", "--duration=1m"],
+        "--duration 1m: expected a duration from 0.001 to 86400 s",
+    ),
+    (
+        &["run", "a.toml", "--speed-kmh", "-1e9"],
+        "--speed-kmh -1e9: expected a speed over 0 and up to 600 km/h",
+    ),
+    (
+        &["run", "a.toml", "--pace", "fas"],
+        "--pace fas: expected one of realtime, lockstep, fast; did you mean fast?",
+    ),
+    (
+        &["run", "a.toml", "--fifo-priority", "300"],
+        "--fifo-priority 300: expected a whole number from 0 to 99",
+    ),
+    (&["run", "a.toml", "--json", "--json"], "--json: given twice, expected once"),
+    (&["rig", "--bus", "memory", "--node", "x"], "--node x: expected a whole number"),
+    (&["characterise", "--seed", "-1", "a"], "--seed -1: expected a whole number, 0 or more"),
+    (&["characterise", "a.toml", "--from", "b.csv"], "[MODEL]: cannot be used with --from"),
+    (&["identify"], "--train <CSV>... is missing"),
+    (
+        &["identify", "--campaign", "773", "--seed", "1"],
+        "identify --campaign: the campaign is a command of its own: `yawbench campaign --cases N --seed S`",
+    ),
+    (
+        &["campaign", "--cases", "0", "--seed", "1"],
+        "--cases 0: expected a whole number from 1 to 1000000",
+    ),
+    (&["campaign", "--cases", "3"], "--seed <S> is missing"),
+    (&["campaign", "--cases", "3", "--merge", "a"], "--cases: cannot be used with --merge"),
+    (&["simulate", "a.toml", "b.csv"], "--out <CSV> is missing"),
+    (&["critical-speed", "a.toml", "--seeds", "x"], "--seeds x: expected a whole number"),
+    (&["reproduce", "--seeds", "0"], "--seeds 0: expected 1 to 1000"),
+];
+
+#[test]
+fn a_wrong_command_line_is_answered_in_one_line() {
+    let place = folder("command-line");
+    for (args, expected) in REFUSED {
+        let result = output(yawbench().args(args).current_dir(&place));
+        let text = String::from_utf8_lossy(&result.stderr);
+        assert_eq!(text, format!("error: {expected}\n"), "{args:?}");
+        assert_eq!(result.status.code(), Some(2), "{args:?}");
+        assert!(result.stdout.is_empty(), "{args:?}: {:?}", result.stdout);
+        assert_eq!(std::fs::read_dir(&place).unwrap().count(), 0, "{args:?} wrote something");
+    }
+}
+
+#[test]
+fn control_characters_of_the_command_line_do_not_reach_the_terminal() {
+    for args in [&["\u{1b}[31mrun"][..], &["run", "a.toml", "--pace", "\u{1b}[31m"]] {
+        let result = output(yawbench().args(args));
+        let text = String::from_utf8_lossy(&result.stderr);
+        assert!(!text.contains('\u{1b}') && text.contains("\\u{1b}[31m"), "{text:?}");
+    }
+}
+
+#[test]
+fn help_names_the_exit_codes() {
+    let result = output(yawbench().arg("--help"));
+    assert_eq!(result.status.code(), Some(0));
+    let text = String::from_utf8_lossy(&result.stdout);
+    for line in ["0    done", "1    a check", "2    bad input", "3    the run", "130  interrupted"]
+    {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+}

@@ -38,8 +38,8 @@ fn a_seed_gives_the_same_table_whole_in_shards_and_after_a_stop() {
     assert!(again.starts_with(&lines[..first]) && again.lines().count() == 3, "{again}");
 }
 
-/// Damping that depends on the position and an asymmetry: alone each of them mends some tests and spoils
-/// others.
+/// Damping that depends on the position and an asymmetry: alone each of them mends some tests and
+/// spoils others.
 #[test]
 fn case_582_was_left_unexplained_as_neither_of_its_two_effects_helps_alone() {
     let place = folder("campaign-pair");

@@ -1,6 +1,7 @@
 //! The Manchester coach from its data file: another vehicle without code of its own.
 //!
-//! It runs over irregular track; how it stands and vibrates is in `evidence/src/validation/coach.rs`.
+//! It runs over irregular track; how it stands and vibrates is in
+//! `evidence/src/validation/coach.rs`.
 
 use firmware_core::lanes::Lanes;
 use firmware_core::track::{Irregularity, Layout, Track};

@@ -1,5 +1,5 @@
-//! `yawbench critical-speed`: known numbers, the same bytes whole, in shards and after a stop, and what
-//! it refuses.
+//! `yawbench critical-speed`: known numbers, the same bytes whole, in shards and after a stop, and
+//! what it refuses.
 
 use crate::support::command::{folder, output, read, repository, yawbench};
 use crate::support::schema;
@@ -35,7 +35,8 @@ fn run(place: &Path, args: &[&str]) -> String {
 
 #[test]
 fn a_bogie_of_the_literature_meets_its_numbers() {
-    // Hopf point 68.66 m/s = 247.2 km/h (published); fold 66.69 m/s = 240.1 km/h (solved apart from this).
+    // Hopf point 68.66 m/s = 247.2 km/h (published); fold 66.69 m/s = 240.1 km/h (solved apart from
+    // this).
     let place = bogie("critical-bogie");
     let out = ["--out=found", "--from-kmh=225", "--to-kmh=265", "--seeds=1", "--json"];
     let json = run(&place, &[&out[..], &["--stroke-mm=1", "bogie.toml"]].concat());
@@ -69,7 +70,8 @@ fn guiding_forces_judge_where_en_14363_is_asked_for() {
     assert_eq!(json["procedure"]["criterion"], "en14363");
     let critical = &json["points"][0]["ascent"]["seeds"][0]["critical"];
     println!("unstable from {critical}");
-    // Rough track shakes the bogie beyond the limit before its limit cycle would: 240 km/h and more.
+    // Rough track shakes the bogie beyond the limit before its limit cycle would: 240 km/h and
+    // more.
     assert!(critical["kmh"].as_f64().is_some_and(|kmh| kmh < 241.0), "{critical}");
 }
 

@@ -1,5 +1,5 @@
-//! `yawbench curve`: its schema, what it tells of a curve, the same bytes in shards and on one core, and
-//! what it refuses.
+//! `yawbench curve`: its schema, what it tells of a curve, the same bytes in shards and on one
+//! core, and what it refuses.
 
 use crate::support::command::{folder, output, read, repository, yawbench};
 use crate::support::schema;

@@ -1,9 +1,9 @@
 //! The bits of every scenario, creep law and damper effect, against `tests/golden.toml`.
 //!
-//! A hash changes with the physics and with nothing else: not with the layout of the code, the build
-//! profile, the processor or the load of the machine. After a change of the physics, print the new
-//! table with `YAWBENCH_PRINT_GOLDEN=1 cargo test --test system golden -- --nocapture`, put it into the file, and
-//! say in the commit what changed.
+//! A hash changes with the physics and with nothing else: not with the layout of the code, the
+//! build profile, the processor or the load of the machine. After a change of the physics, print
+//! the new table with `YAWBENCH_PRINT_GOLDEN=1 cargo test --test system golden -- --nocapture`, put
+//! it into the file, and say in the commit what changed.
 
 use crate::support::session::scenario;
 use crate::support::whole_run::run_through;

@@ -1,5 +1,6 @@
-//! A sweep spread over the workers of an existing scheduler: `HyperQueue` runs two shards, `--merge` joins
-//! them, and the answer is the same bytes as in one piece. Runs where Python has the package hyperqueue.
+//! A sweep spread over the workers of an existing scheduler: `HyperQueue` runs two shards,
+//! `--merge` joins them, and the answer is the same bytes as in one piece. Runs where Python has
+//! the package hyperqueue.
 
 use crate::support::command::{folder, output, read, repository, yawbench};
 use std::process::Command;

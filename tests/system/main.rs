@@ -1,5 +1,5 @@
-//! Tests of the whole program, one module per topic: the command line as a person uses it, scenarios
-//! run in this process, and the repository itself.
+//! Tests of the whole program, one module per topic: the command line as a person uses it,
+//! scenarios run in this process, and the repository itself.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
@@ -12,6 +12,7 @@ mod blow_up;
 mod campaign;
 mod characterise;
 mod coach;
+mod comments;
 mod compare;
 mod critical_speed;
 mod curve;
@@ -21,6 +22,7 @@ mod hyperqueue;
 mod identify_command;
 mod identify_empirical;
 mod identify_page;
+mod layout;
 mod measured_run;
 mod physics;
 mod real_records;

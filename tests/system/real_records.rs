@@ -1,9 +1,10 @@
 //! Records of other laboratories: magnetorheological dampers, 100 to 250 samples per second, raw or
-//! smoothed. They show that the import and the method are not made for the project's own records only.
+//! smoothed. They show that the import and the method are not made for the project's own records
+//! only.
 //!
-//! `YAWBENCH_RECORDS` names the folder with `utfsm_mr_damper_sine.csv`, `utfsm_mr_damper_earthquake.csv`
-//! and `labcontrol_mr_damper.csv`; without it these tests say what they skip. The table of
-//! `docs/identified-records.md` comes from
+//! `YAWBENCH_RECORDS` names the folder with `utfsm_mr_damper_sine.csv`,
+//! `utfsm_mr_damper_earthquake.csv` and `labcontrol_mr_damper.csv`; without it these tests say what
+//! they skip. The table of `docs/identified-records.md` comes from
 //!
 //! ```text
 //! YAWBENCH_RECORDS=DIR cargo test --release --test system real_records -- --ignored --nocapture --test-threads 1
@@ -107,7 +108,8 @@ fn chosen(file: &str, rows: &str) -> String {
 struct Identified {
     name: String,
     result: Value,
-    /// rms of force less its mean over all counted samples, of the training tests and those held out.
+    /// rms of force less its mean over all counted samples, of the training tests and those held
+    /// out.
     deviation_n: [f64; 2],
     took_s: f64,
 }

@@ -1,5 +1,5 @@
-//! `yawbench reproduce`: a figure of the study in table, file and page; `--validation`: every reference is
-//! met in all three; what cannot be is refused.
+//! `yawbench reproduce`: a figure of the study in table, file and page; `--validation`: every
+//! reference is met in all three; what cannot be is refused.
 
 use crate::support::command::{folder, output, read, repository, yawbench};
 use crate::support::schema;
@@ -51,7 +51,8 @@ fn a_figure_is_set_beside_the_study() {
 
 #[test]
 fn figure_5_runs_slower_than_the_substeps_of_its_scenario_allow() {
-    // 80 km/h need finer substeps than the scenario of 160 has; the whole reproduction was refused for it.
+    // 80 km/h need finer substeps than the scenario of 160 has; the whole reproduction was refused
+    // for it.
     let place = folder("reproduce-slow");
     let scenario = repository().join("scenarios/ss9-160kmh.toml");
     let arguments = ["reproduce", "--figure=5", "--seeds=1", "--out=out", "--json", "--scenario"];

@@ -1,5 +1,5 @@
-//! `yawbench ride`: its schema, the same bytes whole, in shards, after a stop and on one core, and what it
-//! refuses.
+//! `yawbench ride`: its schema, the same bytes whole, in shards, after a stop and on one core, and
+//! what it refuses.
 
 use crate::support::command::{folder, output, read, repository, yawbench};
 use crate::support::schema;

@@ -1,5 +1,5 @@
-//! The tests over SocketCAN, test programs named `vcan*`: natively where this kernel has CAN, else in a
-//! throw-away machine, else skipped.
+//! The tests over SocketCAN, test programs named `vcan*`: natively where this kernel has CAN, else
+//! in a throw-away machine, else skipped.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -68,8 +68,8 @@ fn cant_deficiency_loads_the_outer_rail_and_leans_the_body_outward() {
     let transfer_n = load_n[0] - load_n[1];
     println!("load transfer {transfer_n:.0} N, rigid {expected_n:.0} N");
     assert!(transfer_n > 0.95 * expected_n && transfer_n < 1.4 * expected_n);
-    // Outward is left. The body hangs over its bogies: their chord lies inside the arc by l2/2R, and
-    // the secondary springs give way to the left by m a / k, more by what the body rolls.
+    // Outward is left. The body hangs over its bogies: their chord lies inside the arc by l2/2R,
+    // and the secondary springs give way to the left by m a / k, more by what the body rolls.
     let right = |body: usize| state.position[body][LATERAL].0[0];
     let chord_m = 5.39 * 5.39 / (2.0 * radius_m);
     let bogies_m = 0.5 * (right(1) + right(2)) + chord_m;
@@ -82,8 +82,8 @@ fn cant_deficiency_loads_the_outer_rail_and_leans_the_body_outward() {
     );
     assert!(lean_m > springs_m && lean_m < 2.0 * springs_m, "{lean_m} {springs_m}");
     assert!(state.position[0][ROLL].0[0] < 0.0, "it rolls to the left");
-    // The vertical share of centripetal force on canted track is all that the rails carry beyond the
-    // weight.
+    // The vertical share of centripetal force on canted track is all that the rails carry beyond
+    // the weight.
     assert!((carried_n(&run.vehicle, &state) / (mass_kg * 9.81) - 1.0).abs() < 0.02);
 }
 

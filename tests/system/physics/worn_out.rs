@@ -1,4 +1,5 @@
-//! Beyond its stroke a clearance is no damper at all: the critical speed tends to that without yaw dampers.
+//! Beyond its stroke a clearance is no damper at all: the critical speed tends to that without yaw
+//! dampers.
 
 use firmware_core::damper::{Damper, Nominal};
 use scenario::run::{Overrides, Run};
@@ -31,7 +32,8 @@ fn a_wide_clearance_leaves_the_locomotive_without_yaw_dampers() {
     let dies = |equipped: &Equipped| at(Fold::of(equipped, &procedure).unwrap().dies);
     let grows = |equipped: &Equipped| at(LinearSpeed::of(equipped, &procedure, 3.5e-3).critical);
     let without = dies(&none);
-    // The cycle at its end has more than 4 mm of stroke: at 8 mm a damper is still touched a little.
+    // The cycle at its end has more than 4 mm of stroke: at 8 mm a damper is still touched a
+    // little.
     let above = [4e-3, 8e-3, 16e-3].map(|clearance| dies(&worn(clearance)) - without);
     // At a stroke inside the clearance the describing function is zero.
     let linear = [grows(&worn(8e-3)), grows(&none)];
@@ -39,8 +41,8 @@ fn a_wide_clearance_leaves_the_locomotive_without_yaw_dampers() {
     assert!(above[0] > above[1] && above[1] >= above[2], "{above:?}");
     assert!((0.0..4.0).contains(&above[1]) && above[2].abs() < 0.7, "{above:?}");
     assert!((linear[0] - linear[1]).abs() < 1e-9, "{linear:?}");
-    // The wheel's conicity rises with amplitude: the large cycle lives below the speed at which small
-    // motions grow.
+    // The wheel's conicity rises with amplitude: the large cycle lives below the speed at which
+    // small motions grow.
     assert!((0.0..15.0).contains(&(linear[1] - without)), "{linear:?} {without}");
 }
 
@@ -60,7 +62,8 @@ fn a_stiffer_damper_hunts_later_and_half_the_step_changes_nothing() {
     assert!((stiff - stiff_finer).abs() < 1.0, "{stiff} {stiff_finer}");
 }
 
-/// Ride has no critical point in between: what a wider clearance does, it does towards having no dampers.
+/// Ride has no critical point in between: what a wider clearance does, it does towards having no
+/// dampers.
 #[test]
 fn ride_tends_to_that_without_yaw_dampers() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/ss9-160kmh.toml");
