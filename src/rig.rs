@@ -5,8 +5,8 @@ use crate::exit::SAFE_STATE;
 use crate::output::print;
 use can_protocol::Node;
 use clap::Args;
+use hil_host::bus::BusChoice;
 use hil_host::rig::process::{self, Options};
-use hil_host::run::BusChoice;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

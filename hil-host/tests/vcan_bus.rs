@@ -2,7 +2,8 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
 
-mod support;
+#[path = "bench/support/host.rs"]
+mod host;
 
 use can_protocol::{
     Frame, Heartbeat, Measurement, Message, MessageId, Node, Pace, Profile, RunState, Sender,
@@ -12,12 +13,12 @@ use hil_host::bus::{Bus, BusCounters, BusError, MemoryBus, Sent, SocketCanBus, W
 use hil_host::realtime::RealtimeOptions;
 use hil_host::rig::RigNode;
 use hil_host::rig::process::{Options, RigSummary, serve};
+use host::{Host, setup};
 use socketcan::{CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Socket, StandardId};
 use std::io::Write;
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::Duration;
-use support::{Host, setup};
 
 const NODE: Node = Node::ALL[0];
 const OPTIONS: Options = Options { exit_after_run: true, realtime: RealtimeOptions::NONE };

@@ -6,18 +6,19 @@
     reason = "a test may fail loudly and has a large stack"
 )]
 
-use can_protocol::{Node, Profile};
+use can_protocol::{Node, Pace as WirePace, Profile};
 use firmware_core::line::Slot;
 use firmware_core::track::Track;
 use hil_host::bus::MemoryBus;
-use hil_host::control::{End, Pace, Port, Session, SessionState, Slots};
+use hil_host::clock::Tick;
+use hil_host::control::{Buses, End, Pace, Port, Session, SessionState};
 use hil_host::record::{Queues, Recorder};
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A scenario of the repository, perhaps cut to a duration.
 pub(crate) fn scenario(name: &str, duration_s: impl Into<Option<f64>>) -> Run {
@@ -47,6 +48,7 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>) -> Session<'a> {
         line,
         ports,
         profile: Profile::Classical,
+        pace: WirePace::LockStep,
         slow_down: NonZeroU8::MIN,
         watched: [Some(0), Some(1), Some(3)],
     }
@@ -64,8 +66,8 @@ pub(crate) fn ready(run: &Run, session: &Session<'_>) -> (SessionState, [MemoryB
     let state = session.start(session.line.start(run.start.state.clone()));
     let mut buses = [bus(run, session)];
     session
-        .greet(&state, &mut buses, &Pace::Fast, Duration::from_secs(1))
-        .unwrap_or_else(|nodes| panic!("silent nodes {nodes:?}"));
+        .greet(&state, &mut buses, Duration::from_secs(1), &AtomicBool::new(false))
+        .unwrap_or_else(|why| panic!("{why:?}"));
     (state, buses)
 }
 
@@ -77,9 +79,9 @@ pub(crate) fn cycles(
     recorder: &mut Recorder<'_>,
     count: u64,
 ) {
-    let begin = Instant::now();
+    let mut buses = Buses::new(buses, recorder);
     for _ in 0..count {
-        session.cycle(state, buses, &Pace::Fast, recorder, &begin, Slots::default());
+        session.cycle(state, &mut buses, Tick::default());
     }
 }
 
@@ -96,14 +98,8 @@ pub(crate) fn run_through(run: &Run) -> (End, u64) {
         let done = &done;
         scope.spawn(move || drain.run(done, &[], &events));
         let stop = AtomicBool::new(false);
-        let end = session.run(
-            &mut state,
-            &mut buses,
-            &mut Pace::Fast,
-            run.cycles(),
-            &mut recorder,
-            &stop,
-        );
+        let mut buses = Buses::new(&mut buses, &mut recorder);
+        let end = session.run(&mut state, &mut buses, &mut Pace::Fast, run.cycles(), &stop);
         done.store(true, std::sync::atomic::Ordering::Release);
         end
     });

@@ -11,6 +11,7 @@ pub use super::account::{RigSummary, summary_text};
 
 use super::account::{Status, print_statuses};
 use super::{RigNode, Timing};
+use crate::BenchError;
 use crate::bus::{Bus, Sent, SocketCanBus};
 use crate::clock::Pacer;
 use crate::realtime::{self, RealtimeOptions};
@@ -49,7 +50,7 @@ pub fn run_on(
     profile: Profile,
     options: &Options,
     stop: &AtomicBool,
-) -> anyhow::Result<RigSummary> {
+) -> Result<RigSummary, BenchError> {
     // Either profile: the host's sync says which one it speaks.
     let accept = [
         MessageId::Sync,
@@ -71,7 +72,7 @@ pub fn serve<B: Bus>(
     bus: &mut B,
     options: &Options,
     stop: &AtomicBool,
-) -> anyhow::Result<RigSummary> {
+) -> Result<RigSummary, BenchError> {
     let mut queue = Queue::<Status, 4>::new();
     let (to_printer, printer) = queue.split();
     let done = AtomicBool::new(false);
@@ -86,7 +87,9 @@ pub fn serve<B: Bus>(
         let skipped =
             if granted { run(rig, bus, options.exit_after_run, stop, to_printer) } else { 0 };
         done.store(true, Ordering::Release);
-        anyhow::ensure!(granted, "--require-realtime: not everything was granted");
+        if !granted {
+            return Err(BenchError::RealtimeRefused);
+        }
         Ok(RigSummary::new(rig, bus.counters(), skipped))
     })
 }
