@@ -109,3 +109,58 @@ fn write_events(mut log: BusLog, events: &Receiver<Vec<BusEvent>>) -> io::Result
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> Result<T, BenchError> {
     thread.join().map_err(|_| BenchError::Thread { name: "records the run" })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bus::{BusChoice, MemoryBus};
+    use crate::record::measured::read_record;
+    use crate::rig::RigNode;
+    use crate::run::{Plan, session};
+    use can_protocol::{Pace as WirePace, Profile};
+    use scenario::run::{Overrides, Run};
+    use std::num::NonZeroU8;
+    use std::path::Path;
+    use std::time::Duration;
+
+    #[test]
+    fn a_full_disk_ends_the_run_and_what_was_recorded_can_be_read() {
+        let Ok(full) = File::options().write(true).open("/dev/full") else { return };
+        let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
+        let overrides = Overrides { duration_s: Some(600.0), speed_kmh: None };
+        let run = Run::load(&scenario, overrides).unwrap();
+        let plan = Plan::new(&run, &BusChoice::Memory).unwrap();
+        let track = run.track.view();
+        let pace = (WirePace::LockStep, NonZeroU8::MIN);
+        let session = session(&run, &track, &plan.rigs, Profile::Classical, pace).unwrap();
+        let rigs = plan.rigs.iter().map(|rig| RigNode::new(&run.rig, rig.node, session.profile));
+        let mut buses = vec![MemoryBus::new(rigs)];
+        let mut state = session.start(session.line.start(run.start.state.clone()));
+        let stop = AtomicBool::new(false);
+        session.greet(&state, &mut buses, Duration::from_secs(10), &stop).unwrap();
+        let name = format!("hil-host-full-disk-{}.npy", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        let output = Output {
+            record: (path.clone(), File::create(&path).unwrap()),
+            log: (PathBuf::from("bus.log"), full),
+            bus_names: vec!["memory".to_owned()],
+        };
+        let loop_end = record(
+            &session,
+            (&mut state, &mut buses),
+            (&mut Pace::Fast, run.cycles()),
+            &RealtimeOptions::NONE,
+            output,
+            &stop,
+        );
+        let error = loop_end.unwrap_err();
+        assert!(!error.is_bad_input() && !error.is_safe_state(), "{error:?}");
+        let text = error.to_string();
+        assert!(text.starts_with("bus.log: No space left"), "{text}");
+        // It stopped long before its 600 s.
+        let rows = read_record(&path, 1).unwrap().lines.len();
+        assert!(rows > 1000 && rows < 500_000, "{rows} rows");
+        assert_eq!(rows as u64, state.line.cycle);
+        std::fs::remove_file(path).unwrap();
+    }
+}
