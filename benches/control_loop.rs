@@ -1,15 +1,17 @@
 //! The in-process loop: one cycle with a rig on the memory bus, receive to send.
 
-use can_protocol::{Node, Profile};
+use can_protocol::{Node, Pace, Profile};
 use criterion::{Criterion, criterion_group, criterion_main};
 use hil_host::bus::MemoryBus;
-use hil_host::control::{Pace, Port, Session, Slots};
+use hil_host::clock::Tick;
+use hil_host::control::{Buses, Port, Session};
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 fn cycle(criterion: &mut Criterion) {
     let path = Path::new("scenarios/ss9-160kmh.toml");
@@ -24,6 +26,7 @@ fn cycle(criterion: &mut Criterion) {
         line: hil_host::run::line(&run, &track),
         ports,
         profile: Profile::Classical,
+        pace: Pace::LockStep,
         slow_down: NonZeroU8::MIN,
         watched: [Some(0), Some(1), Some(3)],
     };
@@ -32,22 +35,15 @@ fn cycle(criterion: &mut Criterion) {
     let (mut state, mut buses) = (start.clone(), bus());
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
-    let begin = Instant::now();
-    let greeted = session.greet(&state, &mut buses, &Pace::Fast, Duration::from_secs(1));
+    let (patience, stop) = (Duration::from_secs(1), AtomicBool::new(false));
+    let greeted = session.greet(&state, &mut buses, patience, &stop);
     assert_eq!(greeted, Ok(()), "the rig in memory does not answer");
     criterion.bench_function("control cycle, memory bus", |bencher| {
         bencher.iter(|| {
             if state.line.cycle > 55_000 {
                 (state, buses) = (start.clone(), bus());
             }
-            session.cycle(
-                &mut state,
-                &mut buses,
-                &Pace::Fast,
-                &mut recorder,
-                &begin,
-                Slots::default(),
-            )
+            session.cycle(&mut state, &mut Buses::new(&mut buses, &mut recorder), Tick::default())
         });
     });
 }

@@ -2,7 +2,11 @@
 
 use can_protocol::Profile;
 use clap::{Args, ValueEnum};
+use files::quoted;
 use hil_host::realtime::RealtimeOptions;
+use std::fmt;
+use std::num::NonZeroU8;
+use std::str::FromStr;
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum ProfileChoice {
@@ -17,12 +21,12 @@ pub(crate) struct WireArgs {
     /// Frames on the wire.
     #[arg(long, value_enum, default_value_t = ProfileChoice::Classical)]
     profile: ProfileChoice,
-    /// Bit rate, for the bus load (bit/s).
-    #[arg(long, value_name = "BITS", default_value_t = 1_000_000)]
-    pub(crate) bitrate: u32,
-    /// Bit rate of the data phase, for the bus load (bit/s).
-    #[arg(long, value_name = "BITS", default_value_t = 5_000_000)]
-    pub(crate) data_bitrate: u32,
+    /// Bit rate, for the bus load (bit/s), such as 500k or 1M.
+    #[arg(long, value_name = "BITS", default_value = "1M")]
+    pub(crate) bitrate: BitRate,
+    /// Bit rate of the data phase, for the bus load (bit/s), such as 2M or 5M.
+    #[arg(long, value_name = "BITS", default_value = "5M")]
+    pub(crate) data_bitrate: BitRate,
 }
 
 impl WireArgs {
@@ -32,6 +36,46 @@ impl WireArgs {
             ProfileChoice::Fd => Profile::Fd,
         }
     }
+}
+
+/// A value of an option: what was found and what was expected.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct InvalidValue {
+    found: String,
+    expected: &'static str,
+}
+
+impl fmt::Display for InvalidValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "found {}, expected {}", quoted(&self.found), self.expected)
+    }
+}
+
+impl std::error::Error for InvalidValue {}
+
+/// A bit rate (bit/s).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BitRate(pub(crate) f64);
+
+impl FromStr for BitRate {
+    type Err = InvalidValue;
+
+    fn from_str(text: &str) -> Result<Self, InvalidValue> {
+        let expected = "a bit rate in bit/s from 1k to 20M, such as 500k or 1M";
+        let invalid = || InvalidValue { found: text.to_owned(), expected };
+        let (number, unit) = match text.strip_suffix(['k', 'K']) {
+            Some(number) => (number, 1e3),
+            None => text.strip_suffix('M').map_or((text, 1.0), |number| (number, 1e6)),
+        };
+        let rate = number.parse::<f64>().map_err(|_| invalid())? * unit;
+        if (1e3..=20e6).contains(&rate) { Ok(Self(rate)) } else { Err(invalid()) }
+    }
+}
+
+/// The factor of `--slow-down`.
+pub(crate) fn slow_down(text: &str) -> Result<NonZeroU8, InvalidValue> {
+    let expected = "a whole number from 1 to 255";
+    text.parse().map_err(|_| InvalidValue { found: text.to_owned(), expected })
 }
 
 #[derive(Debug, Args)]
@@ -55,6 +99,34 @@ impl RealtimeArgs {
             cpu: self.cpu,
             require: self.require_realtime,
             ..RealtimeOptions::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bit_rates_take_k_and_m_and_refuse_zero() {
+        for (text, rate) in [("1000000", 1e6), ("500k", 500e3), ("1M", 1e6), ("2.5M", 2.5e6)] {
+            assert_eq!(text.parse(), Ok(BitRate(rate)), "{text}");
+        }
+        for text in ["0", "-1M", "1G", "M", "nan", "inf", "21M"] {
+            let refused = text.parse::<BitRate>().unwrap_err().to_string();
+            let expected = format!(
+                "found {text}, expected a bit rate in bit/s from 1k to 20M, such as 500k or 1M"
+            );
+            assert_eq!(refused, expected);
+        }
+    }
+
+    #[test]
+    fn a_slow_down_beyond_its_range_is_named_with_the_range() {
+        assert_eq!(slow_down("255"), Ok(NonZeroU8::MAX));
+        for text in ["0", "256", "300", "1.5", "many"] {
+            let refused = slow_down(text).unwrap_err().to_string();
+            assert_eq!(refused, format!("found {text}, expected a whole number from 1 to 255"));
         }
     }
 }

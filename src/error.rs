@@ -4,10 +4,10 @@
 //! whether the input is at fault ([`BAD_INPUT`]), the operation failed ([`FAILED`]), or the bench
 //! ended in the safe state ([`SAFE_STATE`]).
 
-use crate::exit::{BAD_INPUT, FAILED, SAFE_STATE};
+use crate::exit::{BAD_INPUT, FAILED, INTERRUPTED, SAFE_STATE};
 use evidence::error::EvidenceError;
 use files::{FolderError, InputError};
-use hil_host::run::SilentRigs;
+use hil_host::BenchError;
 use identification::IdentificationError;
 use measurement::MeasurementError;
 use scenario::source::ScenarioError;
@@ -104,8 +104,12 @@ command_error! {
     Evidence(EvidenceError) => |why| input_or_failure(why.is_bad_input());
     /// A report page that is not written.
     Report(report::Error) => |_| FAILED;
-    /// Rigs that never answered.
-    Rigs(SilentRigs) => |_| SAFE_STATE;
+    /// A run or a rig that ended early.
+    Bench(BenchError) => |why| match () {
+        () if why.is_safe_state() => SAFE_STATE,
+        () if why.is_interrupted() => INTERRUPTED,
+        () => input_or_failure(why.is_bad_input()),
+    };
     /// Output that nothing takes, such as a full disk.
     Output(io::Error) => |_| FAILED;
     /// A result that is no JSON.

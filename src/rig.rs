@@ -6,8 +6,8 @@ use crate::output::print;
 use crate::stop;
 use can_protocol::Node;
 use clap::Args;
+use hil_host::bus::BusChoice;
 use hil_host::rig::process::{self, Options};
-use hil_host::run::BusChoice;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -1,17 +1,40 @@
 //! `yawbench run`: a scenario, from its file to record, summary and report.
 
-use crate::bench_options::{RealtimeArgs, WireArgs};
-use crate::exit::SAFE_STATE;
+use crate::bench_options::{RealtimeArgs, WireArgs, slow_down};
+use crate::error::CommandError;
+use crate::exit::{INTERRUPTED, SAFE_STATE};
 use crate::output::{print, stem};
 use crate::stop;
 use crate::value::number;
-use clap::Args;
-use hil_host::run::{self, BusChoice, PaceChoice, RunOptions};
+use clap::{Args, ValueEnum};
+use hil_host::bus::BusChoice;
+use hil_host::control::End;
 use hil_host::summary::Summary;
+use hil_host::{PaceChoice, RunOptions, run};
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Pace {
+    /// Absolute deadlines of a monotonic clock.
+    Realtime,
+    /// The next cycle comes when every rig has answered this one.
+    Lockstep,
+    /// As fast as possible, on the memory bus only.
+    Fast,
+}
+
+impl From<Pace> for PaceChoice {
+    fn from(pace: Pace) -> Self {
+        match pace {
+            Pace::Realtime => Self::Realtime,
+            Pace::Lockstep => Self::Lockstep,
+            Pace::Fast => Self::Fast,
+        }
+    }
+}
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
@@ -21,8 +44,8 @@ pub(crate) struct RunArgs {
     #[arg(long, default_value_t = BusChoice::Memory)]
     bus: BusChoice,
     /// Who sets the pace.
-    #[arg(long, value_enum, default_value_t = PaceChoice::Realtime)]
-    pace: PaceChoice,
+    #[arg(long, value_enum, default_value_t = Pace::Realtime)]
+    pace: Pace,
     /// Another duration (s).
     #[arg(long, value_name = "S",
         value_parser = number("a duration from 0.001 to 86400 s", |s| (1e-3..=86_400.0).contains(&s)))]
@@ -34,13 +57,17 @@ pub(crate) struct RunArgs {
     /// Folder for the files of the run [default: runs/SCENARIO-N].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace an earlier result in that folder.
+    #[arg(long)]
+    overwrite: bool,
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     wire: WireArgs,
-    /// Stretch the period for a host that cannot hold it; the sync frame tells the rig.
-    #[arg(long, value_name = "N", default_value_t = NonZeroU8::MIN)]
+    /// Stretch the period by this factor, for a host that cannot hold it; the sync frame gives it to
+    /// the rig.
+    #[arg(long, value_name = "1..255", default_value_t = NonZeroU8::MIN, value_parser = slow_down)]
     slow_down: NonZeroU8,
     #[command(flatten)]
     realtime: RealtimeArgs,
@@ -50,16 +77,17 @@ pub(crate) struct RunArgs {
 ///
 /// # Errors
 /// Bad input, before anything is written; a bus or disk that fails; silent rigs.
-pub(crate) fn command(args: &RunArgs) -> anyhow::Result<ExitCode> {
+pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     let overrides = Overrides { duration_s: args.duration, speed_kmh: args.speed_kmh };
     let scenario = Run::load(&args.scenario, overrides)?;
     let options = RunOptions {
         bus: args.bus.clone(),
-        pace: args.pace,
+        pace: args.pace.into(),
         profile: args.wire.profile(),
-        bit_rates: (f64::from(args.wire.bitrate), f64::from(args.wire.data_bitrate)),
+        bit_rates: (args.wire.bitrate.0, args.wire.data_bitrate.0),
         slow_down: args.slow_down,
         out: args.out.clone(),
+        overwrite: args.overwrite,
         name: stem(&args.scenario),
         realtime: args.realtime.options(),
     };
@@ -74,19 +102,22 @@ pub(crate) fn command(args: &RunArgs) -> anyhow::Result<ExitCode> {
                 .to_owned();
         if let Some(comparison) = &finished.summary.comparison {
             lines.push(comparison.to_string().trim_end().to_owned());
-            let warnings = comparison.warnings(&finished.summary.state);
+            let warnings = comparison.warnings(finished.summary.state);
             lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
             files += ", record-compared.npy";
         }
         lines.push(format!("files in {}: {files}", finished.folder.display()));
         print(&lines.join("\n"))?;
     }
-    Ok(if finished.summary.state == "safe" {
+    Ok(if finished.summary.state == End::Safe {
         eprintln!(
             "ended in the safe state: no valid force for 5 cycles, a silent rig, a bus that went \
              down, or a model that left its track; rigs were brought to rest"
         );
         ExitCode::from(SAFE_STATE)
+    } else if finished.interrupted {
+        eprintln!("interrupted: the files hold the run up to this point");
+        ExitCode::from(INTERRUPTED)
     } else {
         ExitCode::SUCCESS
     })
@@ -98,7 +129,7 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
     lines.push(format!(
         "{} cycles of 1 ms, {} | vehicle step p50 {:.1} p99 {:.1} µs | cycle p50 {:.1} p99 {:.1} p99.9 {:.1} max {:.0} µs | skipped {}",
         summary.steps,
-        summary.state,
+        summary.state.name(),
         summary.step_compute_us.p50,
         summary.step_compute_us.p99,
         summary.cycle_time_us.p50,

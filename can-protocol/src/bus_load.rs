@@ -108,7 +108,7 @@ impl fmt::Display for BusPlan {
         let Self { profile, rigs, rate_hz, nominal_bits_per_s, data_bits_per_s } = self;
         write!(f, "bus load {:.1} % worst case", 100.0 * self.cyclic_load())?;
         write!(f, " (and {:.1} % of slow messages)", 100.0 * self.background_load())?;
-        write!(f, ": {rigs} rig(s) at {rate_hz} Hz, ")?;
+        write!(f, ": {rigs} rig(s) at {rate_hz:.0} Hz, ")?;
         match profile {
             Profile::Classical => write!(f, "classical {} kbit/s", nominal_bits_per_s / 1e3),
             Profile::Fd => {

@@ -1,76 +1,95 @@
 //! The record as columns, for statistics and plots.
 
 use crate::record::Row;
+use can_protocol::Watch;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use hdrhistogram::Histogram;
 
 /// Rows kept for statistics and plots: twenty minutes at 1 kHz. The record itself has no such limit.
-pub const ROWS_MAX: usize = 1_200_000;
+pub(crate) const ROWS_MAX: usize = 1_200_000;
 
 /// Columns of a run.
 #[derive(Debug, Clone)]
-pub struct Columns {
+pub(crate) struct Columns {
     /// Model time (s).
-    pub time_s: Vec<f64>,
+    pub(crate) time_s: Vec<f64>,
     /// Extension of each damper slot (m).
-    pub extension_m: [Vec<f64>; DAMPER_SLOTS],
+    pub(crate) extension_m: [Vec<f64>; DAMPER_SLOTS],
     /// Rate of it (m/s).
-    pub rate_m_per_s: [Vec<f64>; DAMPER_SLOTS],
+    pub(crate) rate_m_per_s: [Vec<f64>; DAMPER_SLOTS],
     /// Force of each slot (N).
-    pub force_n: [Vec<f64>; DAMPER_SLOTS],
+    pub(crate) force_n: [Vec<f64>; DAMPER_SLOTS],
     /// Displacement that each rig measured (m).
-    pub measured_m: [Vec<f64>; DAMPER_SLOTS],
+    pub(crate) measured_m: [Vec<f64>; DAMPER_SLOTS],
     /// Force that each rig measured (N).
-    pub measured_n: [Vec<f64>; DAMPER_SLOTS],
+    pub(crate) measured_n: [Vec<f64>; DAMPER_SLOTS],
     /// Running rms of the residual of each watched rig (N).
-    pub residual_rms_n: [Vec<f64>; DAMPER_SLOTS],
+    pub(crate) residual_rms_n: [Vec<f64>; DAMPER_SLOTS],
     /// Where drift is raised (N).
-    pub residual_limit_n: [Vec<f64>; DAMPER_SLOTS],
+    pub(crate) residual_limit_n: [Vec<f64>; DAMPER_SLOTS],
     /// The watch over each rig, as the whole run showed it.
-    pub watch: [Watched; DAMPER_SLOTS],
+    pub(crate) watch: [Watched; DAMPER_SLOTS],
     /// Lateral and vertical acceleration of carbody, front bogie, first wheelset (m/s2).
-    pub acceleration: [Vec<f64>; 6],
+    pub(crate) acceleration: [Vec<f64>; 6],
     /// Lateral position of the leading wheelset against the track (m).
-    pub wheelset_lateral_m: Vec<f64>,
+    pub(crate) wheelset_lateral_m: Vec<f64>,
     /// Rows that came after the limit.
-    pub left_out: u64,
+    pub(crate) left_out: u64,
     /// Time of one vehicle step (ns).
-    pub compute_ns: Histogram<u64>,
+    pub(crate) compute_ns: Histogram<u64>,
     /// Time from receive to send (ns).
-    pub cycle_ns: Histogram<u64>,
+    pub(crate) cycle_ns: Histogram<u64>,
     /// Lateness of wake-ups (ns).
-    pub lateness_ns: Histogram<u64>,
+    pub(crate) lateness_ns: Histogram<u64>,
     /// Cycles in which nothing fresh arrived for a rig, after its first answer.
-    pub stale: [u64; DAMPER_SLOTS],
+    pub(crate) stale: [u64; DAMPER_SLOTS],
 }
 
-/// What the watch over a rig said in the course of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Watched {
-    /// Its last verdict: 0 none, 1 learning, 2 within its limit, 3 drift.
-    pub verdict: u8,
+/// What the watch over a rig showed in the course of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Watched {
+    /// Its last verdict.
+    pub(crate) verdict: Watch,
     /// Last running rms (N).
-    pub rms_n: f64,
+    pub(crate) rms_n: f64,
     /// Running rms when the usual residual had been learnt (N).
-    pub learnt_rms_n: Option<f64>,
+    pub(crate) learnt_rms_n: Option<f64>,
     /// Time at which drift was first raised (s).
-    pub drift_since_s: Option<f64>,
+    pub(crate) drift_since_s: Option<f64>,
     /// Cycles with drift.
-    pub drift_cycles: u64,
+    pub(crate) drift_cycles: u64,
+}
+
+impl Default for Watched {
+    fn default() -> Self {
+        Self {
+            verdict: Watch::None,
+            rms_n: 0.0,
+            learnt_rms_n: None,
+            drift_since_s: None,
+            drift_cycles: 0,
+        }
+    }
 }
 
 impl Watched {
     fn push(&mut self, row: &Row, slot: usize) {
+        let knows = |verdict| matches!(verdict, Watch::Steady | Watch::Drift);
         let verdict = row.drift[slot];
         self.rms_n = row.residual_rms_n[slot];
-        if verdict >= 2 && self.verdict < 2 {
+        if knows(verdict) && !knows(self.verdict) {
             self.learnt_rms_n = Some(self.rms_n);
         }
-        if verdict == 3 {
+        if verdict == Watch::Drift {
             self.drift_since_s.get_or_insert(row.time_s);
             self.drift_cycles += 1;
         }
         self.verdict = verdict;
+    }
+
+    /// The last running rms; none without a watch or before the first one (N).
+    pub(crate) fn last_rms_n(&self) -> Option<f64> {
+        Some(self.rms_n).filter(|rms| self.verdict != Watch::None && rms.is_finite())
     }
 }
 
@@ -103,12 +122,12 @@ impl Default for Columns {
 
 impl Columns {
     /// Takes in a row.
-    pub fn push(&mut self, row: &Row) {
+    pub(crate) fn push(&mut self, row: &Row) {
         self.compute_ns.saturating_record(u64::from(row.compute_ns));
         self.cycle_ns.saturating_record(u64::from(row.cycle_ns));
         self.lateness_ns.saturating_record(u64::from(row.lateness_ns));
         for (stale, input) in self.stale.iter_mut().zip(row.input) {
-            *stale += u64::from(input > 1 && row.cycle > 1);
+            *stale += u64::from(input.is_stale() && row.cycle > 1);
         }
         for (slot, watched) in self.watch.iter_mut().enumerate() {
             watched.push(row, slot);
@@ -117,6 +136,10 @@ impl Columns {
             self.left_out += 1;
             return;
         }
+        debug_assert!(
+            self.time_s.last().is_none_or(|last| *last < row.time_s),
+            "rows out of order"
+        );
         self.time_s.push(row.time_s);
         for slot in 0..DAMPER_SLOTS {
             self.extension_m[slot].push(row.extension_m[slot]);
@@ -124,7 +147,7 @@ impl Columns {
             self.force_n[slot].push(row.force_n[slot]);
             self.measured_m[slot].push(row.measured_m[slot]);
             self.measured_n[slot].push(row.measured_n[slot]);
-            if row.drift[slot] > 0 || !self.residual_rms_n[slot].is_empty() {
+            if row.drift[slot] != Watch::None || !self.residual_rms_n[slot].is_empty() {
                 // Not a number before the first measurement, so that the columns stay even.
                 self.residual_rms_n[slot].resize(self.time_s.len() - 1, f64::NAN);
                 self.residual_limit_n[slot].resize(self.time_s.len() - 1, f64::NAN);
@@ -139,7 +162,7 @@ impl Columns {
     }
 
     /// Index of the first row that statistics count.
-    pub fn first_after(&self, run_in_s: f64) -> usize {
+    pub(crate) fn first_after(&self, run_in_s: f64) -> usize {
         self.time_s.partition_point(|time| *time < run_in_s)
     }
 }

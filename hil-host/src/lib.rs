@@ -1,24 +1,42 @@
-//! The host of a damper bench: bus, clock, control loop, emulated rig, recorder, command line.
+//! The host of a damper bench: buses, clock, control loop, emulated rig, recorder, report of a run.
 //!
 //! One control cycle is one straight line, [`control::Session::cycle`]:
 //! ```text
 //! receive -> decode -> guard -> vehicle step -> compensate -> encode -> send -> record
 //! ```
-//! Frames come and go over a [`bus`]: emulated rigs in memory, or SocketCAN. The [`clock`] keeps
-//! absolute deadlines, [`realtime`] asks the kernel for what it may give. Rows and frames leave
-//! through bounded queues to the [`record`]; [`columns`], [`summary`] and [`page`] turn them into
-//! numbers and a report, [`comparison`] sets a run beside the same run with another damper.
-//! [`characterise`] is a visit to a damper bench. [`rig`] is the other end of the bus, in line or as a
-//! process of its own.
+//!
+//! Read in this order:
+//!
+//! 1. [`bus`]: a trait of four methods, with emulated rigs in memory or `SocketCAN` behind it.
+//! 2. [`clock`]: absolute deadlines on a grid that never shifts; [`realtime`]: what the kernel is
+//!    asked for.
+//! 3. [`control`]: the loop, and the watch over the damper of each rig.
+//! 4. [`rig`]: the other end of the bus, in line or as a process of its own.
+//! 5. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
+//!    read back as a damper test.
+//! 6. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `columns` (the record
+//!    for statistics), `summary` (`summary.json`), `page` (`report.html`), `comparison` (the same run
+//!    with another damper).
+//!
+//! Layers: `firmware-core` computes a cycle and `can-protocol` its frames; `scenario` reads the
+//! input, `files` guards it and the result folder, `signal` and `report` make the statistics and the
+//! page, `measurement` is the form in which a run is read back. No study is known here. What goes
+//! wrong around a run is a [`BenchError`]; inside the loop nothing is an error.
 
 pub mod bus;
 pub mod clock;
-pub mod columns;
-pub mod comparison;
+mod columns;
+mod comparison;
 pub mod control;
-pub mod page;
+mod error;
+mod options;
+mod page;
 pub mod realtime;
 pub mod record;
 pub mod rig;
 pub mod run;
 pub mod summary;
+
+pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};
+pub use error::BenchError;
+pub use options::{PaceChoice, RunOptions};

@@ -2,7 +2,8 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
 
-mod support;
+#[path = "bench/support/host.rs"]
+mod host;
 
 use can_protocol::{
     Frame, Heartbeat, Measurement, Message, MessageId, Node, Pace, Profile, RunState, Sender,
@@ -12,12 +13,12 @@ use hil_host::bus::{Bus, BusCounters, BusError, MemoryBus, Sent, SocketCanBus, W
 use hil_host::realtime::RealtimeOptions;
 use hil_host::rig::RigNode;
 use hil_host::rig::process::{Options, RigSummary, serve};
+use host::{Host, setup};
 use socketcan::{CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Socket, StandardId};
 use std::io::Write;
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::Duration;
-use support::{Host, setup};
 
 const NODE: Node = Node::ALL[0];
 const OPTIONS: Options = Options { exit_after_run: true, realtime: RealtimeOptions::NONE };
@@ -251,27 +252,28 @@ fn a_rig_whose_lock_step_host_dies_goes_safe_and_comes_to_rest() {
 #[test]
 fn a_rig_whose_paced_host_dies_goes_safe_in_the_fifth_cycle() {
     let Some(vcan) = Vcan::new() else { return };
-    let (runs, summary) = with_rig(&vcan, |mut bus| {
+    let (measured, summary) = with_rig(&vcan, |mut bus| {
         let mut host = Host::new(Profile::Classical);
         let mut sync = host.sync_message(Pace::Clock);
-        // 20 ms per cycle: no machine that runs tests delays a host by five of them.
+        // 20 ms per cycle: a host is seldom delayed by five of them, and then this is seen earlier.
         sync.slow_down = NonZeroU8::new(20).unwrap();
         greet(&mut bus, &sync.encode());
-        let mut last = 0;
-        for _ in 0..30 {
-            last = host.counter;
-            assert_eq!(ask(&mut bus, &host.run()).state, RunState::Run);
+        let mut measured = Vec::new();
+        while measured.len() < 30 {
+            measured.push(ask(&mut bus, &host.run()));
         }
-        let mut runs = 0;
-        loop {
+        while measured.last().is_some_and(|last| last.state != RunState::Safe) {
             let Message::Measurement(measurement) = next(&mut bus) else { continue };
-            if measurement.state == RunState::Safe {
-                break runs;
-            }
-            runs += u32::from(measurement.echo == Some(last));
+            measured.push(measurement);
         }
+        measured
     });
-    // The answer to the last command was taken by `ask`; four silent cycles are forgiven.
-    assert_eq!(runs, 4);
-    assert_eq!((summary.state, summary.safe_events, summary.frames.received), ("SAFE", 1, 30));
+    // The cycle that took the last command is followed by four silent ones that are forgiven.
+    let safe = measured.iter().position(|m| m.state == RunState::Safe).unwrap();
+    let taken = measured[..safe].iter().rposition(|m| m.echo != measured[safe].echo).unwrap() + 1;
+    assert_eq!(safe - taken, 5);
+    assert!(measured[..safe].iter().all(|m| m.state == RunState::Run));
+    assert_eq!((summary.state, summary.safe_events), ("SAFE", 1));
+    assert!(summary.frames.received <= 30, "{summary:?}");
+    assert!(safe < 30 || summary.frames.received == 30, "{summary:?}");
 }

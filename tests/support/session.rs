@@ -6,17 +6,18 @@
     reason = "a test may fail loudly and has a large stack"
 )]
 
-use can_protocol::{Node, Profile};
+use can_protocol::{Node, Pace as WirePace, Profile};
 use firmware_core::line::Slot;
 use firmware_core::track::Track;
 use hil_host::bus::MemoryBus;
-use hil_host::control::{Pace, Port, Session, SessionState, Slots};
+use hil_host::clock::Tick;
+use hil_host::control::{Buses, Pace, Port, Session, SessionState};
 use hil_host::record::Recorder;
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A scenario of the repository, perhaps cut to a duration.
 pub(crate) fn scenario(name: &str, duration_s: impl Into<Option<f64>>) -> Run {
@@ -46,6 +47,7 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>) -> Session<'a> {
         line,
         ports,
         profile: Profile::Classical,
+        pace: WirePace::LockStep,
         slow_down: NonZeroU8::MIN,
         watched: [Some(0), Some(1), Some(3)],
     }
@@ -63,8 +65,8 @@ pub(crate) fn ready(run: &Run, session: &Session<'_>) -> (SessionState, [MemoryB
     let state = session.start(session.line.start(run.start.state.clone()));
     let mut buses = [bus(run, session)];
     session
-        .greet(&state, &mut buses, &Pace::Fast, Duration::from_secs(1))
-        .unwrap_or_else(|nodes| panic!("silent nodes {nodes:?}"));
+        .greet(&state, &mut buses, Duration::from_secs(1), &AtomicBool::new(false))
+        .unwrap_or_else(|why| panic!("{why:?}"));
     (state, buses)
 }
 
@@ -76,8 +78,8 @@ pub(crate) fn cycles(
     recorder: &mut Recorder<'_>,
     count: u64,
 ) {
-    let begin = Instant::now();
+    let mut buses = Buses::new(buses, recorder);
     for _ in 0..count {
-        session.cycle(state, buses, &Pace::Fast, recorder, &begin, Slots::default());
+        session.cycle(state, &mut buses, Tick::default());
     }
 }

@@ -127,6 +127,19 @@ fn a_comparison_that_cannot_be_is_refused_before_the_run() {
 }
 
 #[test]
+fn options_out_of_range_are_named_with_their_range() {
+    for (option, found, expected) in [
+        ("--slow-down", "0", "a whole number from 1 to 255"),
+        ("--slow-down", "300", "a whole number from 1 to 255"),
+        ("--bitrate", "0", "a bit rate in bit/s from 1k to 20M, such as 500k or 1M"),
+        ("--bus", "can0", "memory or socketcan:INTERFACE"),
+    ] {
+        let text = refused("option", GOOD, None, &[option, found]);
+        has(&text, &[option, "found ", found, &format!("expected {expected}")]);
+    }
+}
+
+#[test]
 fn a_missing_file_is_named() {
     let result = output(yawbench().args(["run", "no/such/scenario.toml"]));
     assert_eq!(result.status.code(), Some(2));

@@ -212,7 +212,7 @@ fn people_see_a_second_table_and_a_run_without_comparison_has_none() {
                 .arg("run")
                 .arg(repository().join("scenarios").join(scenario))
                 .args(["--pace", "fast", "--duration", "3", "--out"])
-                .arg(place.join("out")),
+                .arg(place.join(scenario)),
         );
         String::from_utf8(result.stdout).unwrap()
     };

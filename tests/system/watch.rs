@@ -5,11 +5,12 @@ use can_protocol::{Frame, Residual, Watch};
 use firmware_core::damper::effects::ClearanceGrowth;
 use firmware_core::damper::{Damper, Effect};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
-use hil_host::control::Slots;
+use hil_host::clock::Tick;
+use hil_host::control::Buses;
 use hil_host::record::Queues;
 use scenario::run::{Run, SlotForce};
 use scenario::watch::Limit;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// One damper on a rig at 160 km/h, watched with short times, and `effects` in the mounted damper.
 fn watched(effects: &[Effect]) -> Run {
@@ -65,29 +66,22 @@ fn course(run: &Run) -> Course {
     let mut buses = vec![Tap { bus, told: Vec::new() }];
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
-    let begin = Instant::now();
+    let mut on_bus = Buses::new(&mut buses, &mut recorder);
     let mut course =
         Course { raised: None, learnt_n: f64::NAN, compared: Vec::new(), told: Vec::new() };
     for _ in 0..run.cycles() {
-        let row = session.cycle(
-            &mut state,
-            &mut buses,
-            &hil_host::control::Pace::Fast,
-            &mut recorder,
-            &begin,
-            Slots::default(),
-        );
-        if row.drift[0] == Watch::Steady.code() && course.learnt_n.is_nan() {
+        let row = session.cycle(&mut state, &mut on_bus, Tick::default());
+        if row.drift[0] == Watch::Steady && course.learnt_n.is_nan() {
             course.learnt_n = row.residual_rms_n[0];
         }
-        if row.drift[0] == Watch::Drift.code() {
+        if row.drift[0] == Watch::Drift {
             course.raised.get_or_insert(row.cycle);
         }
         if row.residual_n[0].is_finite() {
             course.compared.push((row.cycle, row.residual_n[0], row.measured_n[0]));
         }
         // The modelled dampers are not watched.
-        assert_eq!(row.drift[1..], [0; 3]);
+        assert_eq!(row.drift[1..], [Watch::None; 3]);
     }
     course.told = buses.into_iter().flat_map(|tap| tap.told).collect();
     course

@@ -4,7 +4,7 @@ use crate::interface::{Candump, Interface, cansend, interface, slow_down, yawben
 use crate::record::Record;
 use can_protocol::{Fault, Measurement, Message, MessageId, Node, Profile, RunState, Sender};
 use serde_json::Value;
-use socketcan::{CanAnyFrame, CanFdSocket, EmbeddedFrame, Id, Socket};
+use socketcan::{CanAnyFrame, CanFdSocket, EmbeddedFrame, Id, Socket, SocketOptions};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -184,17 +184,25 @@ fn thirty_thousand_cycles_on_the_clock_account_for_every_frame() {
     );
     let sent = number(&host["frames"]["sent"]);
     assert_eq!(sent + number(&host["frames"]["late"]), number(&host["steps"]));
-    assert_eq!(number(&host["bus_counters"]["receive_dropped"]), 0);
+    // A machine that withholds the processor makes both clocks skip ticks; nothing else may.
+    let skipped = number(&host["overruns"]) + number(&rig["skipped"]);
+    let dropped = number(&rig["send_dropped"]) + number(&host["bus_counters"]["receive_dropped"]);
+    assert!(dropped == 0 || skipped > 0, "{dropped} frames dropped on an idle machine");
     if host["state"] == "completed" {
         assert_eq!(number(&host["steps"]), 30_000);
         // One more: the command that ends the run.
         assert_eq!(number(&rig["frames"]["received"]) + number(&rig["frames"]["lost"]), sent + 1);
-        // The rig measures on its own clock; its counters show that none went missing.
-        assert_eq!(number(&host["frames"]["lost"]), 0);
-        assert_eq!(number(&host["frames"]["wrong_sequence"]), 0);
+        // The rig measures on its own clock; its counters show that none went missing but those that
+        // a full queue dropped and counted.
+        let lost = number(&host["frames"]["lost"]);
+        assert!(lost <= dropped, "{lost} measurements lost, {dropped} dropped");
+        assert!(number(&host["frames"]["wrong_sequence"]) <= dropped);
         assert!(number(&host["bus_counters"]["received"]) <= number(&rig["sent"]));
     } else {
-        panic!("the paced run ended in state {}: {host}", host["state"]);
+        // Five cycles in a row without the other side: four of them were skipped.
+        let state = &host["state"];
+        assert!(skipped >= 4, "{state} with {skipped} ticks skipped: {host} {rig}");
+        println!("{state} after {} cycles with {skipped} ticks skipped", host["steps"]);
     }
     let _ = std::fs::remove_dir_all(folder);
 }
@@ -213,7 +221,8 @@ fn a_comparison_models_the_slot_of_a_rig_that_cannot_be_run_again() {
         std::fs::write(&file, text).expect("a scenario");
         let mut command = yawbench();
         command.args(["run", "--json", "--duration", "4"]).arg(&file).args(args);
-        summary(&command.arg("--out").arg(folder.join("out")).output().expect("the host"))
+        let out = folder.join(format!("out-{name}"));
+        summary(&command.arg("--out").arg(out).output().expect("the host"))
     };
     let alike = run("modelled.toml", modelled, &["--pace", "fast"]);
     let rig = Rig::start(&vcan, LOCK_STEP_RIG);
@@ -235,15 +244,22 @@ fn signal(name: &str, process: u32) {
     assert!(done.success(), "kill {name} {process}");
 }
 
+/// As Linux numbers them.
+const SOL_SOCKET: i32 = 1;
+const SO_RCVBUFFORCE: i32 = 33;
+
 /// A socket that sees every frame.
 fn listener(interface: &Interface) -> CanFdSocket {
     let socket = CanFdSocket::open(interface).expect("a CAN socket");
     socket.set_read_timeout(Duration::from_millis(200)).expect("a time limit");
+    // Room for seconds of frames: a test that waits for the processor must not miss the newest.
+    // Without the right to it the kernel's own size has to do.
+    let _ = socket.set_socket_option_int(SOL_SOCKET, SO_RCVBUFFORCE, 16 << 20);
     socket
 }
 
-/// Frames of an id until there are enough, or nothing has come for a while behind the first one. A host may
-/// take its time to start.
+/// Frames of an id until there are enough, or nothing has come for a while after the first one. A
+/// host may take its time to start.
 fn hear(socket: &CanFdSocket, id: MessageId, enough: usize) -> Vec<Vec<u8>> {
     let (begin, mut heard) = (Instant::now(), Vec::new());
     while heard.len() < enough {
@@ -277,12 +293,13 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the host");
-    let seen = hear(&socket, MEASUREMENT, 500);
-    assert_eq!(seen.len(), 500, "the run did not start");
-    // The host waits for the rig's answer: nothing on the bus can be newer than what was heard.
+    let mut history = hear(&socket, MEASUREMENT, 500);
+    assert_eq!(history.len(), 500, "the run did not start");
+    // The host waits for the rig's answer: nothing on the bus can be newer than what was heard. Then
+    // the host is stopped as well, so that it does not matter how long the rest takes.
     signal("-STOP", rig.id());
-    let mut history = seen;
     history.extend(hear(&socket, MEASUREMENT, usize::MAX));
+    signal("-STOP", host.id());
     let [.., old, _, _, last] = history.as_slice() else { panic!("no history") };
     let (measurement, command) = (MEASUREMENT.raw(), COMMAND.raw());
     let mut broken = last.clone();
@@ -293,7 +310,11 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
     cansend(&vcan, &format!("{measurement:03X}#0102"));
     cansend(&vcan, &format!("{command:03X}#DEADBEEF"));
     cansend(&vcan, "7AA#0011223344556677");
+    let sent = hear(&socket, MEASUREMENT, 4);
+    assert_eq!(sent.len(), 4, "the frames from outside");
     signal("-CONT", rig.id());
+    assert_eq!(hear(&socket, MEASUREMENT, 1).len(), 1, "the rig's answer");
+    signal("-CONT", host.id());
     let output = host.wait_with_output().expect("the host");
     let host = summary(&output);
     let (code, rig) = rig.end();
@@ -314,40 +335,44 @@ fn a_rig_whose_host_is_killed_goes_safe_within_five_cycles() {
     let folder = out(&vcan, "host-killed");
     let slow_down = slow_down().to_string();
     let bus = format!("socketcan:{vcan}");
+    let candump = Candump::start(&vcan);
     let socket = listener(&vcan);
     let mut host = host(&bus, "60", &folder, &["--pace", "realtime", "--slow-down", &slow_down])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .expect("the host");
-    assert_eq!(hear(&socket, MEASUREMENT, 300).len(), 300, "the run did not start");
+    assert_eq!(hear(&socket, MEASUREMENT, 100).len(), 100, "the run did not start");
     host.kill().expect("kill");
     host.wait().expect("the host's end");
-    // Cycles of the rig between the last command and its first measurement in the safe state.
-    let (mut cycles, mut fault) = (0, false);
-    let begin = Instant::now();
-    let safe_after = loop {
-        assert!(begin.elapsed() < Duration::from_secs(20), "the rig did not go safe");
-        let Ok(frame) = socket.read_frame() else { continue };
-        let Some((id, data)) = parts(&frame) else { continue };
-        if id == COMMAND.raw() {
-            cycles = 0;
-        } else if id == MessageId::Fault(Sender::Rig(Node::ALL[0])).raw() {
-            fault |= Fault::decode(id, &data).is_ok();
-        } else if id == MEASUREMENT.raw() {
-            cycles += 1;
-            if Measurement::decode(id, &data).expect("a measurement").state == RunState::Safe {
-                break cycles;
-            }
-        }
-    };
-    // The cycle that was under way when the last command came counts as well.
-    assert!((5..=6).contains(&safe_after), "safe after {safe_after} cycles");
     let (code, rig) = rig.end();
+    let frames = candump.stop();
+    println!("rig skipped {} of {} cycles", rig["skipped"], rig["cycles"]);
     assert_eq!(code, Some(3), "{rig}");
     assert_eq!(rig["safe_events"], 1, "{rig}");
+    assert_eq!(cycles_to_safe(&frames), 5, "{rig}");
+    let fault = MessageId::Fault(Sender::Rig(Node::ALL[0])).raw();
+    let fault = frames
+        .iter()
+        .filter_map(parts)
+        .any(|(id, data)| id == fault && Fault::decode(id, &data).is_ok());
     assert!(fault || rig["state"] == "SAFE", "{rig}");
     let _ = std::fs::remove_dir_all(folder);
+}
+
+/// Cycles of the rig from the one that took the last command to the one that went safe, by its own
+/// counters: how late either of them was on the clock does not matter.
+fn cycles_to_safe(frames: &[CanAnyFrame]) -> u8 {
+    let measurements: Vec<Measurement> = frames
+        .iter()
+        .filter_map(parts)
+        .filter(|(id, _)| *id == MEASUREMENT.raw())
+        .map(|(id, data)| Measurement::decode(id, &data).expect("a measurement"))
+        .collect();
+    let safe = measurements.iter().position(|m| m.state == RunState::Safe).expect("a safe rig");
+    let before = measurements[..safe].iter().rposition(|m| m.echo != measurements[safe].echo);
+    let taken = &measurements[before.map_or(0, |before| before + 1)];
+    Profile::Classical.counter_steps(taken.counter, measurements[safe].counter)
 }
 
 #[test]
@@ -363,7 +388,7 @@ fn a_host_whose_rig_is_killed_goes_safe_within_five_cycles() {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the host");
-    assert_eq!(hear(&socket, MEASUREMENT, 300).len(), 300, "the run did not start");
+    assert_eq!(hear(&socket, MEASUREMENT, 100).len(), 100, "the run did not start");
     drop(rig);
     let output = host.wait_with_output().expect("the host");
     let host = summary(&output);

@@ -12,13 +12,14 @@
 //! FD frames go out with bit-rate switch. On an interface that is not set up for FD the kernel
 //! refuses them, which [`SocketCanBus::open`] tells in advance.
 
-use super::{Bus, BusCounters, MAX_BYTES, Sent, WireFrame};
+use super::error::BusError;
+use super::wire_frame::{MAX_BYTES, WireFrame};
+use super::{Bus, BusCounters, Sent};
 use can_protocol::{Frame, MessageId, Profile, to_embedded};
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg};
 use socketcan::{CanFdFrame, CanFdSocket, CanFilter, CanFrame, Socket, SocketOptions};
-use std::fmt;
 use std::io::{self, IoSliceMut};
 use std::os::fd::{AsFd, AsRawFd};
 use std::time::Duration;
@@ -42,66 +43,6 @@ pub struct SocketCanBus {
     /// The kernel's drop counter as last delivered, modulo 2^32.
     overflow: u32,
 }
-
-/// Why a bus cannot be opened.
-#[derive(Debug)]
-pub enum BusError {
-    /// This kernel has no CAN at all.
-    NoCan,
-    /// No interface of this name.
-    NoInterface {
-        /// The name.
-        interface: String,
-    },
-    /// The interface exists and is not up.
-    Down {
-        /// The name.
-        interface: String,
-    },
-    /// The FD profile on an interface that is set up for classical frames.
-    NotFd {
-        /// The name.
-        interface: String,
-    },
-    /// The kernel refused something else.
-    Refused {
-        /// The name.
-        interface: String,
-        /// What the kernel said.
-        error: io::Error,
-    },
-}
-
-impl fmt::Display for BusError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoCan => f.write_str(
-                "this kernel has no CAN (try `modprobe vcan`, or a machine whose kernel has it); \
-                 --bus memory needs none",
-            ),
-            Self::NoInterface { interface } => write!(
-                f,
-                "no CAN interface \"{interface}\"; a virtual one: `modprobe vcan && ip link add \
-                 dev {interface} type vcan && ip link set {interface} up`"
-            ),
-            Self::Down { interface } => write!(
-                f,
-                "CAN interface \"{interface}\" is down; set its bit rate if it is a real one, \
-                 then `ip link set {interface} up`"
-            ),
-            Self::NotFd { interface } => write!(
-                f,
-                "CAN interface \"{interface}\" takes no FD frames; virtual: `ip link set \
-                 {interface} mtu 72`, real: `ip link set {interface} type can ... fd on`"
-            ),
-            Self::Refused { interface, error } => {
-                write!(f, "CAN interface \"{interface}\" cannot be used: {error}")
-            }
-        }
-    }
-}
-
-impl std::error::Error for BusError {}
 
 impl SocketCanBus {
     /// Opens an interface for the messages that are to be received.

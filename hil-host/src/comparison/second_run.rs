@@ -1,56 +1,59 @@
-//! The second run of a comparison: on the memory bus, as fast as it goes, in a thread of its own.
+//! The second run of a comparison: on the memory bus, as fast as possible, in a thread of its own.
 
-use crate::bus::MemoryBus;
+use crate::BenchError;
+use crate::bus::{BusChoice, MemoryBus};
+use crate::clock::Tick;
 use crate::columns::{Columns, ROWS_MAX};
-use crate::control::{Pace, Slots};
-use crate::record::{NpyWriter, Queues, ROWS};
+use crate::control::{Buses, NoAnswer};
+use crate::record::{NpyWriter, Queues, ROWS, Row};
 use crate::rig::RigNode;
-use crate::run::{BusChoice, rigs_of, session};
-use anyhow::{Context, bail};
-use can_protocol::Profile;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use crate::run::{Plan, bar, session};
+use can_protocol::{Pace as WirePace, Profile};
+use indicatif::ProgressDrawTarget;
 use scenario::run::Run;
+use std::fs::File;
 use std::num::NonZeroU8;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// What came out of it.
+/// The second run, done.
 #[derive(Debug, Clone)]
-pub struct SecondRun {
+pub(crate) struct SecondRun {
     /// What statistics and plots need.
-    pub columns: Columns,
+    pub(crate) columns: Columns,
     /// Bodies whose accelerations were recorded: carbody, front bogie, first wheelset.
-    pub watched: [Option<usize>; 3],
+    pub(crate) watched: [Option<usize>; 3],
     /// Cycles done.
-    pub cycles: u64,
+    pub(crate) cycles: u64,
     /// The trajectory hash.
-    pub hash: u64,
+    pub(crate) hash: u64,
     /// Whether the model left its track.
-    pub safe: bool,
+    pub(crate) safe: bool,
 }
 
-/// A run that takes longer shows how far it is.
+/// A run that takes longer shows its progress.
 const SILENT: Duration = Duration::from_secs(2);
 
 impl SecondRun {
-    /// Runs through a scenario, at most as far as statistics reach, and leaves its record; none if it
-    /// was stopped.
+    /// Runs through a scenario, at most as far as statistics reach, and writes its record; none, and
+    /// no record, where it was stopped.
     ///
     /// # Errors
     /// The record cannot be written.
-    pub fn through(
+    pub(crate) fn through(
         run: &Run,
         profile: Profile,
         cycles: u64,
-        record: &Path,
+        record: (PathBuf, File),
         stop: &AtomicBool,
-    ) -> anyhow::Result<Option<Self>> {
-        // The thread of a control loop runs in front of the rest of the machine; one that it starts
-        // is an ordinary one again.
+    ) -> Result<Option<Self>, BenchError> {
+        // The thread of a control loop has precedence over the rest of the machine; one that it
+        // starts is an ordinary one again.
         std::thread::scope(|scope| {
             let thread = scope.spawn(|| through(run, profile, cycles, record, stop));
-            thread.join().map_err(|_| anyhow::anyhow!("the second run failed"))?
+            let name = "runs the comparison";
+            thread.join().map_err(|_| BenchError::Thread { name })?
         })
     }
 }
@@ -59,50 +62,43 @@ fn through(
     run: &Run,
     profile: Profile,
     cycles: u64,
-    path: &Path,
+    (path, file): (PathBuf, File),
     stop: &AtomicBool,
-) -> anyhow::Result<Option<SecondRun>> {
-    let name = || path.display().to_string();
+) -> Result<Option<SecondRun>, BenchError> {
+    let failed = |why| BenchError::File { file: path.clone(), why };
     let cycles = cycles.min(ROWS_MAX as u64);
-    let (_, rigs) = rigs_of(run, &BusChoice::Memory)?;
+    let plan = Plan::new(run, &BusChoice::Memory)?;
     let track = run.track.view();
-    let session = session(run, &track, &rigs, profile, NonZeroU8::MIN)?;
-    let mut buses =
-        vec![MemoryBus::new(rigs.iter().map(|rig| RigNode::new(&run.rig, rig.node, profile)))];
+    let pace = (WirePace::LockStep, NonZeroU8::MIN);
+    let session = session(run, &track, &plan.rigs, profile, pace)?;
+    let rigs = plan.rigs.iter().map(|rig| RigNode::new(&run.rig, rig.node, profile));
+    let mut buses = vec![MemoryBus::new(rigs)];
     let mut state = session.start(session.line.start(run.start.state.clone()));
-    if session.greet(&state, &mut buses, &Pace::Fast, SILENT).is_err() {
-        bail!("an emulated rig did not answer");
-    }
+    session.greet(&state, &mut buses, SILENT, &AtomicBool::new(false)).map_err(|why| {
+        let NoAnswer::Silent(nodes) = why else { return BenchError::Interrupted };
+        BenchError::SilentRigs { nodes, bus: BusChoice::Memory.to_string() }
+    })?;
     let mut queues = Queues::default();
-    // Nobody keeps the frames of this bus.
+    // The frames of this bus are not kept.
     let (mut recorder, _frames) = queues.split();
-    let mut record = NpyWriter::create(path).with_context(name)?;
+    let mut buses = Buses::new(&mut buses, &mut recorder);
+    let mut record = NpyWriter::begin(file).map_err(failed)?;
     let mut columns = Columns::default();
-    let mut rows = Vec::with_capacity(ROWS);
-    let bar = ProgressBar::with_draw_target(Some(cycles), ProgressDrawTarget::hidden());
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}") {
-        bar.set_style(style);
-    }
+    let mut rows: Vec<Row> = Vec::with_capacity(ROWS);
+    let bar = bar(cycles, ProgressDrawTarget::hidden());
     bar.set_message("the same with the other damper");
     let begin = Instant::now();
     while state.line.cycle < cycles && !state.line.safe {
         if stop.load(Ordering::Relaxed) {
             drop(record);
-            std::fs::remove_file(path).with_context(name)?;
+            std::fs::remove_file(&path).map_err(failed)?;
             return Ok(None);
         }
-        let row = session.cycle(
-            &mut state,
-            &mut buses,
-            &Pace::Fast,
-            &mut recorder,
-            &begin,
-            Slots::default(),
-        );
+        let row = session.cycle(&mut state, &mut buses, Tick::default());
         columns.push(&row);
         rows.push(row);
         if rows.len() == ROWS {
-            record.write(&rows).with_context(name)?;
+            record.write(&rows).map_err(failed)?;
             rows.clear();
             if bar.is_hidden() && begin.elapsed() > SILENT {
                 bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(10));
@@ -110,8 +106,8 @@ fn through(
             bar.set_position(state.line.cycle);
         }
     }
-    record.write(&rows).with_context(name)?;
-    record.finish().with_context(name)?;
+    record.write(&rows).map_err(failed)?;
+    record.finish().map_err(failed)?;
     bar.finish_and_clear();
     Ok(Some(SecondRun {
         columns,

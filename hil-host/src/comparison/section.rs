@@ -2,6 +2,7 @@
 
 use super::{Comparison, SecondRun};
 use crate::columns::Columns;
+use crate::control::End;
 use crate::page::{kilo, milli, most_in, spectrum};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use report::{Cell, Plot, Section, Table};
@@ -13,9 +14,9 @@ use std::ops::Range;
 const SHOWN_S: f64 = 4.0;
 
 /// The section of a comparison.
-pub fn section(
+pub(crate) fn section(
     run: &Run,
-    run_state: &str,
+    run_state: End,
     columns: &Columns,
     comparison: &Comparison,
     second: &SecondRun,

@@ -1,7 +1,7 @@
 //! The trajectory hash: one number that two runs share only when every bit of them is the same.
 //!
-//! FNV-1a ([`firmware_core::fnv`]) over 64-bit words instead of bytes. Words are the IEEE bits of the positions of all bodies and rails, then of the
-//! forces in the damper slots, every cycle.
+//! FNV-1a ([`firmware_core::fnv`]) over 64-bit words instead of bytes. The words are the IEEE bits of
+//! the positions of all bodies and rails, then of the forces in the damper slots, every cycle.
 
 use firmware_core::fnv;
 use firmware_core::line::LineState;

@@ -8,6 +8,7 @@ use can_protocol::{
     Residual, RunState, Status,
 };
 use firmware_core::guard::{self, ForceInput};
+use firmware_core::vehicle::DAMPER_SLOTS;
 
 /// Parameters of a port.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,12 +40,12 @@ pub struct PortState {
     pub commands: u64,
     /// Commands whose displacement, velocity or counter did not fit the frame.
     pub saturated: u64,
-    /// Measurements that told of a limit, a lagging actuator or a value beyond the frame.
+    /// Measurements with a flag: limit reached, actuator lagging, value beyond the frame.
     pub flagged: u64,
     /// The watch over the rig's damper.
     pub watch: WatchState,
     /// Counter of the last residual sent.
-    told: Option<u8>,
+    residual_counter: Option<u8>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +68,7 @@ impl Port {
         slot: usize,
         profile: Profile,
     ) -> Result<Self, can_protocol::Error> {
+        debug_assert!(slot < DAMPER_SLOTS, "a vehicle has no damper slot {slot}");
         let receiver = Receiver::new(profile, node, MAX_DELTA)?;
         Ok(Self { node, bus, slot, profile, receiver, watch: None })
     }
@@ -78,13 +80,14 @@ impl Port {
         self
     }
 
-    /// What the watch says, as a frame; none without a watch.
+    /// What the watch shows, as a frame; none without a watch.
     pub fn residual(&self, state: &mut PortState, run: RunState) -> Option<Frame> {
         self.watch.as_ref()?;
         let view = state.watch.view;
         // The message is classical on either bus.
-        let counter = state.told.map_or(0, |counter| Profile::Classical.next_counter(counter));
-        state.told = Some(counter);
+        let counter =
+            state.residual_counter.map_or(0, |counter| Profile::Classical.next_counter(counter));
+        state.residual_counter = Some(counter);
         let residual = Residual {
             node: self.node,
             counter,

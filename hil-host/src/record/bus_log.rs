@@ -4,7 +4,6 @@
 use crate::bus::WireFrame;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
 
 /// A frame that passed the bus.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,12 +25,10 @@ pub struct BusLog {
 }
 
 impl BusLog {
-    /// Creates the file; times count from `start_ns` since the epoch.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    pub fn create(path: &Path, start_ns: u64, names: Vec<String>) -> io::Result<Self> {
-        Ok(Self { file: BufWriter::with_capacity(1 << 20, File::create(path)?), start_ns, names })
+    /// Begins a new file; times count from `start_ns` since the epoch, `names` are those of the
+    /// buses.
+    pub fn begin(file: File, start_ns: u64, names: Vec<String>) -> Self {
+        Self { file: BufWriter::with_capacity(1 << 20, file), start_ns, names }
     }
 
     /// Appends events.
@@ -42,7 +39,9 @@ impl BusLog {
         for event in events {
             let time_us = (self.start_ns + event.time_ns) / 1000;
             let (seconds, micros) = (time_us / 1_000_000, time_us % 1_000_000);
-            let name = self.names.get(usize::from(event.bus)).map_or("can", String::as_str);
+            let name = self.names.get(usize::from(event.bus));
+            debug_assert!(name.is_some(), "bus {} has no name", event.bus);
+            let name = name.map_or("can", String::as_str);
             writeln!(self.file, "({seconds:010}.{micros:06}) {name} {}", event.frame)?;
         }
         Ok(())

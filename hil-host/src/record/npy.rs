@@ -5,8 +5,7 @@
 
 use super::row::Row;
 use std::fs::File;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 
 /// Writes rows to a file.
 #[derive(Debug)]
@@ -20,12 +19,12 @@ pub struct NpyWriter {
 const COUNT_WIDTH: usize = 20;
 
 impl NpyWriter {
-    /// Creates the file with a header for zero rows.
+    /// Begins a new file with a header for zero rows.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn create(path: &Path) -> io::Result<Self> {
-        let mut file = BufWriter::with_capacity(1 << 20, File::create(path)?);
+    pub fn begin(file: File) -> io::Result<Self> {
+        let mut file = BufWriter::with_capacity(1 << 20, file);
         file.write_all(&header(0))?;
         // A run that is killed leaves a file that can be read.
         file.flush()?;
@@ -60,15 +59,47 @@ impl NpyWriter {
     }
 }
 
-/// The rows of a file of this layout; `None` for any other. A row that was cut off is no row.
-pub(super) fn rows(bytes: &[u8]) -> Option<std::slice::ChunksExact<'_, u8>> {
-    let ours = header(0);
-    let (found, body) = bytes.split_at_checked(ours.len())?;
-    // All but the number of rows, which a run that was killed has not written.
-    let count_at = ours.len() - ours.iter().rev().position(|byte| *byte == b'(')?;
-    let same = |range: std::ops::Range<usize>| found.get(range.clone()) == ours.get(range);
-    let alike = same(0..count_at) && same(count_at + COUNT_WIDTH..ours.len());
-    alike.then(|| body.chunks_exact(Row::size()))
+/// Reads the rows of a record one by one.
+#[derive(Debug)]
+pub(super) struct RowReader {
+    file: BufReader<File>,
+    start: u64,
+    row: Vec<u8>,
+}
+
+impl RowReader {
+    /// Reads the header; `None` for a file of another layout.
+    pub(super) fn begin(file: File) -> io::Result<Option<Self>> {
+        let mut file = BufReader::with_capacity(1 << 20, file);
+        let ours = header(0);
+        let mut found = Vec::with_capacity(ours.len());
+        file.by_ref().take(ours.len() as u64).read_to_end(&mut found)?;
+        let start = ours.len() as u64;
+        Ok(is_ours(&found, &ours).then(|| Self { file, start, row: Vec::new() }))
+    }
+
+    /// The next row; a row that was cut off is no row.
+    pub(super) fn next_row(&mut self) -> io::Result<Option<&[u8]>> {
+        let size = Row::size();
+        self.row.clear();
+        self.file.by_ref().take(size as u64).read_to_end(&mut self.row)?;
+        Ok((self.row.len() == size).then_some(self.row.as_slice()))
+    }
+
+    /// Goes back to the first row.
+    pub(super) fn rewind(&mut self) -> io::Result<()> {
+        self.file.seek(SeekFrom::Start(self.start)).map(|_| ())
+    }
+}
+
+/// Whether a header is that of this layout, whatever its number of rows: a run that was killed has
+/// not written it.
+fn is_ours(found: &[u8], ours: &[u8]) -> bool {
+    let Some(open) = ours.iter().rposition(|byte| *byte == b'(') else { return false };
+    let (before, after) = (0..=open, open + 1 + COUNT_WIDTH..ours.len());
+    found.len() == ours.len()
+        && found.get(before.clone()) == ours.get(before)
+        && found.get(after.clone()) == ours.get(after)
 }
 
 /// The whole header, always of the same length.

@@ -3,6 +3,8 @@
 //! The fields, their types and their order are listed once, below; the record's header and the
 //! bytes of a row both follow that list.
 
+use super::input_kind::InputKind;
+use can_protocol::Watch;
 use firmware_core::vehicle::{AXLES_MAX, DAMPER_SLOTS};
 
 /// Bytes of a kept frame: payload, zero behind it.
@@ -12,6 +14,8 @@ pub type FrameBytes = [u8; 16];
 pub(super) trait Field {
     /// Its type string.
     const KIND: &'static str;
+    /// Its value before anything is known; arrays longer than 32 have no `Default`.
+    const ZERO: Self;
     /// Its shape, empty for a single value.
     fn shape() -> Vec<usize> {
         Vec::new()
@@ -24,6 +28,7 @@ macro_rules! plain_field {
     ($($kind:ty => $name:literal),*) => { $(
         impl Field for $kind {
             const KIND: &'static str = $name;
+            const ZERO: Self = 0 as $kind;
             fn put(&self, bytes: &mut Vec<u8>) {
                 bytes.extend_from_slice(&self.to_le_bytes());
             }
@@ -33,8 +38,24 @@ macro_rules! plain_field {
 
 plain_field!(u8 => "|u1", u32 => "<u4", i32 => "<i4", u64 => "<u8", f64 => "<f8");
 
+macro_rules! code_field {
+    ($($kind:ty => $zero:expr),*) => { $(
+        /// The record holds the code.
+        impl Field for $kind {
+            const KIND: &'static str = u8::KIND;
+            const ZERO: Self = $zero;
+            fn put(&self, bytes: &mut Vec<u8>) {
+                bytes.push(self.code());
+            }
+        }
+    )* };
+}
+
+code_field!(InputKind => InputKind::NoRig, Watch => Watch::None);
+
 impl<T: Field, const N: usize> Field for [T; N] {
     const KIND: &'static str = T::KIND;
+    const ZERO: Self = [T::ZERO; N];
     fn shape() -> Vec<usize> {
         let mut shape = vec![N];
         shape.extend(T::shape());
@@ -75,6 +96,7 @@ macro_rules! row {
                     }
                     at += bytes_of(kind, &shape);
                 }
+                debug_assert!(false, "a row has no field {name}");
                 None
             }
 
@@ -87,7 +109,7 @@ macro_rules! row {
 
         impl Default for Row {
             fn default() -> Self {
-                Self { $($name: zero::<$kind>(),)* }
+                Self { $($name: <$kind as Field>::ZERO,)* }
             }
         }
     };
@@ -97,27 +119,6 @@ macro_rules! row {
 fn bytes_of(kind: &str, shape: &[usize]) -> usize {
     let size = kind.chars().last().and_then(|digit| digit.to_digit(10)).unwrap_or(0) as usize;
     size * shape.iter().product::<usize>()
-}
-
-/// Zero of any field; arrays longer than 32 have no `Default`.
-fn zero<T: Zero>() -> T {
-    T::zero()
-}
-
-trait Zero {
-    fn zero() -> Self;
-}
-
-macro_rules! plain_zero {
-    ($($kind:ty),*) => { $(impl Zero for $kind { fn zero() -> Self { 0 as $kind } })* };
-}
-
-plain_zero!(u8, u32, i32, u64, f64);
-
-impl<T: Zero + Copy, const N: usize> Zero for [T; N] {
-    fn zero() -> Self {
-        [T::zero(); N]
-    }
 }
 
 row! {
@@ -139,8 +140,8 @@ row! {
     measured_m: [f64; DAMPER_SLOTS],
     /// Force that the rig measured (N).
     measured_n: [f64; DAMPER_SLOTS],
-    /// What arrived for the slot: 0 no rig, 1 fresh, 2 missing, 3 invalid.
-    input: [u8; DAMPER_SLOTS],
+    /// What arrived for the slot.
+    input: [InputKind; DAMPER_SLOTS],
     /// Payload of the frame that the input came from.
     frame: [FrameBytes; DAMPER_SLOTS],
     /// Force that the rig measured less that of the model that watches it; not a number, or zero for
@@ -150,8 +151,8 @@ row! {
     residual_rms_n: [f64; DAMPER_SLOTS],
     /// Where drift is raised (N).
     residual_limit_n: [f64; DAMPER_SLOTS],
-    /// The watch: 0 none, 1 learning, 2 within its limit, 3 drift.
-    drift: [u8; DAMPER_SLOTS],
+    /// What the watch over the rig shows.
+    drift: [Watch; DAMPER_SLOTS],
     /// Lateral and vertical acceleration of carbody, front bogie and first wheelset (m/s2).
     acceleration_m_per_s2: [f64; 6],
     /// Lateral force of the first axle's wheels on the rail, left and right, to the right (N).
@@ -168,7 +169,7 @@ row! {
     cycle_ns: u32,
     /// How late the cycle began (ns); zero without a clock.
     lateness_ns: u32,
-    /// Slots of the grid that were skipped before this cycle.
+    /// Ticks that were skipped before this cycle.
     skipped: u32,
     /// Trajectory hash after the cycle.
     hash: u64,

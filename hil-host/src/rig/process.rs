@@ -1,8 +1,9 @@
 //! `yawbench rig`: a rig in its own process and time.
 //!
 //! In clock pace it runs by its own clock, once per period as the host's sync set it, with the
-//! newest valid command; in lock-step it waits for the next command, and gives the host up after
-//! [`SILENCE`] of wall time. Gone safe, it brings the ram to rest by its own clock in either pace.
+//! newest valid command; in lock-step it waits for the next command, and considers the host lost
+//! after [`SILENCE`] of real time. In the safe state it brings the ram to rest by its own clock in
+//! either pace.
 //!
 //! The clock-paced loop neither prints nor allocates: once per second it hands a small status to an
 //! ordinary thread, which prints it.
@@ -11,6 +12,7 @@ pub use super::account::{RigSummary, summary_text};
 
 use super::account::{Status, print_statuses};
 use super::{RigNode, Timing};
+use crate::BenchError;
 use crate::bus::{Bus, Sent, SocketCanBus};
 use crate::clock::Pacer;
 use crate::realtime::{self, RealtimeOptions};
@@ -20,10 +22,10 @@ use scenario::rig::RigSetup;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Wall time after which a lock-step host is given up.
+/// Real time after which a lock-step host is lost.
 pub const SILENCE: Duration = Duration::from_secs(1);
 
-/// Wall time after which a rig that went safe ends, when it is to end with the run.
+/// Real time after which a rig that went safe ends, when it is to end with the run.
 pub const LINGER: Duration = Duration::from_secs(2);
 
 /// Longest wait for a frame, so that a stop is seen.
@@ -38,7 +40,7 @@ pub struct Options {
     pub realtime: RealtimeOptions,
 }
 
-/// Runs a rig on a CAN interface until it is told to stop.
+/// Runs a rig on a CAN interface until `stop`.
 ///
 /// # Errors
 /// The interface cannot be used, or real time is required and was not granted.
@@ -49,7 +51,7 @@ pub fn run_on(
     profile: Profile,
     options: &Options,
     stop: &AtomicBool,
-) -> anyhow::Result<RigSummary> {
+) -> Result<RigSummary, BenchError> {
     // Either profile: the host's sync says which one it speaks.
     let accept = [
         MessageId::Sync,
@@ -71,7 +73,7 @@ pub fn serve<B: Bus>(
     bus: &mut B,
     options: &Options,
     stop: &AtomicBool,
-) -> anyhow::Result<RigSummary> {
+) -> Result<RigSummary, BenchError> {
     let mut queue = Queue::<Status, 4>::new();
     let (to_printer, printer) = queue.split();
     let done = AtomicBool::new(false);
@@ -86,12 +88,14 @@ pub fn serve<B: Bus>(
         let skipped =
             if granted { run(rig, bus, options.exit_after_run, stop, to_printer) } else { 0 };
         done.store(true, Ordering::Release);
-        anyhow::ensure!(granted, "--require-realtime: not everything was granted");
+        if !granted {
+            return Err(BenchError::RealtimeRefused);
+        }
         Ok(RigSummary::new(rig, bus.counters(), skipped))
     })
 }
 
-/// The loop; returns the slots that its clock missed.
+/// The loop; returns the ticks that its clock missed.
 fn run<B: Bus>(
     rig: &mut RigNode,
     bus: &mut B,
@@ -120,8 +124,10 @@ fn run<B: Bus>(
             send_out(rig, bus);
         } else {
             bus.wait(GLANCE);
+            // Read before the bus: a rig that was suspended first takes in what has arrived.
+            let now = Instant::now();
             take_in(rig, bus);
-            if watch.silence(rig) >= SILENCE && rig.is_coupled() {
+            if watch.silence(rig, now) >= SILENCE && rig.is_coupled() {
                 rig.host_is_silent(silent_cycles(timing));
                 send_out(rig, bus);
                 come_to_rest(rig, bus, &mut pacer);
@@ -175,7 +181,7 @@ fn silent_cycles(timing: Timing) -> u32 {
     u32::try_from(cycles).unwrap_or(u32::MAX)
 }
 
-/// Wall times that the loop looks at.
+/// Real times that the loop looks at.
 struct Watch {
     accepted: u64,
     heard: Instant,
@@ -189,14 +195,14 @@ impl Watch {
         Self { accepted: 0, heard: now, safe_since: None, printed: now }
     }
 
-    /// How long no new valid command has come.
-    fn silence(&mut self, rig: &RigNode) -> Duration {
+    /// How long no new valid command had come at that time.
+    fn silence(&mut self, rig: &RigNode, now: Instant) -> Duration {
         let accepted = rig.frames().received;
         if accepted != self.accepted {
             self.accepted = accepted;
-            self.heard = Instant::now();
+            self.heard = now;
         }
-        self.heard.elapsed()
+        now.saturating_duration_since(self.heard)
     }
 
     fn safe_for(&mut self, rig: &RigNode) -> Duration {

@@ -1,8 +1,7 @@
 //! A rig served over a bus that plays a script: how it ends and what it reports.
-#![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
 
-mod support;
-
+use crate::support::host::Host;
+use crate::support::rig::quiet;
 use can_protocol::{Frame, Measurement, Pace, Profile, RunState};
 use hil_host::bus::{Bus, BusCounters, Sent, WireFrame};
 use hil_host::realtime::RealtimeOptions;
@@ -11,7 +10,6 @@ use hil_host::rig::process::{Options, RigSummary, serve};
 use std::collections::VecDeque;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-use support::{Host, quiet};
 
 /// Gives the rig what is written down, and keeps what it says.
 #[derive(Default)]

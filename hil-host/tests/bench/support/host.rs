@@ -1,24 +1,12 @@
 //! A host in a few lines, for tests of the rig in virtual time.
-#![allow(dead_code, reason = "every test program takes what it needs")]
-#![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
 
-use can_protocol::{
-    Command, Frame, Measurement, Message, Mode, Node, PROTOCOL_VERSION, Pace, Profile, RunState,
-    Sync,
-};
+use can_protocol::{Command, Frame, Mode, Node, PROTOCOL_VERSION, Pace, Profile, RunState, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
-use hil_host::bus::WireFrame;
-use hil_host::rig::RigNode;
 use scenario::rig::{RigFile, RigSetup};
 
 /// The laboratory rig.
 pub(crate) fn setup() -> RigSetup {
     RigFile::default_setup().unwrap()
-}
-
-/// The laboratory rig without noise.
-pub(crate) fn quiet() -> RigSetup {
-    RigSetup { force_noise_n: 0.0, displacement_noise_m: 0.0, ..setup() }
 }
 
 /// The motion of all tests: 3.5 Hz, 3.46 mm.
@@ -87,36 +75,4 @@ impl Host {
         self.cycle += 1;
         command.encode(self.profile).0
     }
-}
-
-/// A rig that has had its handshake.
-pub(crate) fn greeted(setup: &RigSetup, host: &Host, pace: Pace) -> RigNode {
-    let mut rig = RigNode::new(setup, host.node, host.profile);
-    give(&mut rig, &host.sync(pace));
-    answers(&mut rig);
-    rig
-}
-
-pub(crate) fn give(rig: &mut RigNode, frame: &Frame) {
-    rig.on_frame(&WireFrame::from(frame));
-}
-
-/// Everything that the rig has to say.
-pub(crate) fn answers(rig: &mut RigNode) -> Vec<Message> {
-    std::iter::from_fn(|| rig.take_frame())
-        .map(|frame| Message::decode(frame.id(), frame.data()).unwrap())
-        .collect()
-}
-
-/// The one measurement among the rig's answers.
-pub(crate) fn measured(rig: &mut RigNode) -> Measurement {
-    let found: Vec<_> = answers(rig)
-        .into_iter()
-        .filter_map(|message| match message {
-            Message::Measurement(measurement) => Some(measurement),
-            _ => None,
-        })
-        .collect();
-    let [measurement] = found[..] else { panic!("{} measurements", found.len()) };
-    measurement
 }

@@ -1,13 +1,12 @@
 //! The emulated rig's physics: delay, limits, deceleration, fixture, noise.
 
-mod support;
-
+use crate::support::host::{motion, setup};
+use crate::support::rig::quiet;
 use firmware_core::damper::{Damper, Nominal};
 use hil_host::rig::actuator::{DECELERATION_M_PER_S2, Reference};
 use hil_host::rig::{Emulator, Reading, Target};
 use scenario::rig::{RigFile, RigSetup};
 use std::path::Path;
-use support::{motion, quiet, setup};
 
 const PERIOD_S: f64 = 1e-3;
 const OMEGA: f64 = core::f64::consts::TAU * 3.5;

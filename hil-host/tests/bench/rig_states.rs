@@ -1,12 +1,11 @@
 //! The rig's states: arming, watchdog, latch, handshake. In virtual time, to the cycle.
 
-mod support;
-
+use crate::support::host::{Host, setup};
+use crate::support::rig::{answers, give, greeted, measured, quiet};
 use can_protocol::{FaultCode, Message, Mode, Pace, Profile, RunState};
 use core::num::NonZeroU16;
 use hil_host::bus::WireFrame;
 use hil_host::rig::{RigNode, WATCHDOG_CYCLES};
-use support::{Host, answers, give, greeted, measured, quiet, setup};
 
 /// A rig in clock pace that has followed for 20 cycles.
 fn running() -> (RigNode, Host) {

@@ -1,13 +1,12 @@
 //! Same frames, same answers, bit for bit: twice, after a clone in the middle, on the memory bus.
 
-mod support;
-
+use crate::support::host::{Host, setup};
+use crate::support::rig::{give, greeted};
 use can_protocol::{Measurement, Mode, Node, Pace, Profile, RunState};
-use hil_host::bus::memory::QUEUE_FRAMES;
+use hil_host::bus::QUEUE_FRAMES;
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::rig::RigNode;
 use std::hash::{DefaultHasher, Hash, Hasher};
-use support::{Host, give, greeted, setup};
 
 const CYCLES: usize = 3000;
 

@@ -1,0 +1,43 @@
+//! A bus of either kind, chosen when a run begins.
+
+use super::{Bus, BusCounters, MemoryBus, Sent, SocketCanBus, WireFrame};
+use can_protocol::Frame;
+use std::time::Duration;
+
+/// A bus of either kind. The loop calls it by a match and not through a pointer.
+#[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "at most four, made once")]
+pub(crate) enum AnyBus {
+    Memory(MemoryBus),
+    SocketCan(SocketCanBus),
+}
+
+impl Bus for AnyBus {
+    fn send(&mut self, frame: &Frame) -> Sent {
+        match self {
+            Self::Memory(bus) => bus.send(frame),
+            Self::SocketCan(bus) => bus.send(frame),
+        }
+    }
+
+    fn receive(&mut self) -> Option<WireFrame> {
+        match self {
+            Self::Memory(bus) => bus.receive(),
+            Self::SocketCan(bus) => bus.receive(),
+        }
+    }
+
+    fn wait(&mut self, timeout: Duration) -> bool {
+        match self {
+            Self::Memory(bus) => bus.wait(timeout),
+            Self::SocketCan(bus) => bus.wait(timeout),
+        }
+    }
+
+    fn counters(&self) -> BusCounters {
+        match self {
+            Self::Memory(bus) => bus.counters(),
+            Self::SocketCan(bus) => bus.counters(),
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Which bus a rig is on, as a user writes it.
+
+use files::quoted;
+use std::fmt;
+use std::str::FromStr;
+
+/// Where the rigs are.
+///
+/// ```
+/// use hil_host::bus::BusChoice;
+/// assert_eq!("socketcan:can0".parse(), Ok(BusChoice::SocketCan("can0".to_owned())));
+/// let refused = "can0".parse::<BusChoice>().unwrap_err();
+/// assert_eq!(refused.to_string(), "found \"can0\", expected memory or socketcan:INTERFACE");
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum BusChoice {
+    /// Emulated rigs in this process.
+    Memory,
+    /// A CAN interface.
+    SocketCan(String),
+}
+
+impl BusChoice {
+    /// The interface as `bus.log` names it.
+    pub(crate) fn interface(&self) -> &str {
+        match self {
+            Self::Memory => "memory",
+            Self::SocketCan(name) => name,
+        }
+    }
+}
+
+impl FromStr for BusChoice {
+    type Err = InvalidBus;
+
+    fn from_str(text: &str) -> Result<Self, InvalidBus> {
+        match text.split_once(':') {
+            None if text == "memory" => Ok(Self::Memory),
+            Some(("socketcan", name)) if !name.is_empty() => Ok(Self::SocketCan(name.to_owned())),
+            _ => Err(InvalidBus { found: text.to_owned() }),
+        }
+    }
+}
+
+impl fmt::Display for BusChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Memory => f.write_str("memory"),
+            Self::SocketCan(name) => write!(f, "socketcan:{name}"),
+        }
+    }
+}
+
+/// A text that names no bus.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InvalidBus {
+    /// The text.
+    pub found: String,
+}
+
+impl fmt::Display for InvalidBus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "found \"{}\", expected memory or socketcan:INTERFACE", quoted(&self.found))
+    }
+}
+
+impl std::error::Error for InvalidBus {}

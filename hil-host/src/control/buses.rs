@@ -1,0 +1,60 @@
+//! The buses of a session. Every frame that passes one of them goes to the recorder.
+
+use crate::bus::{Bus, Sent, WireFrame};
+use crate::record::{BusEvent, Recorder};
+use can_protocol::Frame;
+use std::time::{Duration, Instant};
+
+/// The buses of a session and the recorder that keeps their frames.
+pub struct Buses<'a, 'r, B> {
+    all: &'a mut [B],
+    recorder: &'a mut Recorder<'r>,
+    /// Time zero of the bus log.
+    begin: Instant,
+}
+
+impl<'a, 'r, B: Bus> Buses<'a, 'r, B> {
+    /// The buses of a session that begins now.
+    pub fn new(buses: &'a mut [B], recorder: &'a mut Recorder<'r>) -> Self {
+        Self { all: buses, recorder, begin: Instant::now() }
+    }
+
+    /// The recorder.
+    pub fn recorder(&mut self) -> &mut Recorder<'r> {
+        self.recorder
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.all.len()
+    }
+
+    /// The oldest frame of a bus that was not taken yet.
+    pub(super) fn receive(&mut self, bus: usize) -> Option<WireFrame> {
+        let frame = self.all.get_mut(bus)?.receive()?;
+        self.keep(bus, frame.clone());
+        Some(frame)
+    }
+
+    /// Sends a frame, or drops it.
+    pub(super) fn send(&mut self, bus: usize, frame: &Frame) -> Sent {
+        debug_assert!(bus < self.all.len(), "there is no bus {bus}");
+        let Some(on) = self.all.get_mut(bus) else { return Sent::Down };
+        let sent = on.send(frame);
+        self.keep(bus, WireFrame::from(frame));
+        sent
+    }
+
+    /// Waits until a bus may have a frame.
+    pub(super) fn wait(&mut self, bus: usize, timeout: Duration) {
+        debug_assert!(bus < self.all.len(), "there is no bus {bus}");
+        if let Some(bus) = self.all.get_mut(bus) {
+            bus.wait(timeout);
+        }
+    }
+
+    fn keep(&mut self, bus: usize, frame: WireFrame) {
+        let time_ns = self.begin.elapsed().as_nanos() as u64;
+        self.recorder.event(BusEvent { time_ns, bus: bus as u8, frame });
+    }
+}

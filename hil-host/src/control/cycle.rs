@@ -1,0 +1,163 @@
+//! One control cycle, drawn as a line of arrows.
+
+use super::buses::Buses;
+use super::hash;
+use super::session::{Session, SessionState};
+use crate::bus::{Bus, Sent};
+use crate::clock::Tick;
+use crate::record::{FrameBytes, InputKind, Row};
+use can_protocol::{Frame, RunState};
+use core::time::Duration;
+use firmware_core::guard::ForceInput;
+use firmware_core::line::Slot;
+use firmware_core::vehicle::DAMPER_SLOTS;
+use heapless::Vec;
+use std::time::Instant;
+
+/// Cycles between two frames with the residual of a watched rig: 20 Hz.
+const RESIDUAL_CYCLES: u64 = 50;
+
+/// Cycles between two syncs: 10 Hz.
+const SYNC_CYCLES: u64 = 100;
+
+/// What arrived for the damper slots in a cycle.
+pub(super) struct Inputs {
+    /// What the guard gets.
+    pub(super) force: [ForceInput; DAMPER_SLOTS],
+    /// What the record gets.
+    pub(super) kind: [InputKind; DAMPER_SLOTS],
+    /// Payload of the frame that each input came from.
+    pub(super) frame: [FrameBytes; DAMPER_SLOTS],
+}
+
+/// How long a cycle took and how it began.
+pub(super) struct Timing {
+    pub(super) compute: Duration,
+    pub(super) cycle: Duration,
+    pub(super) tick: Tick,
+}
+
+impl Session<'_> {
+    /// One cycle, as README draws it; returns the row for the record.
+    pub fn cycle<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        tick: Tick,
+    ) -> Row {
+        let woken = Instant::now();
+        self.receive(state, buses);
+        let inputs = self.decode(state);
+        let compute = self.guard_step_and_compensate(state, &inputs);
+        let commands = self.encode(state);
+        self.send(state, buses, &commands);
+        self.watch(state, &inputs);
+        self.announce(state, buses);
+        state.hash = hash::add_cycle(state.hash, self.line.vehicle, &state.line);
+        self.row(state, &inputs, &Timing { compute, cycle: woken.elapsed(), tick })
+    }
+
+    /// Receive: drains every bus. Each port keeps its newest measurement.
+    pub(super) fn receive<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>) {
+        for bus in 0..buses.count() {
+            while let Some(frame) = buses.receive(bus) {
+                let mut ports = self.ports.iter().zip(&mut state.ports);
+                ports.any(|(port, memory)| port.bus == bus && port.take_frame(memory, &frame));
+            }
+        }
+    }
+
+    /// Decode: the newest measurement of every rig, or why there is none.
+    fn decode(&self, state: &mut SessionState) -> Inputs {
+        let mut inputs = Inputs {
+            force: [ForceInput::Missing; DAMPER_SLOTS],
+            kind: [InputKind::NoRig; DAMPER_SLOTS],
+            frame: [FrameBytes::default(); DAMPER_SLOTS],
+        };
+        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            let (force, frame) = port.take_input(memory);
+            inputs.force[port.slot] = force;
+            inputs.kind[port.slot] = force.into();
+            inputs.frame[port.slot] = frame;
+        }
+        if state.line.cycle == 0 {
+            // The first answer comes after the first command.
+            for (force, slot) in inputs.force.iter_mut().zip(&self.line.slots) {
+                if matches!(slot, Slot::Rig(_)) && *force == ForceInput::Missing {
+                    *force = ForceInput::Fresh(0.0);
+                }
+            }
+        }
+        inputs
+    }
+
+    /// Guard, vehicle step, compensate: the three arrows of [`firmware_core::line`].
+    fn guard_step_and_compensate(&self, state: &mut SessionState, inputs: &Inputs) -> Duration {
+        let begin = Instant::now();
+        self.line.step(&mut state.line, &inputs.force);
+        begin.elapsed()
+    }
+
+    /// Encode: one command per port.
+    fn encode(&self, state: &mut SessionState) -> Vec<Frame, DAMPER_SLOTS> {
+        let (run, time_us) = (run_state(state), self.time_us(state));
+        let slots = &state.line.slots;
+        let ports = self.ports.iter().zip(&mut state.ports);
+        ports
+            .map(|(port, memory)| port.command(memory, &slots[port.slot].command, run, time_us))
+            .collect()
+    }
+
+    /// Send: every command to the bus of its port.
+    fn send<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        commands: &[Frame],
+    ) {
+        debug_assert_eq!(commands.len(), self.ports.len(), "a port without a command");
+        for (port, command) in self.ports.iter().zip(commands) {
+            match buses.send(port.bus, command) {
+                Sent::Away => {}
+                Sent::Dropped => state.late += 1,
+                Sent::Down => {
+                    state.late += 1;
+                    state.lost = true;
+                    state.line.safe = true;
+                }
+            }
+        }
+    }
+
+    /// Compares every watched rig with its model. Nothing waits for this: the commands are sent.
+    fn watch(&self, state: &mut SessionState, inputs: &Inputs) {
+        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            port.watch(memory, inputs.force[port.slot]);
+        }
+    }
+
+    /// The host's slow messages, in the cycles in which the protocol wants them.
+    fn announce<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>) {
+        let is_due = |period: u64| state.line.cycle % period == 1;
+        let (residuals, sync) = (is_due(RESIDUAL_CYCLES), is_due(SYNC_CYCLES));
+        if residuals {
+            let run = run_state(state);
+            for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+                if let Some(frame) = port.residual(memory, run) {
+                    buses.send(port.bus, &frame);
+                }
+            }
+        }
+        if sync {
+            let frame = self.sync(state);
+            for bus in 0..buses.count() {
+                buses.send(bus, &frame);
+            }
+        }
+    }
+}
+
+/// What the rigs are to do in this cycle.
+fn run_state(state: &SessionState) -> RunState {
+    if state.line.safe { RunState::Safe } else { RunState::Run }
+}

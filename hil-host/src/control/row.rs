@@ -1,0 +1,82 @@
+//! The row of a cycle: everything that a replay needs.
+
+use super::cycle::{Inputs, Timing};
+use super::session::{Session, SessionState};
+use crate::record::Row;
+use core::time::Duration;
+use firmware_core::vehicle::{AXLES_MAX, LATERAL, VERTICAL};
+
+impl Session<'_> {
+    /// Record: the row of the cycle that has just been sent.
+    pub(super) fn row(&self, state: &SessionState, inputs: &Inputs, timing: &Timing) -> Row {
+        let mut row = Row {
+            cycle: state.line.cycle,
+            time_s: state.line.cycle.saturating_sub(1) as f64 * self.line.cycle_s,
+            input: inputs.kind,
+            frame: inputs.frame,
+            distance_m: state.line.vehicle.distance_m.lane(0),
+            compute_ns: nanoseconds(timing.compute),
+            cycle_ns: nanoseconds(timing.cycle),
+            lateness_ns: timing.tick.lateness_ns.try_into().unwrap_or(u32::MAX),
+            skipped: timing.tick.skipped.try_into().unwrap_or(u32::MAX),
+            hash: state.hash,
+            ..Row::default()
+        };
+        dampers(&mut row, state);
+        self.rigs(&mut row, state);
+        self.motion(&mut row, state);
+        row
+    }
+
+    /// What went to the rigs and what came back.
+    fn rigs(&self, row: &mut Row, state: &SessionState) {
+        for (port, memory) in self.ports.iter().zip(&state.ports) {
+            let (slot, view) = (port.slot, memory.watch.view);
+            row.residual_n[slot] = view.residual_n.unwrap_or(f64::NAN);
+            row.residual_rms_n[slot] = view.residual_rms_n.unwrap_or(f64::NAN);
+            row.residual_limit_n[slot] = view.limit_n.unwrap_or(f64::NAN);
+            row.drift[slot] = view.verdict;
+            let command = state.line.slots[slot].command;
+            row.command_m[slot] = command.displacement_m;
+            row.command_m_per_s[slot] = command.velocity_m_per_s;
+            if let Some(used) = memory.used {
+                row.measured_m[slot] = used.displacement_m.unwrap_or(f64::NAN);
+                row.measured_n[slot] = used.force_n.unwrap_or(f64::NAN);
+            }
+        }
+    }
+
+    /// Accelerations, wheel forces and positions.
+    fn motion(&self, row: &mut Row, state: &SessionState) {
+        let vehicle = &state.line.vehicle;
+        for (number, body) in self.watched.into_iter().enumerate() {
+            let acceleration = body.and_then(|body| vehicle.acceleration.get(body));
+            let (lateral, vertical) = acceleration
+                .map_or((f64::NAN, f64::NAN), |a| (a[LATERAL].lane(0), a[VERTICAL].lane(0)));
+            row.acceleration_m_per_s2[2 * number] = lateral;
+            row.acceleration_m_per_s2[2 * number + 1] = vertical;
+        }
+        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+            let wheel = &vehicle.wheels[0][side][0];
+            row.wheel_lateral_n[side] = -sign * wheel.lateral_n;
+            row.wheel_vertical_n[side] = -wheel.vertical_n;
+        }
+        for (number, axle) in self.line.vehicle.axles.iter().enumerate().take(AXLES_MAX) {
+            row.wheelset_lateral_m[number] = vehicle.position[axle.body.index()][LATERAL].lane(0);
+        }
+    }
+}
+
+/// Motion and force of every damper slot.
+fn dampers(row: &mut Row, state: &SessionState) {
+    let vehicle = &state.line.vehicle;
+    for (number, slot) in state.line.slots.iter().enumerate() {
+        row.extension_m[number] = vehicle.extension_m[number].lane(0) - slot.mid_stroke_m;
+        row.extension_m_per_s[number] = vehicle.extension_m_per_s[number].lane(0);
+        row.force_n[number] = vehicle.damper_n[number].lane(0);
+    }
+}
+
+fn nanoseconds(time: Duration) -> u32 {
+    time.as_nanos().try_into().unwrap_or(u32::MAX)
+}

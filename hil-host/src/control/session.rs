@@ -1,0 +1,86 @@
+//! What a session is: parameters and state.
+
+use super::hash;
+use super::port::{Port, PortState};
+use can_protocol::{Frame, Pace as WirePace, Profile, Sync};
+use core::num::{NonZeroU8, NonZeroU16};
+use firmware_core::line::{Line, LineState, Slot};
+use firmware_core::vehicle::DAMPER_SLOTS;
+use heapless::Vec;
+
+/// Parameters of a session.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Session<'a> {
+    /// The line: guard, vehicle, compensation.
+    pub line: Line<'a>,
+    /// The ports, in slot order.
+    pub ports: Vec<Port, DAMPER_SLOTS>,
+    /// The profile on the wire.
+    pub profile: Profile,
+    /// The pace that the rigs are given: their own clock, or one cycle per command.
+    pub pace: WirePace,
+    /// How many times longer a cycle takes than in the model.
+    pub slow_down: NonZeroU8,
+    /// Bodies whose accelerations are recorded: carbody, front bogie, first wheelset.
+    pub watched: [Option<usize>; 3],
+}
+
+/// What a session remembers. A clone is a snapshot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SessionState {
+    /// The line's state.
+    pub line: LineState,
+    /// The ports' states, in slot order.
+    pub ports: Vec<PortState, DAMPER_SLOTS>,
+    /// The trajectory hash so far.
+    pub hash: u64,
+    /// Ticks of the clock that were skipped.
+    pub skipped: u64,
+    /// Commands that the bus did not take.
+    pub late: u64,
+    /// A bus is down or a peer is lost.
+    pub lost: bool,
+}
+
+impl Session<'_> {
+    /// The state at the start.
+    pub fn start(&self, line: LineState) -> SessionState {
+        debug_assert!(self.is_consistent(), "ports, slots and bodies do not fit each other");
+        SessionState {
+            line,
+            ports: self.ports.iter().map(|_| PortState::default()).collect(),
+            hash: hash::START,
+            skipped: 0,
+            late: 0,
+            lost: false,
+        }
+    }
+
+    /// Every rig slot has one port, in slot order, and every recorded body is one of the vehicle's.
+    fn is_consistent(&self) -> bool {
+        let slots = self.line.slots.iter().enumerate();
+        let on_rigs = slots.filter(|(_, slot)| matches!(slot, Slot::Rig(_)));
+        on_rigs.map(|(slot, _)| slot).eq(self.ports.iter().map(|port| port.slot))
+            && self.watched.iter().flatten().all(|body| *body < self.line.vehicle.bodies.len())
+    }
+
+    /// The announcement to all rigs.
+    pub fn sync(&self, state: &SessionState) -> Frame {
+        let period_us = (self.line.cycle_s * 1e6).round() as u16;
+        debug_assert!(period_us > 0, "a cycle of {} s", self.line.cycle_s);
+        Sync {
+            version: can_protocol::PROTOCOL_VERSION,
+            profile: self.profile,
+            pace: self.pace,
+            period_us: NonZeroU16::new(period_us).unwrap_or(NonZeroU16::MIN),
+            slow_down: self.slow_down,
+            time_us: self.time_us(state),
+        }
+        .encode()
+    }
+
+    pub(super) fn time_us(&self, state: &SessionState) -> u32 {
+        // Wraps after 71.6 minutes, as the field on the wire does.
+        (state.line.cycle as f64 * self.line.cycle_s * 1e6) as u64 as u32
+    }
+}

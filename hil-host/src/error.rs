@@ -1,0 +1,183 @@
+//! What can go wrong around a run: input, bus, disk, rigs.
+//!
+//! Inside the loop nothing is an error. A force that is missing or a rig that falls silent is an
+//! input state, and the guard acts on it.
+
+use crate::bus::{BusError, InvalidBus};
+use files::{FolderError, quoted};
+use scenario::source::ScenarioError;
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+/// Why the bench did not run, or a run has no complete result.
+#[derive(Debug)]
+pub enum BenchError {
+    /// The scenario does not fit: file, line, key, found, expected.
+    Scenario(ScenarioError),
+    /// The bus of a slot in the scenario.
+    SlotBus {
+        /// The slot's place on the vehicle.
+        place: String,
+        /// What it names.
+        why: InvalidBus,
+    },
+    /// Something that the protocol does not know, such as a node beyond 4.
+    Protocol(can_protocol::Error),
+    /// Pace fast with a rig on a real bus.
+    FastOnBus {
+        /// The bus.
+        bus: String,
+    },
+    /// More rigs than a bus can carry.
+    BusLoad {
+        /// The bus.
+        bus: String,
+        /// Its worst-case load, from 0 to 1.
+        load: f64,
+    },
+    /// A bus that cannot be opened.
+    Bus(BusError),
+    /// Rigs that did not answer before the run.
+    SilentRigs {
+        /// Their nodes.
+        nodes: Vec<u8>,
+        /// The bus as it was given.
+        bus: String,
+    },
+    /// Ctrl-C before the first cycle.
+    Interrupted,
+    /// `--require-realtime`, and the system refused a part of it.
+    RealtimeRefused,
+    /// The result folder.
+    Folder(FolderError),
+    /// A file that can no longer be written.
+    File {
+        /// The file.
+        file: PathBuf,
+        /// The system's message.
+        why: io::Error,
+    },
+    /// The report's parts do not fit each other.
+    Report(report::Error),
+    /// The summary cannot be written as JSON.
+    Summary(serde_json::Error),
+    /// A thread of the bench ended by a panic.
+    Thread {
+        /// What the thread does.
+        name: &'static str,
+    },
+}
+
+impl BenchError {
+    /// Whether the user's input is at fault and nothing was written: exit code 2.
+    pub const fn is_bad_input(&self) -> bool {
+        match self {
+            Self::Scenario(_)
+            | Self::SlotBus { .. }
+            | Self::Protocol(_)
+            | Self::FastOnBus { .. }
+            | Self::BusLoad { .. }
+            | Self::RealtimeRefused => true,
+            Self::Bus(why) => why.is_bad_input(),
+            Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
+            Self::SilentRigs { .. }
+            | Self::Interrupted
+            | Self::File { .. }
+            | Self::Report(_)
+            | Self::Summary(_)
+            | Self::Thread { .. } => false,
+        }
+    }
+
+    /// Whether the bench is in its safe state because a rig is silent: exit code 3.
+    pub const fn is_safe_state(&self) -> bool {
+        matches!(self, Self::SilentRigs { .. })
+    }
+
+    /// Whether the user ended it: exit code 130.
+    pub const fn is_interrupted(&self) -> bool {
+        matches!(self, Self::Interrupted)
+    }
+}
+
+impl fmt::Display for BenchError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scenario(why) => why.fmt(f),
+            Self::SlotBus { place, why } => write!(f, "slot \"{}\": bus: {why}", quoted(place)),
+            Self::Protocol(why) => why.fmt(f),
+            Self::FastOnBus { bus } => write!(
+                f,
+                "--pace: found pace fast on {}, expected lockstep or realtime: pace fast runs on \
+                 the memory bus only",
+                quoted(bus)
+            ),
+            Self::BusLoad { bus, load } => write!(
+                f,
+                "bus {}: found a load of {:.0} %, expected at most 80 %: use --profile fd, or \
+                 several buses",
+                quoted(bus),
+                load * 100.0
+            ),
+            Self::Bus(why) => why.fmt(f),
+            Self::SilentRigs { nodes, bus } => {
+                let nodes: Vec<String> = nodes.iter().map(u8::to_string).collect();
+                write!(
+                    f,
+                    "no answer from rig node {} on {} within 10 s; is `yawbench rig` running there?",
+                    nodes.join(", "),
+                    quoted(bus)
+                )
+            }
+            Self::Interrupted => f.write_str("interrupted before the first cycle"),
+            Self::RealtimeRefused => f.write_str("--require-realtime: not everything was granted"),
+            Self::Folder(why) => why.fmt(f),
+            Self::File { file, why } => {
+                write!(f, "{}: {why}", quoted(&file.display().to_string()))
+            }
+            Self::Report(why) => write!(f, "report.html: {why}"),
+            Self::Summary(why) => write!(f, "summary.json: {why}"),
+            Self::Thread { name } => write!(f, "the thread that {name} failed"),
+        }
+    }
+}
+
+// No source: the message holds that of the wrapped error already.
+impl std::error::Error for BenchError {}
+
+impl From<ScenarioError> for BenchError {
+    fn from(why: ScenarioError) -> Self {
+        Self::Scenario(why)
+    }
+}
+
+impl From<can_protocol::Error> for BenchError {
+    fn from(why: can_protocol::Error) -> Self {
+        Self::Protocol(why)
+    }
+}
+
+impl From<BusError> for BenchError {
+    fn from(why: BusError) -> Self {
+        Self::Bus(why)
+    }
+}
+
+impl From<FolderError> for BenchError {
+    fn from(why: FolderError) -> Self {
+        Self::Folder(why)
+    }
+}
+
+impl From<report::Error> for BenchError {
+    fn from(why: report::Error) -> Self {
+        Self::Report(why)
+    }
+}
+
+impl From<serde_json::Error> for BenchError {
+    fn from(why: serde_json::Error) -> Self {
+        Self::Summary(why)
+    }
+}

@@ -1,0 +1,54 @@
+//! What a run is given in addition to its scenario.
+
+use crate::bus::BusChoice;
+use crate::realtime::RealtimeOptions;
+use can_protocol::Profile;
+use serde::Serialize;
+use std::num::NonZeroU8;
+use std::path::PathBuf;
+
+/// Who sets the pace.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PaceChoice {
+    /// Absolute deadlines of a monotonic clock.
+    Realtime,
+    /// The next cycle comes when every rig has answered this one.
+    Lockstep,
+    /// As fast as possible, on the memory bus only.
+    Fast,
+}
+
+impl PaceChoice {
+    /// The word for it, on the command line and in `summary.json`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Realtime => "realtime",
+            Self::Lockstep => "lockstep",
+            Self::Fast => "fast",
+        }
+    }
+}
+
+/// The options of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunOptions {
+    /// The bus of all slots that do not name their own.
+    pub bus: BusChoice,
+    /// The pace.
+    pub pace: PaceChoice,
+    /// The profile on the wire.
+    pub profile: Profile,
+    /// Bit rates, nominal and data (bit/s).
+    pub bit_rates: (f64, f64),
+    /// How many times longer a cycle takes than in the model.
+    pub slow_down: NonZeroU8,
+    /// The result folder; without one, the next free `runs/<name>-<n>`.
+    pub out: Option<PathBuf>,
+    /// Whether an earlier result in `out` is replaced.
+    pub overwrite: bool,
+    /// Name for the default folder.
+    pub name: String,
+    /// Real-time set-up.
+    pub realtime: RealtimeOptions,
+}

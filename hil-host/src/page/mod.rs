@@ -1,0 +1,57 @@
+//! `report.html`: what a person reads of a run.
+
+mod motion;
+mod overview;
+mod spectra;
+mod timing;
+mod traces;
+mod watch;
+
+pub(crate) use traces::{kilo, milli, most_in, spectrum};
+
+use crate::columns::Columns;
+use crate::summary::Summary;
+use motion::{accelerations, forces, loops};
+use overview::{about, overview};
+use report::{Report, Section};
+use scenario::run::Run;
+use spectra::spectra;
+use timing::{bus, timing};
+use watch::watch;
+
+/// The report of a run; with `compared`, also the section of its comparison.
+pub(crate) fn page(
+    run: &Run,
+    summary: &Summary,
+    columns: &Columns,
+    bus_plan: &[String],
+    compared: Option<Section>,
+) -> Report {
+    let first = columns.first_after(run.run_in_s);
+    let mut report = Report::new(&run.title)
+        .subtitle(&format!(
+            "{} at {:.0} km/h, {:.1} s, bus {}, pace {}",
+            run.vehicle_name,
+            summary.speed_kmh,
+            summary.duration_s,
+            summary.bus,
+            summary.pace.name()
+        ))
+        .fact("trajectory hash", &summary.trajectory_hash)
+        .section(overview(run, summary, columns));
+    if let Some(section) = compared {
+        report = report.section(section);
+    }
+    report = report.section(accelerations(columns, first));
+    for section in [forces(run, columns, first), loops(run, columns, first)] {
+        report = report.section(section);
+    }
+    if let Some(section) = watch(run, columns) {
+        report = report.section(section);
+    }
+    report
+        .section(spectra(run, columns, first))
+        .section(timing(summary, columns))
+        .section(bus(summary, bus_plan))
+        .section(about(run))
+}

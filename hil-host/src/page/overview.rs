@@ -1,0 +1,104 @@
+//! The overview: tiles, dampers, accelerations, and where the rest is.
+
+use crate::columns::Columns;
+use crate::control::End;
+use crate::summary::{DamperSummary, Summary};
+use report::{Cell, Section, Table, Tile};
+use scenario::run::Run;
+
+pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns) -> Section {
+    let state = Tile::text("state", summary.state.name());
+    let lost = Tile::count("measurements lost", summary.frames.lost);
+    let mut section = Section::new("Overview")
+        .tiles([
+            if summary.state == End::Safe { state.bad() } else { state.good() },
+            Tile::count("cycles of 1 ms", summary.steps),
+            Tile::number("vehicle step, median", summary.step_compute_us.p50, "µs"),
+            Tile::count("ticks skipped", summary.overruns),
+            if summary.frames.lost > 0 { lost.bad() } else { lost },
+        ])
+        .table(damper_table(&summary.damper))
+        .table(acceleration_table(summary));
+    section = section.text(&format!(
+        "Statistics leave out the first {:.1} s. Stroke: mean peak is the mean over half cycles. \
+         Frequencies by two definitions: the peak of the stroke's spectrum above 0.5 Hz, and half \
+         the rate of its zero crossings.",
+        run.run_in_s
+    ));
+    if columns.left_out > 0 {
+        section = section.warning(&format!(
+            "The report shows the first {} cycles; {} more are in the record.",
+            columns.time_s.len(),
+            columns.left_out
+        ));
+    }
+    if summary.record_dropped > 0 {
+        section = section
+            .warning(&format!("The recorder had no room for {} entries.", summary.record_dropped));
+    }
+    section
+}
+
+fn damper_table(dampers: &[DamperSummary]) -> Table {
+    let mut table = Table::new("Yaw dampers")
+        .text("damper")
+        .text("is")
+        .number("force min", "kN")
+        .number("force max", "kN")
+        .number("force rms", "kN")
+        .number("stroke mean peak", "mm")
+        .number("stroke max", "mm")
+        .number("PSD peak", "Hz")
+        .number("zero crossings", "Hz")
+        .number("work", "J/s")
+        .number("energy error", "%");
+    for damper in dampers {
+        table = table.row([
+            Cell::from(damper.name.as_str()),
+            Cell::from(damper.place.as_str()),
+            (damper.force_n.min * 1e-3).into(),
+            (damper.force_n.max * 1e-3).into(),
+            (damper.force_n.rms * 1e-3).into(),
+            damper.stroke_m.mean_peak.map(|m| m * 1e3).into(),
+            (damper.stroke_m.max * 1e3).into(),
+            damper.frequency_psd_peak_hz.into(),
+            damper.frequency_zero_crossing_hz.into(),
+            damper.work_per_s_j.into(),
+            damper.exchanged_energy_error.map(|error| error * 100.0).into(),
+        ]);
+    }
+    table
+}
+
+fn acceleration_table(summary: &Summary) -> Table {
+    let mut table = Table::new("Accelerations, rms")
+        .text("body")
+        .number("lateral", "m/s²")
+        .number("vertical", "m/s²");
+    let bodies = [
+        ("carbody", summary.accelerations.carbody),
+        ("bogie, front", summary.accelerations.bogie_front),
+        ("wheelset 1", summary.accelerations.wheelset_1),
+    ];
+    for (name, body) in bodies {
+        table = table.row([
+            Cell::from(name),
+            body.map(|b| b.lateral_rms_m_per_s2).into(),
+            body.map(|b| b.vertical_rms_m_per_s2).into(),
+        ]);
+    }
+    table
+}
+
+pub(super) fn about(run: &Run) -> Section {
+    let mut section = Section::new("About this run").text(
+        "A laboratory tool and no safety function. The record is record.npy (NumPy), the frames are \
+         in bus.log (candump format), the scenario with all defaults is in scenario.toml.",
+    );
+    for note in &run.about {
+        section = section.note(note);
+    }
+    section
+        .text("The scenario with every default written out:")
+        .preformatted(&run.effective.scenario)
+}

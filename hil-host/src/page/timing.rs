@@ -1,0 +1,90 @@
+//! How long cycles took, and which frames passed the bus.
+
+use crate::columns::Columns;
+use crate::summary::Summary;
+use report::{Cell, Plot, Section, Table, logarithmic_bins};
+
+pub(super) fn timing(summary: &Summary, columns: &Columns) -> Section {
+    let values = |histogram: &hdrhistogram::Histogram<u64>| -> Vec<f64> {
+        let mut values = Vec::new();
+        for bucket in histogram.iter_recorded() {
+            // A value of the histogram stands for all cycles in its bucket; a few hundred of each
+            // are enough for the shape, the table has the exact percentiles.
+            let micros = bucket.value_iterated_to() as f64 * 1e-3;
+            let count = bucket.count_since_last_iteration().min(2_000_000) as usize;
+            values.extend(std::iter::repeat_n(micros, count));
+        }
+        values
+    };
+    let mut plot = Plot::new("Histogram of cycle and step times")
+        .x("time", "µs")
+        .y("cycles", "")
+        .log_x()
+        .log_y();
+    for (name, histogram) in
+        [("receive to send", &columns.cycle_ns), ("vehicle step", &columns.compute_ns)]
+    {
+        let (edges, counts) = logarithmic_bins(&values(histogram), 60);
+        if !counts.is_empty() {
+            plot = plot.bars(name, &edges, &counts);
+        }
+    }
+    let mut table = Table::new("Times")
+        .text("what")
+        .number("median", "µs")
+        .number("99 %", "µs")
+        .number("99.9 %", "µs")
+        .number("largest", "µs");
+    let cycle = summary.cycle_time_us;
+    let step = summary.step_compute_us;
+    table = table
+        .row([
+            Cell::from("receive to send"),
+            cycle.p50.into(),
+            cycle.p99.into(),
+            cycle.p99_9.into(),
+            cycle.max.into(),
+        ])
+        .row([
+            Cell::from("vehicle step of 1 ms"),
+            step.p50.into(),
+            step.p99.into(),
+            Cell::Empty,
+            step.max.into(),
+        ]);
+    if let Some(late) = summary.lateness_us {
+        table = table.row([
+            Cell::from("wake-up late by"),
+            late.p50.into(),
+            late.p99.into(),
+            late.p99_9.into(),
+            late.max.into(),
+        ]);
+    }
+    Section::new("Timing").plot(plot).table(table)
+}
+
+pub(super) fn bus(summary: &Summary, plan: &[String]) -> Section {
+    let frames = summary.frames;
+    let counters = summary.bus_counters;
+    let mut section = Section::new("Bus");
+    for line in plan {
+        section = section.text(line);
+    }
+    section.table(
+        Table::new("Frames")
+            .text("what")
+            .number("count", "")
+            .row([Cell::from("commands sent"), frames.sent.into()])
+            .row([Cell::from("measurements received"), frames.received.into()])
+            .row([Cell::from("measurements lost"), frames.lost.into()])
+            .row([Cell::from("wrong CRC"), frames.crc_errors.into()])
+            .row([Cell::from("repeated"), frames.repeated.into()])
+            .row([Cell::from("wrong sequence"), frames.wrong_sequence.into()])
+            .row([Cell::from("commands not taken by the bus"), frames.late.into()])
+            .row([Cell::from("all frames sent"), counters.sent.into()])
+            .row([Cell::from("all frames received"), counters.received.into()])
+            .row([Cell::from("lost in the receive queue"), counters.receive_dropped.into()])
+            .row([Cell::from("error frames"), counters.error_frames.into()]),
+    )
+}

@@ -1,0 +1,222 @@
+//! A bus log as a damper test.
+//!
+//! A rig's measurement frame holds displacement and force of one instant, so a log of the bus is a
+//! record of a damper test. The sample's number comes from the frame's counter, which has no jitter;
+//! the sync gives the length of a cycle. Frames that the protocol would not use (wrong CRC, repeated,
+//! out of sequence, not in RUN, sensor invalid) are omitted and reported; up to three in a row are
+//! then filled by interpolation like missing rows of any file, more are an error with its line. Lost
+//! frames beyond one turn of the counter are placed by their time stamps where a clock sets the pace.
+
+use super::empty;
+use can_protocol::{
+    Measurement, MeasurementFlags, MessageId, Node, Pace, Profile, Receiver, ReceiverState,
+    RunState, Status, Sync,
+};
+use files::{Limit, input, quoted};
+use measurement::{MeasurementError, Series};
+use socketcan::dump::{ParseError, Reader};
+use socketcan::{CanAnyFrame, EmbeddedFrame, Frame as _};
+use std::io::BufReader;
+use std::path::Path;
+
+/// Lost frames in a row that the receiver accepts; below half the 4-bit counter.
+const MAX_DELTA: u8 = 5;
+
+/// The measurements of one node in a candump log. `bus` names the interface where the node answers on
+/// several.
+///
+/// # Errors
+/// The log cannot be read, holds no measurements of the node, or those of two buses.
+pub fn read_bus_log(
+    path: &Path,
+    node: Node,
+    bus: Option<&str>,
+) -> Result<Series, MeasurementError> {
+    let unreadable = |why: String| MeasurementError::File {
+        file: path.to_owned(),
+        found: format!("no readable file ({why})"),
+        expected: "a candump log".to_owned(),
+    };
+    let file = input::open(path, Limit::Stream).map_err(|why| unreadable(why.reason()))?;
+    let mut reader = Reader::from_reader(BufReader::new(file));
+    let mut seen = Seen::new(path, node)?;
+    let mut line = 0;
+    loop {
+        line += 1;
+        let record = match reader.next_record() {
+            Ok(Some(record)) => record,
+            Ok(None) => break,
+            Err(ParseError::Io(error)) => return Err(unreadable(error.to_string())),
+            Err(error) => {
+                return Err(MeasurementError::Cell {
+                    file: path.to_owned(),
+                    row: line,
+                    column: "frame".to_owned(),
+                    found: quoted(&error.to_string()).to_string(),
+                    expected: "(time) bus id#data, as candump -L writes it".to_owned(),
+                });
+            }
+        };
+        if bus.is_some_and(|bus| bus != record.device) {
+            continue;
+        }
+        let (id, data) = match &record.frame {
+            CanAnyFrame::Normal(frame) if !frame.is_extended() => (frame.raw_id(), frame.data()),
+            CanAnyFrame::Fd(frame) if !frame.is_extended() => (frame.raw_id(), frame.data()),
+            _ => continue,
+        };
+        let Ok(id) = u16::try_from(id) else { continue };
+        seen.take(line, record.t_us, &record.device, id, data)?;
+    }
+    seen.series()
+}
+
+/// What has been read of a log so far.
+struct Seen {
+    series: Series,
+    node: Node,
+    bus: Option<String>,
+    receivers: [(Receiver<Measurement>, ReceiverState); 2],
+    /// Number and counter of the last sample, and its stamp.
+    last: Option<(u64, u8, u64)>,
+    numbers: Vec<u64>,
+    stamps_us: Vec<u64>,
+    sync: Option<Sync>,
+    unused: u64,
+    not_running: u64,
+    invalid: u64,
+}
+
+impl Seen {
+    fn new(path: &Path, node: Node) -> Result<Self, MeasurementError> {
+        let receiver = |profile| {
+            let receiver = Receiver::new(profile, node, MAX_DELTA).map_err(|error| {
+                MeasurementError::File {
+                    file: path.to_owned(),
+                    found: error.to_string(),
+                    expected: "a receiver".to_owned(),
+                }
+            })?;
+            Ok::<_, MeasurementError>((receiver, ReceiverState::default()))
+        };
+        Ok(Self {
+            series: empty(path, &format!("node{node}")),
+            node,
+            bus: None,
+            receivers: [receiver(Profile::Classical)?, receiver(Profile::Fd)?],
+            last: None,
+            numbers: Vec::new(),
+            stamps_us: Vec::new(),
+            sync: None,
+            unused: 0,
+            not_running: 0,
+            invalid: 0,
+        })
+    }
+
+    fn take(
+        &mut self,
+        line: usize,
+        stamp_us: u64,
+        bus: &str,
+        id: u16,
+        data: &[u8],
+    ) -> Result<(), MeasurementError> {
+        let profile = match MessageId::from_raw(id) {
+            Some(MessageId::Sync) => {
+                // The first one stands for the run; a change of period would be another run.
+                self.sync = self.sync.or(Sync::decode(id, data).ok());
+                return Ok(());
+            }
+            Some(MessageId::Measurement(profile, node)) if node == self.node => profile,
+            _ => return Ok(()),
+        };
+        let known = self.bus.get_or_insert_with(|| bus.to_owned());
+        if known != bus {
+            return Err(MeasurementError::Cell {
+                file: self.series.file.clone(),
+                row: line,
+                column: "bus".to_owned(),
+                found: format!("node {} on {} after {}", self.node, quoted(bus), quoted(known)),
+                expected: "one bus, or its name".to_owned(),
+            });
+        }
+        let [classical, fd] = &mut self.receivers;
+        let (receiver, state) = if profile == Profile::Fd { fd } else { classical };
+        let Some(reception) = receiver.accept(state, id, data) else { return Ok(()) };
+        let Some(measurement) = reception.data else {
+            self.unused += 1;
+            return Ok(());
+        };
+        let number = self.number(profile, reception.status, measurement.counter, stamp_us);
+        self.last = Some((number, measurement.counter, stamp_us));
+        if measurement.state != RunState::Run {
+            self.not_running += 1;
+            return Ok(());
+        }
+        match (measurement.displacement_m, measurement.force_n) {
+            (Some(displacement_m), Some(force_n))
+                if !measurement.flags.contains(MeasurementFlags::SENSOR_INVALID) =>
+            {
+                self.numbers.push(number);
+                self.stamps_us.push(stamp_us);
+                self.series.lines.push(line);
+                self.series.displacement_m.push(displacement_m);
+                self.series.force_n.push(force_n);
+            }
+            _ => self.invalid += 1,
+        }
+        Ok(())
+    }
+
+    /// Number of a sample: counted by the counter, by the clock where that has turned over.
+    fn number(&self, profile: Profile, status: Status, counter: u8, stamp_us: u64) -> u64 {
+        let Some((last, from, last_us)) = self.last else { return 0 };
+        let steps = u64::from(profile.counter_steps(from, counter));
+        let Some(sync) = self.sync.filter(|sync| sync.pace == Pace::Clock) else {
+            return last + steps.max(1);
+        };
+        let cycle_us = u64::from(sync.period_us.get()) * u64::from(sync.slow_down.get());
+        let turn = u64::from(profile.counter_modulus());
+        let passed = (stamp_us.saturating_sub(last_us) + cycle_us / 2) / cycle_us;
+        // A frame may be late by half a turn before it counts as one of the next turn.
+        let turns = (passed + turn / 2).saturating_sub(steps) / turn;
+        // A sequence that begins anew says nothing by its counter.
+        if status == Status::Initial { last + passed.max(1) } else { last + steps + turns * turn }
+    }
+
+    fn series(mut self) -> Result<Series, MeasurementError> {
+        let first = self.numbers.first().copied().unwrap_or(0);
+        if self.numbers.is_empty() {
+            return Err(MeasurementError::File {
+                file: self.series.file,
+                found: format!("no measurement of node {} in state RUN", self.node),
+                expected: "a log of a run with that rig".to_owned(),
+            });
+        }
+        let period_s = if let Some(sync) = self.sync {
+            f64::from(sync.period_us.get()) * 1e-6
+        } else {
+            let span_us = self.stamps_us.last().zip(self.stamps_us.first());
+            let span_us = span_us.map_or(0, |(last, first)| last.saturating_sub(*first));
+            let cycles = self.numbers.last().map_or(0, |last| last - first).max(1);
+            let period_s = span_us as f64 * 1e-6 / cycles as f64;
+            self.series
+                .repairs
+                .push(format!("no sync in the log: a cycle is {period_s:.6} s by the time stamps"));
+            period_s
+        };
+        self.series.time_s =
+            self.numbers.iter().map(|number| (number - first) as f64 * period_s).collect();
+        for (count, what) in [
+            (self.unused, "frames with a wrong CRC, repeated or out of sequence left out"),
+            (self.not_running, "frames outside of RUN left out"),
+            (self.invalid, "frames without valid force and displacement left out"),
+        ] {
+            if count > 0 {
+                self.series.repairs.push(format!("{count} {what}"));
+            }
+        }
+        Ok(self.series)
+    }
+}

@@ -1,0 +1,187 @@
+//! `yawbench run`: from a scenario to a folder with record, bus log, summary and report.
+//!
+//! [`run`] reads from top to bottom: plan, check, open, greet, record, sum up, compare.
+
+mod plan;
+mod progress;
+mod recording;
+mod setup;
+
+pub(crate) use plan::Plan;
+pub(crate) use progress::bar;
+pub(crate) use setup::session;
+pub use setup::{line, watch_of};
+
+use crate::BenchError;
+use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
+use crate::comparison::{self, SecondRun};
+use crate::control::{End, NoAnswer, Session, SessionState};
+use crate::options::{PaceChoice, RunOptions};
+use crate::page::page;
+use crate::realtime::{self, RealtimeOptions};
+use crate::summary::{Outcome, Summary};
+use files::ResultFolder;
+use plan::BusLoad;
+use recording::{Output, Recording};
+use report::Section;
+use scenario::run::Run;
+use setup::{open_buses, pace};
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+const RECORD: &str = "record.npy";
+const COMPARED: &str = "record-compared.npy";
+const LOG: &str = "bus.log";
+const SUMMARY: &str = "summary.json";
+const REPORT: &str = "report.html";
+const SCENARIO: &str = "scenario.toml";
+const VEHICLE: &str = "vehicle.toml";
+
+/// The files of a run.
+const FILES: [&str; 7] = [RECORD, COMPARED, LOG, SUMMARY, REPORT, SCENARIO, VEHICLE];
+
+/// How long rigs may take to answer before a run.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// A run that has ended, with its files.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finished {
+    /// Its summary.
+    pub summary: Summary,
+    /// Where its files are.
+    pub folder: PathBuf,
+    /// Whether the user ended it, or the comparison behind it.
+    pub interrupted: bool,
+}
+
+/// Runs a scenario.
+///
+/// `stop` ends it with what it has: files, summary and report are written, and [`Finished`] says
+/// that it was interrupted.
+///
+/// # Errors
+/// Bad input, before anything is written; rigs that do not answer; a bus or disk that fails.
+pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finished, BenchError> {
+    let plan = Plan::new(run, &options.bus)?;
+    plan.check_pace(options.pace)?;
+    let load = plan.load(options)?;
+    let mut folder =
+        ResultFolder::fresh(options.out.as_deref(), &options.name, "run", options.overwrite)?;
+    folder.check(&FILES)?;
+    for line in &load.lines {
+        eprintln!("{line}");
+    }
+    let other = run.compared(|slot| plan.is_emulated(slot))?;
+    let mut buses = open_buses(run, options, &plan)?;
+
+    let track = run.track.view();
+    let mut pace = pace(options);
+    let on_the_wire = (pace.on_the_wire(), options.slow_down);
+    let session = session(run, &track, &plan.rigs, options.profile, on_the_wire)?;
+    let mut state = session.start(session.line.start(run.start.state.clone()));
+    if options.realtime.require && options.pace == PaceChoice::Realtime {
+        require_realtime(options.realtime)?;
+    }
+    greet(&session, &state, &mut buses, &options.bus, stop)?;
+
+    folder.create()?;
+    let output = Output {
+        record: (folder.file(RECORD), folder.create_file(RECORD)?),
+        log: (folder.file(LOG), folder.create_file(LOG)?),
+        bus_names: plan.buses.iter().map(|bus| bus.interface().to_owned()).collect(),
+    };
+    let recording = recording::record(
+        &session,
+        (&mut state, &mut buses),
+        (&mut pace, run.cycles()),
+        &options.realtime,
+        output,
+        stop,
+    )?;
+
+    folder.write(SCENARIO, &run.effective.scenario)?;
+    folder.write(VEHICLE, &run.effective.vehicle)?;
+    let mut summary = summary(run, options, &session, &state, &buses, &load, &recording);
+    let write = |summary: &Summary, compared: Option<Section>| -> Result<(), BenchError> {
+        let json = serde_json::to_string_pretty(summary)?;
+        folder.write(SUMMARY, &format!("{json}\n"))?;
+        let page = page(run, summary, &recording.columns, &load.lines, compared);
+        Ok(folder.write(REPORT, &page.to_html()?)?)
+    };
+    write(&summary, None)?;
+    let mut interrupted = recording.end == End::Stopped;
+    if let (Some(setup), Some(other), false) = (&run.compare, &other, interrupted) {
+        let record = (folder.file(COMPARED), folder.create_file(COMPARED)?);
+        match SecondRun::through(other, options.profile, summary.steps, record, stop)? {
+            Some(second) => {
+                let main = (run, &summary, &recording.columns);
+                let found = comparison::compare(setup, main, (other, &second));
+                let section =
+                    comparison::section(run, summary.state, &recording.columns, &found, &second);
+                summary.comparison = Some(found);
+                write(&summary, Some(section))?;
+            }
+            None => interrupted = true,
+        }
+    }
+    if interrupted && run.compare.is_some() {
+        eprintln!("interrupted: the comparison is omitted");
+    }
+    Ok(Finished { summary, folder: folder.path().to_owned(), interrupted })
+}
+
+/// Asks for the real-time set-up in a thread of its own, before anything is written.
+fn require_realtime(wanted: RealtimeOptions) -> Result<(), BenchError> {
+    let asked = std::thread::spawn(move || realtime::set_up(&wanted)).join();
+    // An empty report would count as complete: a set-up that failed is none.
+    let report = asked.map_err(|_| BenchError::Thread { name: "asks for real time" })?;
+    if report.complete() {
+        return Ok(());
+    }
+    for line in report.lines() {
+        eprintln!("real-time: {line}");
+    }
+    Err(BenchError::RealtimeRefused)
+}
+
+fn greet(
+    session: &Session<'_>,
+    state: &SessionState,
+    buses: &mut [AnyBus],
+    bus: &BusChoice,
+    stop: &AtomicBool,
+) -> Result<(), BenchError> {
+    session.greet(state, buses, PATIENCE, stop).map_err(|why| match why {
+        NoAnswer::Silent(nodes) => BenchError::SilentRigs { nodes, bus: bus.to_string() },
+        NoAnswer::Interrupted => BenchError::Interrupted,
+    })
+}
+
+fn summary(
+    run: &Run,
+    options: &RunOptions,
+    session: &Session<'_>,
+    state: &SessionState,
+    buses: &[AnyBus],
+    load: &BusLoad,
+    recording: &Recording,
+) -> Summary {
+    let outcome = Outcome {
+        run,
+        bus: options.bus.to_string(),
+        pace: options.pace,
+        end: recording.end,
+        state,
+        ports: &session.ports,
+        counters: buses
+            .iter()
+            .map(AnyBus::counters)
+            .fold(BusCounters::default(), BusCounters::plus),
+        record_dropped: recording.dropped,
+        wall_s: recording.wall_s,
+        bus_load: load.most,
+        watched: session.watched,
+    };
+    Summary::of(&outcome, &recording.columns)
+}

@@ -1,0 +1,99 @@
+//! Before a run: which rig is on which bus, and whether the buses can carry it.
+
+use crate::BenchError;
+use crate::bus::BusChoice;
+use crate::options::{PaceChoice, RunOptions};
+use can_protocol::{BusPlan, Node, Verdict};
+use scenario::run::{CYCLE_S, Run, SlotForce};
+
+/// Where the rig of a slot is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RigPlace {
+    pub(crate) slot: usize,
+    pub(crate) node: Node,
+    /// Number of its bus in the list of choices.
+    pub(crate) bus: usize,
+}
+
+/// The buses of a run and its rigs on them.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    /// All buses that the scenario names.
+    pub(crate) buses: Vec<BusChoice>,
+    /// The rigs, in slot order.
+    pub(crate) rigs: Vec<RigPlace>,
+}
+
+/// The load of the buses.
+#[derive(Debug)]
+pub(crate) struct BusLoad {
+    /// One line for each bus.
+    pub(crate) lines: Vec<String>,
+    /// The greatest worst-case share of a bus.
+    pub(crate) most: f64,
+}
+
+impl Plan {
+    /// The plan of a scenario; `default` is the bus of slots that name none.
+    pub(crate) fn new(run: &Run, default: &BusChoice) -> Result<Self, BenchError> {
+        let mut plan = Self { buses: Vec::new(), rigs: Vec::new() };
+        for (slot, place) in run.slots.iter().enumerate() {
+            let SlotForce::Rig { node, bus, .. } = &place.force else { continue };
+            let choice = match bus {
+                Some(text) => text
+                    .parse()
+                    .map_err(|why| BenchError::SlotBus { place: place.place.clone(), why })?,
+                None => default.clone(),
+            };
+            let known = plan.buses.iter().position(|known| *known == choice);
+            let bus = known.unwrap_or(plan.buses.len());
+            if known.is_none() {
+                plan.buses.push(choice);
+            }
+            plan.rigs.push(RigPlace { slot, node: Node::new(*node)?, bus });
+        }
+        Ok(plan)
+    }
+
+    /// Whether the slot is on a rig that is emulated in this process.
+    pub(crate) fn is_emulated(&self, slot: usize) -> bool {
+        let rig = self.rigs.iter().find(|rig| rig.slot == slot);
+        rig.is_some_and(|rig| self.buses.get(rig.bus) == Some(&BusChoice::Memory))
+    }
+
+    /// Refuses a pace that a bus cannot keep.
+    pub(crate) fn check_pace(&self, pace: PaceChoice) -> Result<(), BenchError> {
+        let real = self.buses.iter().find(|bus| **bus != BusChoice::Memory);
+        match real {
+            Some(bus) if pace == PaceChoice::Fast => {
+                Err(BenchError::FastOnBus { bus: bus.to_string() })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The load of every bus; too much is refused.
+    pub(crate) fn load(&self, options: &RunOptions) -> Result<BusLoad, BenchError> {
+        let mut found = BusLoad { lines: Vec::new(), most: 0.0 };
+        for (number, bus) in self.buses.iter().enumerate() {
+            let plan = BusPlan {
+                profile: options.profile,
+                rigs: self.rigs.iter().filter(|rig| rig.bus == number).count() as u8,
+                rate_hz: 1.0 / (CYCLE_S * f64::from(options.slow_down.get())),
+                nominal_bits_per_s: options.bit_rates.0,
+                data_bits_per_s: options.bit_rates.1,
+            };
+            let load = plan.cyclic_load();
+            let warning = match plan.verdict() {
+                Verdict::Accept => "",
+                Verdict::Warn => " - warning: above 50 %, a retransmission may delay a cycle",
+                Verdict::Refuse => {
+                    return Err(BenchError::BusLoad { bus: bus.to_string(), load });
+                }
+            };
+            found.lines.push(format!("bus {bus}: {plan}{warning}"));
+            found.most = found.most.max(load);
+        }
+        Ok(found)
+    }
+}

@@ -1,0 +1,127 @@
+//! From a scenario to a session that can cycle: the line, the ports, the buses.
+
+use super::plan::{Plan, RigPlace};
+use crate::BenchError;
+use crate::bus::{AnyBus, BusChoice, MemoryBus, SocketCanBus};
+use crate::clock::Pacer;
+use crate::control::watch::Watch;
+use crate::control::{Pace, Port, Session};
+use crate::options::{PaceChoice, RunOptions};
+use crate::rig::RigNode;
+use can_protocol::{MessageId, Node, Pace as WirePace, Profile, Sender};
+use firmware_core::compensation::VirtualWear;
+use firmware_core::guard::Guard;
+use firmware_core::line::{Line, Slot};
+use firmware_core::track::Track;
+use firmware_core::vehicle::DAMPER_SLOTS;
+use scenario::run::{CYCLE_S, Run, SlotForce};
+use std::num::NonZeroU8;
+
+/// The control session of a scenario with its rigs.
+pub(crate) fn session<'a>(
+    run: &'a Run,
+    track: &'a Track<'a>,
+    rigs: &[RigPlace],
+    profile: Profile,
+    (pace, slow_down): (WirePace, NonZeroU8),
+) -> Result<Session<'a>, can_protocol::Error> {
+    let port = |rig: &RigPlace| {
+        let port = Port::new(rig.node, rig.bus, rig.slot, profile)?;
+        Ok(match watch_of(run, rig.slot) {
+            Some(watch) => port.watched(watch),
+            None => port,
+        })
+    };
+    let body = |name: &str| run.body_names.iter().position(|body| body == name);
+    Ok(Session {
+        line: line(run, track),
+        ports: rigs.iter().map(port).collect::<Result<_, can_protocol::Error>>()?,
+        profile,
+        pace,
+        slow_down,
+        watched: [body("carbody"), body("bogie_front"), body("wheelset_1")],
+    })
+}
+
+/// The line of a scenario: the vehicle on its track with its damper slots.
+#[expect(clippy::large_stack_arrays, reason = "made once, before the loop")]
+pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
+    debug_assert!(run.slots.len() <= DAMPER_SLOTS, "a vehicle with {} slots", run.slots.len());
+    let substep_s = CYCLE_S / f64::from(run.substeps);
+    let mut slots = [const { Slot::Empty }; DAMPER_SLOTS];
+    for (slot, place) in slots.iter_mut().zip(&run.slots) {
+        *slot = match &place.force {
+            SlotForce::Modelled(damper) => Slot::Modelled(damper.clone().prepared(substep_s)),
+            SlotForce::Rig { virtual_clearance_2a_m, virtual_compliance_m_per_n, .. } => {
+                Slot::Rig(VirtualWear {
+                    clearance_2a_m: *virtual_clearance_2a_m,
+                    compliance_m_per_n: *virtual_compliance_m_per_n,
+                    ..VirtualWear::default()
+                })
+            }
+        };
+    }
+    Line {
+        vehicle: &run.vehicle,
+        track,
+        contact: run.contact.as_ref().map(|contact| &*contact.table),
+        speed_m_per_s: run.speed_m_per_s,
+        cycle_s: CYCLE_S,
+        substeps: run.substeps,
+        slots,
+        guard: Guard::default(),
+    }
+}
+
+/// The watch over the rig of a slot.
+pub fn watch_of(run: &Run, slot: usize) -> Option<Watch> {
+    match run.slots.get(slot).map(|slot| &slot.force) {
+        Some(SlotForce::Rig { watch: Some(watch), .. }) => Some(Watch::new(watch)),
+        _ => None,
+    }
+}
+
+/// The pace of the loop.
+pub(super) fn pace(options: &RunOptions) -> Pace {
+    match options.pace {
+        PaceChoice::Realtime => {
+            let period_ns = (CYCLE_S * 1e9) as u64;
+            Pace::Realtime(Pacer::new(period_ns, u32::from(options.slow_down.get())))
+        }
+        PaceChoice::Lockstep => Pace::LockStep,
+        PaceChoice::Fast => Pace::Fast,
+    }
+}
+
+/// Opens every bus; on the memory bus the rigs are emulated.
+pub(super) fn open_buses(
+    run: &Run,
+    options: &RunOptions,
+    plan: &Plan,
+) -> Result<Vec<AnyBus>, BenchError> {
+    let open = |(number, choice): (usize, &BusChoice)| {
+        let rigs = plan.rigs.iter().filter(|rig| rig.bus == number);
+        let nodes = rigs.map(|rig| rig.node);
+        Ok(match choice {
+            BusChoice::Memory => AnyBus::Memory(MemoryBus::new(
+                nodes.map(|node| RigNode::new(&run.rig, node, options.profile)),
+            )),
+            BusChoice::SocketCan(name) => {
+                let accept: Vec<_> =
+                    nodes.flat_map(|node| sent_by(node, options.profile)).collect();
+                AnyBus::SocketCan(SocketCanBus::open(name, &accept, options.profile)?)
+            }
+        })
+    };
+    plan.buses.iter().enumerate().map(open).collect()
+}
+
+/// What a host receives of a rig.
+fn sent_by(node: Node, profile: Profile) -> [MessageId; 4] {
+    [
+        MessageId::Measurement(profile, node),
+        MessageId::Fault(Sender::Rig(node)),
+        MessageId::Telemetry(node),
+        MessageId::Heartbeat(Sender::Rig(node)),
+    ]
+}

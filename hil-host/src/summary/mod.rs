@@ -1,0 +1,129 @@
+//! `summary.json`: what a machine reads of a run. The schema is `docs/schema/summary.schema.json`.
+
+mod accelerations;
+mod dampers;
+mod frames;
+mod outcome;
+mod times;
+
+pub use accelerations::{Acceleration, Accelerations};
+pub use dampers::{DamperSummary, ForceRange, Stroke};
+pub use frames::{BusCount, Frames};
+pub use times::{Percentiles, StepPercentiles};
+
+pub(crate) use accelerations::accelerations;
+pub(crate) use dampers::{SEGMENT_S, dampers};
+pub(crate) use outcome::Outcome;
+pub(crate) use times::microseconds;
+
+use crate::columns::Columns;
+use crate::comparison::Comparison;
+use crate::control::{End, hash};
+use crate::options::PaceChoice;
+use frames::frames;
+use scenario::run::CYCLE_S;
+use serde::Serialize;
+use times::{percentiles, step_percentiles};
+
+/// The summary of a run. What does not apply is null.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Version of this format.
+    pub format: u32,
+    /// Title of the scenario.
+    pub title: String,
+    /// The vehicle.
+    pub vehicle: String,
+    /// Notes on its numbers: which are calibrated and not measured.
+    pub notes: Vec<String>,
+    /// The bus and the pace, as given.
+    pub bus: String,
+    /// `realtime`, `lockstep` or `fast`.
+    pub pace: PaceChoice,
+    /// Running speed (km/h).
+    pub speed_kmh: f64,
+    /// Control cycles done.
+    pub steps: u64,
+    /// Model time (s).
+    pub duration_s: f64,
+    /// Time at the start that the statistics leave out (s).
+    pub run_in_s: f64,
+    /// Time that the statistics of dampers and bodies cover: at most 20 minutes (s).
+    pub statistics_s: f64,
+    /// Real time of the loop (s).
+    pub wall_s: f64,
+    /// Ticks of the clock that were missed and skipped.
+    pub overruns: u64,
+    /// Time from receive to send (µs).
+    pub cycle_time_us: Percentiles,
+    /// Time of the vehicle step alone (µs).
+    pub step_compute_us: StepPercentiles,
+    /// How late cycles began; null without a clock (µs).
+    pub lateness_us: Option<Percentiles>,
+    /// Frames of the cyclic pair.
+    pub frames: Frames,
+    /// Everything that passed the bus, seen from the host.
+    pub bus_counters: BusCount,
+    /// The damper slots, in their order.
+    pub damper: Vec<DamperSummary>,
+    /// Accelerations of three bodies.
+    pub accelerations: Accelerations,
+    /// The same run with another damper; null without `[compare]`.
+    pub comparison: Option<Comparison>,
+    /// `completed`, `stopped` or `safe`.
+    pub state: End,
+    /// 16 hex digits over host state and received forces of every cycle.
+    pub trajectory_hash: String,
+    /// How the hash is made.
+    pub trajectory_hash_algorithm: String,
+    /// Rows and frames that the recorder had no room for.
+    pub record_dropped: u64,
+    /// Worst-case share of the bus that the cyclic pair takes.
+    pub bus_load: f64,
+}
+
+impl Summary {
+    /// Sums up a run.
+    pub(crate) fn of(outcome: &Outcome<'_>, columns: &Columns) -> Self {
+        let run = outcome.run;
+        let state = outcome.state;
+        let first = columns.first_after(run.run_in_s);
+        let clocked = outcome.pace == PaceChoice::Realtime;
+        let mut dampers = dampers(run, columns, first);
+        for (port, memory) in outcome.ports.iter().zip(&state.ports) {
+            debug_assert!(port.slot < dampers.len(), "a rig without a damper slot");
+            if let Some(damper) = dampers.get_mut(port.slot) {
+                damper.saturated_commands = Some(memory.saturated);
+                damper.flagged_measurements = Some(memory.flagged);
+            }
+        }
+        Self {
+            format: 1,
+            title: run.title.clone(),
+            vehicle: run.vehicle_name.clone(),
+            notes: run.about.clone(),
+            bus: outcome.bus.clone(),
+            pace: outcome.pace,
+            speed_kmh: run.speed_m_per_s * 3.6,
+            steps: state.line.cycle,
+            duration_s: state.line.cycle as f64 * CYCLE_S,
+            run_in_s: run.run_in_s,
+            statistics_s: (columns.time_s.len() - first) as f64 * CYCLE_S,
+            wall_s: outcome.wall_s,
+            overruns: state.skipped,
+            cycle_time_us: percentiles(&columns.cycle_ns),
+            step_compute_us: step_percentiles(&columns.compute_ns),
+            lateness_us: clocked.then(|| percentiles(&columns.lateness_ns)),
+            frames: frames(outcome),
+            bus_counters: outcome.counters.into(),
+            damper: dampers,
+            accelerations: accelerations(outcome.watched, columns, first),
+            comparison: None,
+            state: outcome.end,
+            trajectory_hash: format!("{:016x}", state.hash),
+            trajectory_hash_algorithm: hash::ALGORITHM.to_owned(),
+            record_dropped: outcome.record_dropped,
+            bus_load: outcome.bus_load,
+        }
+    }
+}

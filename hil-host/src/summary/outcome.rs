@@ -1,0 +1,22 @@
+//! What is known of a run in addition to its columns.
+
+use crate::bus::BusCounters;
+use crate::control::{End, Port, SessionState};
+use crate::options::PaceChoice;
+use scenario::run::Run;
+
+/// What the summary needs in addition to the columns.
+#[derive(Debug)]
+pub(crate) struct Outcome<'a> {
+    pub(crate) run: &'a Run,
+    pub(crate) bus: String,
+    pub(crate) pace: PaceChoice,
+    pub(crate) end: End,
+    pub(crate) state: &'a SessionState,
+    pub(crate) ports: &'a [Port],
+    pub(crate) counters: BusCounters,
+    pub(crate) record_dropped: u64,
+    pub(crate) wall_s: f64,
+    pub(crate) bus_load: f64,
+    pub(crate) watched: [Option<usize>; 3],
+}

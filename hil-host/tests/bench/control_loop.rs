@@ -1,0 +1,174 @@
+//! The control loop on the memory bus, in virtual time: what it does with frames that it should not
+//! use, and how it ends.
+
+use can_protocol::{Frame, MessageId, Node, Pace as WirePace, Profile};
+use firmware_core::track::Track;
+use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
+use hil_host::clock::{Pacer, Tick};
+use hil_host::control::{Buses, End, NoAnswer, Pace, Port, STOP_CYCLES, Session, SessionState};
+use hil_host::record::Queues;
+use hil_host::rig::RigNode;
+use scenario::run::{Overrides, Run};
+use std::collections::VecDeque;
+use std::num::NonZeroU8;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+const NODE: Node = Node::ALL[0];
+
+fn scenario() -> Run {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
+    let overrides = Overrides { duration_s: Some(5.0), speed_kmh: None };
+    Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn session<'a>(run: &'a Run, track: &'a Track<'a>, pace: WirePace) -> Session<'a> {
+    let port = Port::new(NODE, 0, 0, Profile::Classical).unwrap();
+    Session {
+        line: hil_host::run::line(run, track),
+        ports: heapless::Vec::from_slice(&[port]).unwrap(),
+        profile: Profile::Classical,
+        pace,
+        slow_down: NonZeroU8::MIN,
+        watched: [Some(0), Some(1), Some(3)],
+    }
+}
+
+/// The bus of the rig, with room for frames that neither host nor rig has sent.
+struct Disturbed {
+    bus: MemoryBus,
+    from_outside: VecDeque<WireFrame>,
+    measurements: Vec<WireFrame>,
+    /// The rig is cut off after so many measurements: nothing of it arrives.
+    most: usize,
+}
+
+impl Disturbed {
+    fn new(run: &Run) -> Self {
+        let bus = MemoryBus::new([RigNode::new(&run.rig, NODE, Profile::Classical)]);
+        let from_outside = VecDeque::new();
+        Self { bus, from_outside, measurements: Vec::new(), most: usize::MAX }
+    }
+
+    /// What anyone may put on a bus: garbage, frames with a wrong CRC, old ones, foreign ids.
+    fn disturb(&mut self) {
+        let [.., old, _, _, last] = self.measurements.as_slice() else { panic!("too early") };
+        let mut broken = last.data().to_vec();
+        broken[3] ^= 0x10;
+        let frame = |id, data: &[u8]| WireFrame::new(id, false, data).unwrap();
+        let measurement = last.id();
+        let command = MessageId::Command(Profile::Classical, NODE).raw();
+        for frame in [
+            frame(measurement, &broken),
+            old.clone(),
+            last.clone(),
+            frame(measurement, &[1, 2]),
+            frame(command, &[0xDE, 0xAD, 0xBE, 0xEF]),
+            frame(0x7AA, &[0, 0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77]),
+        ] {
+            self.bus.inject(&frame);
+            self.from_outside.push_back(frame);
+        }
+    }
+}
+
+impl Bus for Disturbed {
+    fn send(&mut self, frame: &Frame) -> Sent {
+        self.bus.send(frame)
+    }
+    fn receive(&mut self) -> Option<WireFrame> {
+        if let Some(frame) = self.from_outside.pop_front() {
+            return Some(frame);
+        }
+        let frame = self.bus.receive().filter(|_| self.measurements.len() < self.most)?;
+        if frame.id() == MessageId::Measurement(Profile::Classical, NODE).raw() {
+            self.measurements.push(frame.clone());
+        }
+        Some(frame)
+    }
+    fn wait(&mut self, timeout: Duration) -> bool {
+        !self.from_outside.is_empty() || self.bus.wait(timeout)
+    }
+    fn counters(&self) -> BusCounters {
+        self.bus.counters()
+    }
+}
+
+fn greeted(session: &Session<'_>, run: &Run) -> (SessionState, Disturbed) {
+    let state = session.start(session.line.start(run.start.state.clone()));
+    let mut bus = Disturbed::new(run);
+    let buses = std::slice::from_mut(&mut bus);
+    session.greet(&state, buses, Duration::from_secs(1), &AtomicBool::new(false)).unwrap();
+    (state, bus)
+}
+
+#[test]
+fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
+    let run = scenario();
+    let track = run.track.view();
+    let session = session(&run, &track, WirePace::LockStep);
+    let mut queues = Queues::default();
+    let (mut recorder, _drain) = queues.split();
+    let mut course = |disturbed: bool| {
+        let (mut state, mut bus) = greeted(&session, &run);
+        let mut disturbances = 0;
+        for cycle in 0..2000 {
+            if disturbed && cycle > 10 && cycle % 97 == 0 {
+                bus.disturb();
+                disturbances += 1;
+            }
+            let buses = std::slice::from_mut(&mut bus);
+            session.cycle(&mut state, &mut Buses::new(buses, &mut recorder), Tick::default());
+        }
+        (state, bus, disturbances)
+    };
+    let (clean, clean_bus, _) = course(false);
+    let (state, bus, times) = course(true);
+    assert!(times > 10);
+    assert_eq!((state.hash, &state.line), (clean.hash, &clean.line));
+    let counts = session.ports[0].counts(&state.ports[0]);
+    assert_eq!((counts.wrong_crc, counts.repeated), (2 * times, times));
+    assert_eq!((counts.wrong_sequence, counts.lost_frames), (times, 0));
+    let (rig, clean_rig) = (bus.bus.rigs()[0].frames(), clean_bus.bus.rigs()[0].frames());
+    assert_eq!((rig.crc_errors, clean_rig.crc_errors), (times, 0));
+    assert_eq!((rig.received, rig.lost), (2000, 0));
+    assert_eq!(bus.bus.rigs()[0].physics(), clean_bus.bus.rigs()[0].physics());
+}
+
+#[test]
+fn a_host_whose_rig_falls_silent_goes_safe_in_the_fifth_cycle_and_ends_after_the_stop() {
+    let run = scenario();
+    let track = run.track.view();
+    let session = session(&run, &track, WirePace::Clock);
+    let mut queues = Queues::default();
+    let (mut recorder, _drain) = queues.split();
+    let (mut state, mut bus) = greeted(&session, &run);
+    bus.most = 300;
+    let mut buses = Buses::new(std::slice::from_mut(&mut bus), &mut recorder);
+    // A clock that waits for nothing and skips nothing.
+    let mut pace = Pace::Realtime(Pacer::virtual_time(1_000_000));
+    let end = session.run(&mut state, &mut buses, &mut pace, 5000, &AtomicBool::new(false));
+    assert_eq!(end, End::Safe);
+    // The last measurement is used in cycle 301; the guard trips in the fifth cycle after it.
+    assert_eq!(state.line.cycle, 301 + 5 + STOP_CYCLES);
+    assert_eq!(state.line.slots[0].command.velocity_m_per_s, 0.0);
+    assert_eq!(state.skipped, 0);
+}
+
+#[test]
+fn a_stop_before_the_first_cycle_ends_the_wait_for_the_rigs() {
+    let run = scenario();
+    let track = run.track.view();
+    let session = session(&run, &track, WirePace::LockStep);
+    let state = session.start(session.line.start(run.start.state.clone()));
+    let mut bus = Disturbed::new(&run);
+    bus.most = 0;
+    let greeting = session.greet(
+        &state,
+        std::slice::from_mut(&mut bus),
+        Duration::from_secs(600),
+        &AtomicBool::new(true),
+    );
+    assert_eq!(greeting, Err(NoAnswer::Interrupted));
+}

@@ -1,0 +1,9 @@
+//! The bench without a kernel's CAN: the rig in virtual time, the loop on the memory bus.
+#![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
+
+mod control_loop;
+mod rig_answers;
+mod rig_physics;
+mod rig_process;
+mod rig_states;
+mod support;
