@@ -1,5 +1,5 @@
-//! Exit codes: 0 done; 1 a check or target failed; 2 bad input, nothing written; 3 ended in the safe
-//! state.
+//! Exit codes: 0 done; 1 a check or target failed, or an operation failed; 2 bad input, nothing
+//! written; 3 ended in the safe state; 130 interrupted by Ctrl-C or SIGTERM.
 
 use hil_host::run::SilentRigs;
 
@@ -9,6 +9,8 @@ pub(crate) const FAILED: u8 = 1;
 pub(crate) const BAD_INPUT: u8 = 2;
 /// The run ended in the safe state.
 pub(crate) const SAFE_STATE: u8 = 3;
+/// Ctrl-C or SIGTERM ended the command; what it had is written.
+pub(crate) const INTERRUPTED: u8 = 130;
 
 /// The exit code of an error.
 pub(crate) fn code(error: &anyhow::Error) -> u8 {

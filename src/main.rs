@@ -15,6 +15,7 @@ mod ride;
 mod rig;
 mod run;
 mod simulate;
+mod stop;
 mod study;
 mod validation;
 

@@ -1,8 +1,9 @@
 //! `yawbench run`: a scenario, from its file to record, summary and report.
 
-use crate::bench_options::{RealtimeArgs, WireArgs, stop_signal};
+use crate::bench_options::{RealtimeArgs, WireArgs};
 use crate::exit::SAFE_STATE;
 use crate::output::{print, stem};
+use crate::stop;
 use clap::Args;
 use hil_host::run::{self, BusChoice, PaceChoice, RunOptions};
 use hil_host::summary::Summary;
@@ -59,8 +60,8 @@ pub(crate) fn command(args: &RunArgs) -> anyhow::Result<ExitCode> {
         name: stem(&args.scenario),
         realtime: args.realtime.options(),
     };
-    let stop = stop_signal()?;
-    let finished = run::run(&scenario, &options, &stop)?;
+    let stop = stop::flag();
+    let finished = run::run(&scenario, &options, stop)?;
     if args.json {
         print(&serde_json::to_string_pretty(&finished.summary)?)?;
     } else {
