@@ -26,10 +26,7 @@ pub const fn quoted(text: &str) -> Quoted<'_> {
 impl fmt::Display for Quoted<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for shown in self.0.chars().take(LONGEST) {
-            // Marks that turn the direction of writing can make a message say something else.
-            if shown.is_control()
-                || matches!(shown, '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-            {
+            if acts(shown) {
                 write!(f, "{}", shown.escape_default())?;
             } else {
                 f.write_char(shown)?;
@@ -38,6 +35,16 @@ impl fmt::Display for Quoted<'_> {
         let length = self.0.chars().count();
         if length > LONGEST { write!(f, "… ({length} characters)") } else { Ok(()) }
     }
+}
+
+/// True for a character that acts where it is shown: a control character, or a mark that turns the
+/// direction of writing, which can make a message say something else.
+pub fn acts(shown: char) -> bool {
+    shown.is_control()
+        || matches!(
+            shown,
+            '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+        )
 }
 
 /// A message of another library about a file: every part of it in back quotes or double quotes is a
@@ -66,9 +73,8 @@ pub fn message(said: &str) -> String {
 fn escaped(text: &str) -> String {
     text.chars()
         .flat_map(|c| {
-            let control = c.is_control();
-            let escape = control.then(|| c.escape_default()).into_iter().flatten();
-            escape.chain((!control).then_some(c))
+            let escape = acts(c).then(|| c.escape_default()).into_iter().flatten();
+            escape.chain((!acts(c)).then_some(c))
         })
         .collect()
 }

@@ -2,8 +2,8 @@
 
 /// Escapes text for element content and for double-quoted attributes alike.
 ///
-/// Control characters that no HTML file may hold become the replacement sign, so that a broken
-/// byte in somebody's file name is visible instead of ending the page.
+/// Control characters that no HTML file may hold, and marks that turn the direction of writing,
+/// become the replacement sign: a broken byte in a file name is visible and does not end the page.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len() + 8);
     for c in text.chars() {
@@ -14,7 +14,7 @@ pub(crate) fn escape(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
             '\n' | '\t' => out.push(c),
-            c if c.is_control() => out.push('\u{fffd}'),
+            c if files::quote::acts(c) => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }
