@@ -7,9 +7,7 @@ use firmware_core::damper::Damper;
 use identification::result::Models;
 use identification::simulation::{simulate, start_deflection_m};
 use identification::tests_at_hand::TestsAtHand;
-use measurement::mapping::{Mapping, Reading};
-use measurement::table::Table;
-use measurement::{Measurement, MeasurementError, read_tests, series};
+use measurement::{read_motions, read_tests};
 use scenario::damper::DamperFile;
 use scenario::source::Source;
 use std::path::{Path, PathBuf};
@@ -37,7 +35,7 @@ pub(crate) struct SimulateArgs {
 pub(crate) fn command(args: &SimulateArgs) -> anyhow::Result<()> {
     let damper = DamperFile::load_model(&args.model)?.build(&Source::read(&args.model)?)?;
     let mapping = args.mapping.as_deref();
-    let motions = motions(&args.record, mapping)?;
+    let motions = read_motions(&args.record, mapping)?;
     let measured = motions.is_none();
     let records = match motions {
         Some(records) => records,
@@ -85,28 +83,4 @@ fn refuse_place(out: &Path, record: &Path) -> anyhow::Result<()> {
         bail!("--out {file}: found the record itself, expected another file");
     }
     Ok(())
-}
-
-/// The tests of a file without a force column; `None` where it has one or the mapping names one. The
-/// displacement stands in the place of the force, so that every check of the motion is made.
-fn motions(
-    path: &Path,
-    mapping: Option<&Path>,
-) -> Result<Option<Vec<Measurement>>, MeasurementError> {
-    let mut layout = match mapping {
-        Some(file) => {
-            let (mapping, source) = Mapping::load(file)?;
-            mapping.layout(&source, path)?
-        }
-        None => Mapping::own()?,
-    };
-    let table = Table::read(path, &layout)?;
-    let has_force =
-        |force: &Reading| force.column != "force_n" || table.names.contains(&force.column);
-    if layout.force.iter().any(has_force) {
-        return Ok(None);
-    }
-    layout.force = vec![layout.displacement.clone()];
-    let tests = series::tests_of(&table, &layout)?;
-    Measurement::from_visit(tests).map(Some)
 }
