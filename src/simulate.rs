@@ -5,9 +5,7 @@ use clap::Args;
 use firmware_core::damper::Damper;
 use identification::result::Models;
 use identification::{Prediction, TestSet, simulate, start_deflection_m};
-use measurement::mapping::{Mapping, Reading};
-use measurement::table::Table;
-use measurement::{Measurement, MeasurementError, read_tests, series};
+use measurement::{read_motions, read_tests};
 use scenario::damper::DamperFile;
 use scenario::source::Source;
 use std::fs::OpenOptions;
@@ -41,7 +39,7 @@ pub(crate) struct SimulateArgs {
 pub(crate) fn command(args: &SimulateArgs) -> Result<(), CommandError> {
     let damper = DamperFile::load_model(&args.model)?.build(&Source::read(&args.model)?)?;
     let mapping = args.mapping.as_deref();
-    let motions = motions(&args.record, mapping)?;
+    let motions = read_motions(&args.record, mapping)?;
     let measured = motions.is_none();
     let records = match motions {
         Some(records) => records,
@@ -143,28 +141,4 @@ impl Place {
 fn is_same(one: &Path, other: &Path) -> bool {
     let existing = |path: &Path| std::fs::canonicalize(path).ok();
     existing(one).is_some_and(|one| Some(one) == existing(other))
-}
-
-/// The tests of a file without a force column; `None` where it has one or the mapping names one.
-/// The displacement stands in the place of the force, so that every check of the motion is made.
-fn motions(
-    path: &Path,
-    mapping: Option<&Path>,
-) -> Result<Option<Vec<Measurement>>, MeasurementError> {
-    let mut layout = match mapping {
-        Some(file) => {
-            let (mapping, source) = Mapping::load(file)?;
-            mapping.layout(&source, path)?
-        }
-        None => Mapping::own()?,
-    };
-    let table = Table::read(path, &layout)?;
-    let has_force =
-        |force: &Reading| force.column != "force_n" || table.names.contains(&force.column);
-    if layout.force.iter().any(has_force) {
-        return Ok(None);
-    }
-    layout.force = vec![layout.displacement.clone()];
-    let tests = series::tests_of(&table, &layout)?;
-    Measurement::from_visit(tests).map(Some)
 }

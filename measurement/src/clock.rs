@@ -1,30 +1,31 @@
 //! From time stamps to one uniform clock.
 //!
 //! Time stamps that lie on a line within 1 % of a step, or within the rounding of their last digit,
-//! are that line: the samples stay what they are. Otherwise the channels are resampled to the median
-//! step by the cubic through neighbouring samples whose slopes are those of the parabola through
-//! three (Hermite); that is a repair, and it is told. Its limits: every step within 30 % of the
-//! median; up to three samples missing in a row and one in a hundred in all. What is worse is
+//! are that line: the samples stay what they are. Otherwise the channels are resampled to the
+//! median step by the cubic through neighbouring samples whose slopes are those of the parabola
+//! through three (Hermite); that is a repair, and it is told. Its limits: every step within 30 % of
+//! the median; up to three samples missing in a row and one in a hundred in all. What is worse is
 //! an error with its line.
 
-use super::error::MeasurementError;
-use super::series::Series;
+use crate::error::MeasurementError;
+use crate::interpolant;
+use crate::series::Series;
 use std::cmp::Ordering;
 
 /// Share of a step by which time stamps may leave a uniform clock and still count as on it.
-pub const UNIFORM_SHARE: f64 = 0.01;
+const UNIFORM_SHARE: f64 = 0.01;
 /// Share of the median step by which a step may differ and is still resampled.
-pub const JITTER_SHARE: f64 = 0.3;
+const JITTER_SHARE: f64 = 0.3;
 /// Most samples in a row that are filled in.
-pub const FILLED_IN_A_ROW: usize = 3;
+const FILLED_IN_A_ROW: usize = 3;
 /// Most samples of all that are filled in, as a share.
-pub const FILLED_SHARE: f64 = 0.01;
+const FILLED_SHARE: f64 = 0.01;
 
 /// Brings a series to a uniform clock; gives its step (s). Needs at least three samples.
 ///
 /// # Errors
 /// Time that goes back, repeated stamps with other values, gaps and steps beyond the limits.
-pub fn make_uniform(series: &mut Series) -> Result<f64, MeasurementError> {
+pub(crate) fn make_uniform(series: &mut Series) -> Result<f64, MeasurementError> {
     let (step_s, deviation_s) = line_through(&series.time_s);
     let rounding_s = 0.6 * series.time_resolution_s;
     if step_s > 0.0 && deviation_s <= UNIFORM_SHARE * step_s {
@@ -86,17 +87,13 @@ fn drop_repeats(series: &mut Series) -> Result<(), MeasurementError> {
         let same = |values: &[f64]| at(values, sample - 1) == at(values, sample);
         let found = format!("{now} s after {before} s");
         if now < before {
-            let expected = "rising time; split_by tells several tests of a file apart".to_owned();
-            return Err(series.error_at(sample, 0, found, expected));
+            let expected = "rising time; split_by separates several tests of a file".to_owned();
+            return Err(series.error_of_time(sample, found, expected));
         }
         if !(same(&series.displacement_m) && same(&series.force_n)) {
             let expected = "rising time, or the same values at the same time".to_owned();
-            return Err(series.error_at(
-                sample,
-                0,
-                format!("{found}, with other values"),
-                expected,
-            ));
+            let found = format!("{found}, with other values");
+            return Err(series.error_of_time(sample, found, expected));
         }
         repeated.push(sample);
     }
@@ -106,7 +103,7 @@ fn drop_repeats(series: &mut Series) -> Result<(), MeasurementError> {
     series.repairs.push(format!(
         "{} repeated rows left out: line {}",
         repeated.len(),
-        listed(repeated.iter().map(|sample| series.line(*sample)))
+        series.lines_of(repeated.iter().copied())
     ));
     let mut keep = vec![true; series.time_s.len()];
     for sample in repeated {
@@ -136,14 +133,14 @@ fn check_steps(series: &Series, median_s: f64) -> Result<Vec<(usize, usize)>, Me
         let expected = format!("steps of {median_s:.6} s, each within 30 %");
         if (steps - whole).abs() > JITTER_SHARE {
             let found = format!("a step of {:.6} s", pair[1] - pair[0]);
-            return Err(series.error_at(sample + 1, 0, found, expected));
+            return Err(series.error_of_time(sample + 1, found, expected));
         }
         let lost = whole as usize - 1;
         if lost > FILLED_IN_A_ROW {
             let found = format!("a gap of {:.6} s, {lost} samples", pair[1] - pair[0]);
             let expected =
                 format!("{expected}; up to {FILLED_IN_A_ROW} missing samples are filled");
-            return Err(series.error_at(sample + 1, 0, found, expected));
+            return Err(series.error_of_time(sample + 1, found, expected));
         }
         if lost > 0 {
             missing.push((sample, lost));
@@ -171,7 +168,7 @@ fn resample(series: &mut Series, median_s: f64, missing: &[(usize, usize)]) -> f
         format!("steps of {least:.6} to {most:.6} s resampled to {step_s:.6} s")
     } else {
         let lost: usize = missing.iter().map(|(_, lost)| lost).sum();
-        let lines = listed(missing.iter().map(|(sample, _)| series.line(*sample)));
+        let lines = series.lines_of(missing.iter().map(|(sample, _)| *sample));
         format!("{lost} missing samples filled in after line {lines}")
     };
     series.repairs.push(format!("{}: {text}, by cubic interpolation", series.columns[0]));
@@ -212,27 +209,7 @@ fn interpolated(old_s: &[f64], values: &[f64], new_s: &[f64]) -> Vec<f64> {
             let ((t0, y0), (t1, y1)) = (at(next - 1), at(next));
             let fraction = ((time - t0) / (t1 - t0)).clamp(0.0, 1.0);
             let ends = ((y0, slope(next - 1)), (y1, slope(next)));
-            super::interpolant::between(ends.0, ends.1, t1 - t0, fraction).0
+            interpolant::between(ends.0, ends.1, t1 - t0, fraction).0
         })
         .collect()
-}
-
-/// The first few of many numbers.
-pub(super) fn listed(numbers: impl Iterator<Item = usize>) -> String {
-    let numbers: Vec<usize> = numbers.collect();
-    let mut text: Vec<String> = numbers.iter().take(5).map(usize::to_string).collect();
-    if numbers.len() > 5 {
-        text.push(format!("... {}", numbers.last().copied().unwrap_or(0)));
-    }
-    text.join(", ")
-}
-
-impl Series {
-    /// All values that change with time.
-    fn channels_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
-        [&mut self.displacement_m, &mut self.force_n]
-            .into_iter()
-            .chain(self.velocity_m_per_s.as_mut())
-            .chain(self.temperature_degc.as_mut())
-    }
 }

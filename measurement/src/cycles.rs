@@ -1,14 +1,14 @@
 //! Whole cycles of a periodic test, and the run-in.
 //!
 //! A cycle begins where the displacement comes up through the middle of its range (between the 2nd
-//! and 98th percentile); it counts once the displacement has left a dead band of 20 % of the
-//! half range to either side, so that noise makes none. A test is periodic where at least two cycles
-//! in a row, over at least half of the record, have lengths within 5 % (or two samples) of their
+//! and 98th percentile); it counts once the displacement has left a dead band of 20 % of the half
+//! range to either side, so that noise makes none. A test is periodic where at least two cycles in
+//! a row, over at least half of the record, have lengths within 5 % (or two samples) of their
 //! median and ranges within 10 %: sines and triangles are, sweeps and service records are not. Only
 //! those equal cycles are marked.
 //!
-//! The run-in is the first period of the record where at least three cycles are marked; else a tenth
-//! of the record, at most one second. It is the same for every model.
+//! The run-in is the first period of the record where at least three cycles are marked; else a
+//! tenth of the record, at most one second. It is the same for every model.
 
 use signal::statistics::percentile;
 
@@ -20,15 +20,7 @@ const LENGTH_SHARE: f64 = 0.05;
 const RANGE_SHARE: f64 = 0.1;
 
 /// First sample of every whole cycle and the end of the last; empty where there are none.
-///
-/// ```
-/// use measurement::cycles::find;
-/// // 2.6 cycles of 100 samples, starting at a crest: two whole ones from the rise at 75.
-/// let x: Vec<f64> =
-///     (0..300).map(|n| libm::cos(std::f64::consts::TAU * f64::from(n) * 0.01)).collect();
-/// assert_eq!(find(&x), [75, 175, 275]);
-/// ```
-pub fn find(displacement_m: &[f64]) -> Vec<usize> {
+pub(crate) fn find(displacement_m: &[f64]) -> Vec<usize> {
     let (Some(low), Some(high)) =
         (percentile(displacement_m, 0.02), percentile(displacement_m, 0.98))
     else {
@@ -51,6 +43,7 @@ pub fn find(displacement_m: &[f64]) -> Vec<usize> {
             best = from..index + 1;
         }
     }
+    debug_assert!(best.is_empty() || best.end < crossings.len(), "every cycle ends in a crossing");
     let marks: Vec<usize> = crossings
         .get(best.start..=best.end)
         .unwrap_or_default()
@@ -65,7 +58,7 @@ pub fn find(displacement_m: &[f64]) -> Vec<usize> {
 }
 
 /// Samples that no error counts.
-pub fn run_in(cycles: &[usize], samples: usize, step_s: f64) -> usize {
+pub(crate) fn run_in(cycles: &[usize], samples: usize, step_s: f64) -> usize {
     if let [first, _, _, .., last] = cycles {
         return (last - first).div_ceil(cycles.len() - 1);
     }
@@ -142,6 +135,13 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_record_that_begins_at_a_crest_has_its_first_cycle_at_the_rise() {
+        // Three periods of 100 samples, of which two are whole from the rise at 75.
+        let x: Vec<f64> = (0..300).map(|n| libm::cos(TAU * f64::from(n) * 0.01)).collect();
+        assert_eq!(find(&x), [75, 175, 275]);
     }
 
     #[test]

@@ -1,17 +1,17 @@
 //! The interpolant of a sampled motion: displacement, velocity and acceleration from samples alone.
 //!
-//! - **Displacement** is the samples, without their noise where there is any ([`super::smoothing`]): a
-//!   triangle keeps its corners.
+//! - **Displacement** is the samples, without their noise where there is any
+//!   ([`smoothing`](crate::smoothing)): a triangle keeps its corners.
 //! - **Velocity** and **acceleration** are those of a local quartic, by weighted least squares over
-//!   the samples within 10 ms to either side (at least two), weights `(1 - u^2)^2` that fade to zero
-//!   just outside. The fading keeps noise from jumping from sample to sample: the mean acceleration
-//!   that a model makes of two velocities is then as quiet as the velocity. At the ends, where the
-//!   window is one-sided, a cubic takes its place.
+//!   the samples within 10 ms to either side (at least two), weights `(1 - u^2)^2` that fade to
+//!   zero just outside. The fading keeps noise from jumping from sample to sample: the mean
+//!   acceleration that a model makes of two velocities is then as quiet as the velocity. At the
+//!   ends, where the window is one-sided, a cubic takes its place.
 //! - **Between samples** the motion is the cubic through displacement and velocity of both ends
 //!   (Hermite), [`between`].
 //!
 //! A velocity column of a record is compared, never used: it is often a raw difference, or filtered
-//! nobody knows how.
+//! in an unstated way.
 //!
 //! | rate | -1 dB | -3 dB | error at 12 Hz | 1 um of white noise gives | in acceleration |
 //! | --- | --- | --- | --- | --- | --- |
@@ -20,10 +20,10 @@
 //! | 1 kHz | 52 Hz | 71 Hz | 0.04 % | 0.11 mm/s | 0.06 m/s2 |
 //! | 5 kHz | 56 Hz | 76 Hz | 0.03 % | 0.05 mm/s | 0.03 m/s2 |
 //!
-//! ([`bandwidth_hz`], [`noise_gain_per_s`]; a mass of 20 kg makes 1.2 N of it at 1 kHz.) At the corner of a
-//! triangle the velocity turns within five samples at 1 kHz and overshoots by 10 %. Limit: what is
-//! faster than the bandwidth, such as an impact, is in the displacement and the force but not
-//! in the velocity.
+//! ([`bandwidth_hz`], [`noise_gain_per_s`]; a mass of 20 kg makes 1.2 N of it at 1 kHz.) At the
+//! corner of a triangle the velocity turns within five samples at 1 kHz and overshoots by 10 %.
+//! Limit: what is faster than the bandwidth, such as an impact, is in the displacement and the
+//! force but not in the velocity.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -6,20 +6,21 @@
 //! ```text
 //! d_n = F_(n+L) - F_n - tau F'_n        sigma^2 = rss(d) / (2 (N - p))
 //! ```
-//! The 2 is the scatter of the cycle that serves as reference. The sum is what is left after `p = 4`
-//! regressors common to all pairs: one, the force, and the differences of displacement and velocity.
-//! They take up what is no noise: drift of the offset, fading by warmth, an actuator that does
-//! not repeat itself. Noise of any colour counts as long as it is forgotten within a cycle. Limits: what
-//! repeats with the motion (ripple in phase with it) is no noise here.
+//! The 2 is the scatter of the cycle that serves as reference. The sum is that of the residual
+//! after `p = 4` regressors common to all pairs: one, the force, and the differences of
+//! displacement and velocity. They absorb what is no noise: drift of the offset, fading by warmth,
+//! an actuator that does not repeat itself. Noise of any colour counts as long as it decorrelates
+//! within a cycle. Limits: what repeats with the motion (ripple in phase with it) is no noise here.
 //!
-//! **Innovation**, for a test without cycles. Third differences of the force leave little of a
-//! smooth signal. Their variance and first covariance over the quiet blocks of the record (64 samples each, up to
-//! 2.5 times the median variance; corners of the force make the others loud) give size and colour of a first-order
-//! autoregression, `gamma_k = sigma^2 rho^k` with `rho` up to 0.9: white noise is met within 3 %, that of 0.9 within
-//! 30 %. Limits: slower noise is not told from signal, a force that was smoothed has none left, and below about 500 Hz the signal
-//! itself is in the differences.
+//! **Innovation**, for a test without cycles. Third differences of the force suppress a smooth
+//! signal. Their variance and first covariance over the quiet blocks of the record (64 samples
+//! each, up to 2.5 times the median variance; corners of the force make the others loud) give size
+//! and colour of a first-order autoregression, `gamma_k = sigma^2 rho^k` with `rho` up to 0.9:
+//! white noise is met within 3 %, that of 0.9 within 30 %. Limits: slower noise cannot be
+//! distinguished from signal, a force that was smoothed has no noise any more, and below about 500
+//! Hz the signal itself is in the differences.
 
-use super::Measurement;
+use crate::measurement::Measurement;
 use nalgebra::{Matrix4, Vector4};
 use signal::statistics::{percentile, smallest_change};
 
@@ -90,7 +91,7 @@ fn repeat_n(test: &Measurement) -> Option<f64> {
         let (start, shift) = (pair[0], pair[1] - pair[0]);
         let end = pair[1].min(x.len().saturating_sub(shift + 1));
         let here = |n: usize| Some((*x.get(n)?, *v.get(n)?, *f.get(n)?));
-        // The part of the shift that is no whole sample: the displacement's slope tells it.
+        // The part of the shift that is no whole sample, from the slope of the displacement.
         let (mut top, mut bottom) = (0.0, 0.0);
         for n in start..end {
             let ((x0, v0, _), (x1, v1, _)) = (here(n)?, here(n + shift)?);
@@ -116,12 +117,12 @@ fn repeat_n(test: &Measurement) -> Option<f64> {
     if differences.len() < 30 {
         return None;
     }
-    let rss = left_over(&rows, &differences);
+    let rss = residual_sum(&rows, &differences);
     Some((rss / (2.0 * (differences.len() - 4) as f64)).sqrt())
 }
 
-/// Sum of squares that four regressors leave; those that are empty take nothing.
-fn left_over(rows: &[[f64; 4]], values: &[f64]) -> f64 {
+/// Sum of squares of the residual of four regressors; empty ones explain nothing.
+fn residual_sum(rows: &[[f64; 4]], values: &[f64]) -> f64 {
     let mut size = [0.0_f64; 4];
     for row in rows {
         for (size, entry) in size.iter_mut().zip(row) {
@@ -174,7 +175,7 @@ fn third_covariance(rho: f64, lag: i32) -> f64 {
     (-3..=3).zip(weights).map(|(k, weight)| weight * gamma(lag + k)).sum()
 }
 
-/// Slowest noise that is told from signal.
+/// Slowest noise that can be distinguished from signal.
 const COLOUR_MOST: f64 = 0.9;
 
 /// The `rho` for which third differences have this first correlation.
@@ -213,8 +214,8 @@ mod tests {
             .collect()
     }
 
-    /// A damper with relief and stiffness at +-3.46 mm, 3.5 Hz (periods of 285.7 samples): 15 kN, with
-    /// noise, warming by 2 % per second, and 0.5 um of noise in the displacement.
+    /// A damper with relief and stiffness at +-3.46 mm, 3.5 Hz (periods of 285.7 samples): 15 kN,
+    /// with noise, warming by 2 % per second, and 0.5 um of noise in the displacement.
     fn record(seed: u64, rho: f64, rms_n: f64, periodic: bool) -> Measurement {
         let (noise, shake) = (coloured(seed, rho, 10_000), coloured(seed + 1000, 0.0, 10_000));
         let x = |t: f64| {
@@ -270,7 +271,7 @@ mod tests {
     #[test]
     fn without_noise_the_floor_is_far_below_the_force() {
         let found = floor(&record(7, 0.0, 0.0, true));
-        // What is left: 0.5 um of displacement noise, and corners between samples.
+        // The rest: 0.5 um of displacement noise, and corners between samples.
         assert!(found.rms_n < 15.0, "{}", found.rms_n);
         let found = floor(&record(8, 0.0, 0.0, false));
         assert!(found.rms_n < 10.0, "{}", found.rms_n);

@@ -1,18 +1,20 @@
 //! Whether displacement and force agree in sign.
 //!
-//! A damper takes up work. Where a test seems to give some, one of its two signs is wrong; or its force
-//! comes so late that a stiff, quick test gives work although the signs are right. With
+//! A damper takes up work. Where a test seems to deliver work, one of its two signs is wrong, or
+//! its force comes so late that a stiff, quick test delivers work although the signs are right.
+//! With
 //!
 //! ```text
-//! share(d) = sum F(t + d) dx(t) / sum |F(t + d) dx(t)|        F without its mean, over whole cycles
+//! share(d) = sum F(t + d) dx(t) / sum |F(t + d) dx(t)|      F without its mean, whole cycles
 //! ```
 //!
-//! a test is clear when its share has one sign, and more than [`TOO_LITTLE`], for every delay d from nothing
-//! to [`LATEST_S`]. A clear test decides for itself. The wiring is the same in every test of a visit, so the
-//! others follow the sum over the clear ones. A sign that is wrong in both is not seen.
+//! a test is clear when its share has one sign, and more than [`TOO_LITTLE`], for every delay d
+//! from zero to [`LATEST_S`]. A clear test decides for itself. The wiring is the same in every test
+//! of a visit, so the others follow the sum over the clear ones. A sign that is wrong in both
+//! channels is not seen.
 
-use super::error::MeasurementError;
-use super::series::Series;
+use crate::error::MeasurementError;
+use crate::series::Series;
 use signal::statistics::{mean, rms};
 
 /// Share of work below which a test says nothing about its signs.
@@ -24,7 +26,7 @@ const DELAYS: usize = 10;
 
 /// What a test says about its signs.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Agreement {
+pub(crate) struct Agreement {
     /// Names of the columns of displacement and force.
     columns: [String; 2],
     /// Work that the damper took up, J.
@@ -39,8 +41,9 @@ impl Agreement {
     /// Of a test as it was recorded.
     ///
     /// # Errors
-    /// Work is given and the "displacement" is three times as rough as the "force": swapped columns.
-    pub(super) fn of(
+    /// Work is delivered and the "displacement" is three times as rough as the "force": swapped
+    /// columns.
+    pub(crate) fn of(
         series: &Series,
         cycles: &[usize],
         step_s: f64,
@@ -75,13 +78,14 @@ impl Agreement {
         Ok(Self { columns: [displacement.clone(), force.clone()], work_j, share, clear })
     }
 
-    /// True where the force of this test is to be turned, in a visit whose tests say `disagree` together.
-    pub(super) fn turned(&self, disagree: bool) -> bool {
+    /// True where the force of this test is to be turned, in a visit whose tests say `disagree`
+    /// together.
+    pub(crate) fn turned(&self, disagree: bool) -> bool {
         self.clear.map_or(disagree, |share| share < 0.0)
     }
 
-    /// What is to be told of this test, in a visit whose tests say `disagree` together.
-    pub(super) fn told(&self, disagree: bool) -> Option<String> {
+    /// What there is to report about this test, in a visit whose tests say `disagree` together.
+    pub(crate) fn report(&self, disagree: bool) -> Option<String> {
         let Self { columns: [displacement, force], work_j, share, clear } = self;
         if displacement == force {
             return None;
@@ -90,8 +94,8 @@ impl Agreement {
         let alone = turned != disagree;
         match (turned, alone) {
             (true, true) => Some(format!(
-                "{force}: sign turned in this test alone, the damper took up {work_j:.4} J, which no delay up to \
-                 {LATEST_S} s explains"
+                "{force}: sign turned in this test alone, the damper took up {work_j:.4} J, which no \
+                 delay up to {LATEST_S} s explains"
             )),
             (true, false) if *share > TOO_LITTLE => Some(format!(
                 "{force}: sign turned as in the other tests, though the damper took up {work_j:.4} J"
@@ -106,8 +110,8 @@ impl Agreement {
                 "left as it is: {work_j:.4} J taken up, as by a damper whose {force} comes late"
             )),
             (false, false) if *share < TOO_LITTLE => Some(format!(
-                "left as it is: {work_j:.4} J taken up are too little to show that {displacement} and {force} \
-                 agree in sign"
+                "left as it is: {work_j:.4} J taken up are too little to show that {displacement} \
+                 and {force} agree in sign"
             )),
             (false, false) => None,
         }
@@ -115,12 +119,12 @@ impl Agreement {
 }
 
 /// True where the clear tests of a visit say together that displacement and force disagree.
-pub(super) fn disagree<'a>(visit: impl IntoIterator<Item = &'a Agreement>) -> bool {
+pub(crate) fn disagree<'a>(visit: impl IntoIterator<Item = &'a Agreement>) -> bool {
     visit.into_iter().filter_map(|test| test.clear).sum::<f64>() < 0.0
 }
 
-/// Work that the damper took up (J), the mean force left out, and that work over the sum of its absolute
-/// parts.
+/// Work that the damper took up (J), without the mean force, and that work over the sum of its
+/// absolute parts.
 fn work(displacement_m: &[f64], force_n: &[f64]) -> (f64, f64) {
     let middle = mean(force_n);
     let (mut work, mut parts) = (0.0, 0.0);
@@ -166,15 +170,17 @@ mod tests {
         // 20 ms are 14.4 degrees at 2 Hz.
         let visit = [test(80.0), test(45.0), test(-10.0)];
         assert!(!disagree(&visit) && !visit[2].turned(false));
-        assert!(visit[2].told(false).is_some_and(|told| told.contains("comes late")));
-        assert_eq!(visit[0].told(false), None);
+        assert!(visit[2].report(false).is_some_and(|report| report.contains("comes late")));
+        assert_eq!(visit[0].report(false), None);
         // The same visit with the load cell wired the other way round.
         let visit = [test(-100.0), test(-135.0), test(170.0)];
         assert!(disagree(&visit) && visit.iter().all(|test| test.turned(true)));
-        assert!(visit[2].told(true).is_some_and(|told| told.contains("as in the other tests")));
+        assert!(
+            visit[2].report(true).is_some_and(|report| report.contains("as in the other tests"))
+        );
         // Alone a late test is left as it is, and what says nothing decides nothing.
         assert!(!disagree(&[test(-10.0)]) && disagree(&[test(-30.0)]) && !disagree(&[test(0.0)]));
-        assert!(test(0.0).told(false).is_some_and(|told| told.contains("too little")));
+        assert!(test(0.0).report(false).is_some_and(|report| report.contains("too little")));
     }
 
     #[test]
@@ -182,6 +188,6 @@ mod tests {
         let visit = [test(80.0), test(45.0), test(-127.0), test(60.0)];
         assert!(!disagree(&visit));
         assert_eq!(visit.each_ref().map(|test| test.turned(false)), [false, false, true, false]);
-        assert!(visit[2].told(false).is_some_and(|told| told.contains("in this test alone")));
+        assert!(visit[2].report(false).is_some_and(|report| report.contains("in this test alone")));
     }
 }

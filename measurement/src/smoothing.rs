@@ -1,22 +1,23 @@
 //! Measured displacement without its noise: what drives a model.
 //!
-//! A stiff damper turns a micrometre of sensor noise into tens of newtons, in the model and not in the
-//! damper. That is more than an error: an effect that follows the noise (a mass times its acceleration)
-//! can cancel some of it and then predicts better than the truth without it.
+//! A stiff damper turns a micrometre of sensor noise into tens of newtons, in the model and not in
+//! the damper. That is more than an error: an effect that follows the noise (a mass times its
+//! acceleration) can cancel some of it and then predicts better than the true model without it.
 //!
 //! ```text
 //! minimise  |x - s|^2 + lambda |third differences of s|^2        (Whittaker 1923)
-//! lambda    minimises  r(lambda) / (1 - tr(lambda) / n)^2        (generalised cross-validation, Craven and Wahba 1979)
+//! lambda    minimises  r(lambda) / (1 - tr(lambda) / n)^2
 //! ```
 //!
-//! with r the median over blocks of 64 samples of the mean square of x - s, so that a few corners decide
-//! nothing. Where x - s is locally larger than noise (the corner of a triangle, a blow) s goes over
-//! to x itself: nothing that rises above the noise is smoothed away. The trace is that of the
-//! circulant matrix, exact but for the ends.
+//! (generalised cross-validation, Craven and Wahba 1979) with r the median over blocks of 64
+//! samples of the mean square of x - s, so that a few corners decide nothing. Where x - s is
+//! locally larger than noise (the corner of a triangle, an impact) s changes over to x itself:
+//! nothing that rises above the noise is smoothed away. The trace is that of the circulant matrix,
+//! exact except at the ends.
 //!
 //! Limits: close to the ends, where the motion has no other side, s mostly is x; motion weaker than
-//! the noise in its band is lost with it; noise that was smoothed before, or is slower than the motion,
-//! is taken for motion and stays.
+//! the noise in its band is lost with it; noise that was smoothed before, or is slower than the
+//! motion, is taken for motion and stays.
 
 /// Strengths tried, from the weakest by factors.
 const WEAKEST: f64 = 1e-2;
@@ -27,7 +28,8 @@ const STRONGEST: f64 = 1e10;
 const BLOCK: usize = 64;
 /// Samples to either side that make a local mean square.
 const HALF_WINDOW: usize = 12;
-/// Local mean square over the median one from which it is no noise, and at which nothing is smoothed.
+/// Local mean square over the median one from which it is no noise, and at which nothing is
+/// smoothed.
 const NO_NOISE: [f64; 2] = [3.0, 8.0];
 /// Shorter records are left as they are.
 const FEWEST: usize = 2 * BLOCK;
@@ -38,7 +40,8 @@ const FEWEST: usize = 2 * BLOCK;
 /// use measurement::smoothing::smoothed;
 /// // A slow sine of 3 mm that rattles by 1 um from sample to sample.
 /// let sine = |n: usize| 3e-3 * libm::sin(0.02 * n as f64);
-/// let rattling: Vec<f64> = (0..2000).map(|n| sine(n) + if n % 2 == 0 { 1e-6 } else { -1e-6 }).collect();
+/// let rattle = |n: usize| if n % 2 == 0 { 1e-6 } else { -1e-6 };
+/// let rattling: Vec<f64> = (0..2000).map(|n| sine(n) + rattle(n)).collect();
 /// let smooth = smoothed(&rattling);
 /// assert!((500..1500).all(|n| (smooth[n] - sine(n)).abs() < 0.5e-6));
 /// ```
@@ -72,8 +75,8 @@ pub fn smoothed(displacement_m: &[f64]) -> Vec<f64> {
     }
 }
 
-/// Solves (1 + strength D' D) s = x with D the third differences, by the factors of a matrix with three
-/// diagonals beside the main one.
+/// Solves (1 + strength D' D) s = x with D the third differences, by factorising a matrix with
+/// three diagonals to either side of the main one.
 fn penalised(x: &[f64], strength: f64) -> Vec<f64> {
     const D: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
     let count = x.len();
@@ -86,7 +89,7 @@ fn penalised(x: &[f64], strength: f64) -> Vec<f64> {
             }
         }
     }
-    // L diag L', in place: the diagonal, then what stands left of it.
+    // L diag L', in place: the diagonal, then the entries to the left of it.
     let mut smooth = x.to_vec();
     for i in 0..count {
         let reach = i.min(3);
@@ -114,7 +117,7 @@ fn penalised(x: &[f64], strength: f64) -> Vec<f64> {
     smooth
 }
 
-/// Median over blocks of the mean square that smoothing takes away.
+/// Median over blocks of the mean square that smoothing removes.
 fn typical_square(x: &[f64], smooth: &[f64]) -> f64 {
     let blocks = x.chunks_exact(BLOCK).zip(smooth.chunks_exact(BLOCK));
     let squares = blocks
@@ -122,7 +125,7 @@ fn typical_square(x: &[f64], smooth: &[f64]) -> f64 {
     median(squares.collect())
 }
 
-/// Goes over to the measured displacement where it differs by more than noise.
+/// Changes over to the measured displacement where it differs by more than noise.
 fn with_corners(x: &[f64], mut smooth: Vec<f64>) -> Vec<f64> {
     let squares: Vec<f64> = x.iter().zip(&smooth).map(|(x, s)| (x - s) * (x - s)).collect();
     let local: Vec<f64> = (0..squares.len())
@@ -200,7 +203,7 @@ mod tests {
         for (amplitude, hz, most_um) in [(3.46e-3, 3.5, 0.3), (1e-3, 12.0, 0.4), (25e-3, 0.1, 0.2)]
         {
             let error = rms(&left(|t| amplitude * libm::sin(TAU * hz * t)));
-            println!("{hz} Hz: {error:.3} um left of 1");
+            println!("{hz} Hz: {error:.3} um remain of 1");
             assert!(error < most_um, "{hz} Hz: {error}");
         }
         let service = |t: f64| {

@@ -1,10 +1,14 @@
 //! Files as laboratories write them, and what is wrong with bad ones, word for word.
 
-use super::mapping::Mapping;
-use super::*;
+use crate::columns;
+use crate::mapping::Mapping;
+use crate::table::Table;
+use crate::text::Text;
+use crate::{Measurement, MeasurementError, read_tests};
 use scenario::source::Source;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// What a mapping makes of a file's text.
 fn read(mapping: &str, text: &str) -> Result<Vec<Measurement>, String> {
@@ -12,8 +16,9 @@ fn read(mapping: &str, text: &str) -> Result<Vec<Measurement>, String> {
     let read = || -> Result<Vec<Measurement>, MeasurementError> {
         let mapping: Mapping = source.parse()?;
         let layout = mapping.layout(&source, Path::new("a.csv"))?;
-        let table = table::Table::parse(Path::new("a.csv"), text, &layout, Vec::new())?;
-        series::tests_of(&table, &layout)?.into_iter().map(Measurement::from_series).collect()
+        let text = Text { content: text.to_owned(), repairs: Vec::new() };
+        let table = Table::parse(Path::new("a.csv"), text, &layout)?;
+        columns::tests_of(&table, &layout)?.into_iter().map(Measurement::from_series).collect()
     };
     read().map_err(|error| error.to_string())
 }
@@ -125,7 +130,7 @@ fn every_bad_file_has_its_line() {
         (
             "back",
             file(2000, cut("0.400,0.001,10")),
-            "a.csv:702: time_s: found 0.4 s after 1.398 s, expected rising time; split_by tells several tests of a file apart",
+            "a.csv:702: time_s: found 0.4 s after 1.398 s, expected rising time; split_by separates several tests of a file",
         ),
         (
             "repeated",
@@ -226,7 +231,7 @@ fn columns_swapped_at_sizes_that_could_be_are_seen_by_their_shape() {
 }
 
 #[test]
-fn every_repair_is_told() {
+fn every_repair_is_reported() {
     let cases: Vec<(&str, String, &str)> = vec![
         (
             "sign",
@@ -446,7 +451,7 @@ fn records_of_other_laboratories_are_read_by_the_mappings_that_ship() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = here.join("../../shared/data/measured");
     if !folder.is_dir() {
-        eprintln!("skipped: no folder of measured records beside the repository");
+        eprintln!("skipped: no folder of measured records next to the repository");
         return;
     }
     for (mapping, file, tests, samples, cyclic) in [

@@ -2,7 +2,7 @@
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// Time, s.
     Time,
     /// Displacement, m.
@@ -17,7 +17,7 @@ pub enum Kind {
 
 /// A unit of one kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Unit {
+pub(crate) struct Unit {
     factor: f64,
     shift: f64,
 }
@@ -49,27 +49,15 @@ impl Kind {
         }
     }
 
-    /// The unit that this project uses.
-    pub fn si(self) -> Unit {
-        Unit { factor: 1.0, shift: 0.0 }
-    }
-
     /// Names of the units that it knows.
-    pub fn names(self) -> String {
+    pub(crate) fn names(self) -> String {
         let names: Vec<&str> = self.table().iter().map(|(name, _)| *name).collect();
         names.join(", ")
     }
 
     /// The unit of this name; brackets, the signs for micro and degree, and `C` or `F` alone count
     /// as what they mean.
-    ///
-    /// ```
-    /// use measurement::unit::Kind;
-    /// assert_eq!(Kind::Force.unit("[kN]").unwrap().si(18.0), 18.0e3);
-    /// assert_eq!(Kind::Temperature.unit("°F").unwrap().si(68.0), 20.0);
-    /// assert_eq!(Kind::Displacement.unit("inches"), None);
-    /// ```
-    pub fn unit(self, name: &str) -> Option<Unit> {
+    pub(crate) fn unit(self, name: &str) -> Option<Unit> {
         let plain = name.trim().trim_matches(['[', ']', '(', ')']).trim();
         let plain = plain.replace(['µ', 'μ'], "u").replace('°', "deg").replace("deg ", "deg");
         let plain = match (self, plain.as_str()) {
@@ -89,13 +77,16 @@ impl Kind {
 }
 
 impl Unit {
+    /// The unit that this project uses.
+    pub(crate) const SI: Self = Self { factor: 1.0, shift: 0.0 };
+
     /// A reading in the project's unit.
-    pub fn si(self, reading: f64) -> f64 {
+    pub(crate) fn si(self, reading: f64) -> f64 {
         self.factor * (reading + self.shift)
     }
 
     /// Size of a difference of one in the project's unit.
-    pub fn factor(self) -> f64 {
+    pub(crate) fn factor(self) -> f64 {
         self.factor
     }
 }
@@ -118,6 +109,9 @@ mod tests {
 
     #[test]
     fn laboratory_spellings_mean_what_they_say() {
+        assert_eq!(Kind::Force.unit("[kN]").unwrap().si(18.0), 18.0e3);
+        assert_eq!(Kind::Temperature.unit("°F").unwrap().si(68.0), 20.0);
+        assert_eq!(Kind::Displacement.unit("inches"), None);
         assert_eq!(Kind::Displacement.unit("µm").unwrap().si(1e6), 1.0);
         assert_eq!(Kind::Displacement.unit(" (mm) ").unwrap().si(25.0), 0.025);
         assert!((Kind::Force.unit("lbf").unwrap().si(1000.0) - 4_448.221_615).abs() < 1e-6);

@@ -385,8 +385,8 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
     write("wrong.toml", "[force]\nunit = \"kip\"\n".to_owned());
     let work = "bench/work.csv";
     let cases: [(&[&str], &[&str]); 17] = [
-        (&["--train", "none.csv"], &["none.csv", "no readable file"]),
-        (&["--train", work, "--holdout", "none.csv"], &["none.csv", "no readable file"]),
+        (&["--train", "none.csv"], &["none.csv", "cannot be read"]),
+        (&["--train", work, "--holdout", "none.csv"], &["none.csv", "cannot be read"]),
         (&["--train", "nan.csv"], &["nan.csv", "displacement_m", "nan"]),
         (&["--train", "text.csv"], &["text.csv", "displacement_m", "one"]),
         (&["--train", "hot.csv"], &["hot.csv", "temperature_degc", "nan"]),
@@ -419,7 +419,7 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
     }
     let cases: [(&[&str], &[&str]); 4] = [
         (&["none.toml", work], &["none.toml", "cannot be read"]),
-        (&["damper.toml", "none.csv"], &["none.csv", "no readable file"]),
+        (&["damper.toml", "none.csv"], &["none.csv", "cannot be read"]),
         (&["damper.toml", "nan.csv"], &["nan.csv", "displacement_m", "nan"]),
         (&["sheet.toml", "short.csv"], &["short.csv", "at least 50"]),
     ];

@@ -36,7 +36,7 @@ pub use specimen::{HeatBalance, Modelled, NullGenerator, Specimen};
 
 use crate::series_model::Grid;
 use firmware_core::damper::effects::temperature_fade::AMBIENT_DEGC;
-use measurement::{Measurement, MeasurementError, Series, checks};
+use measurement::{Measurement, MeasurementError, Series};
 use protocol::Test;
 use random::Random;
 use sensors::Sensors;
@@ -160,9 +160,9 @@ impl RawRecord {
         Measurement::from_series(self.series())
     }
 
-    /// Its force stays at its extreme while the damper moves ([`checks::is_flat_but_for_rounding`]).
+    /// Its force stays at its extreme while the damper moves ([`measurement::is_flat_but_for_rounding`]).
     pub fn is_flat_but_for_rounding(&self) -> bool {
-        checks::is_flat_but_for_rounding(&self.series())
+        measurement::is_flat_but_for_rounding(&self.series())
     }
 
     fn series(&self) -> Series {

@@ -1,0 +1,178 @@
+//! Whether a record can be a test of a damper: its size, its motion, its length.
+
+use crate::error::MeasurementError;
+use crate::series::Series;
+use signal::statistics::{min_max, rms};
+
+/// Fewest samples of a test.
+const SAMPLES_LEAST: usize = 50;
+/// Slowest sampling (Hz).
+const RATE_LEAST_HZ: f64 = 100.0;
+/// Longest travel of a damper, end to end (m).
+const TRAVEL_MOST_M: f64 = 2.0;
+/// Largest force of a damper (N).
+const FORCE_MOST_N: f64 = 20.0e6;
+
+/// Lengths, sizes and motion, before the clock.
+///
+/// # Errors
+/// Too few samples, no motion, no force, sizes that no damper has.
+pub(crate) fn check_size(series: &Series) -> Result<(), MeasurementError> {
+    let count = series.time_s.len();
+    if count < SAMPLES_LEAST {
+        let found = format!("{count} samples");
+        return Err(series.error(found, format!("at least {SAMPLES_LEAST}")));
+    }
+    let [_, displacement, force] = &series.columns;
+    let (travel_m, reach_n) = (span(&series.displacement_m), span(&series.force_n));
+    if travel_m > TRAVEL_MOST_M {
+        let expected =
+            format!("a travel below {TRAVEL_MOST_M} m: another unit, or columns swapped?");
+        let found =
+            format!("{displacement} over {travel_m:.5e} m and {force} over {reach_n:.5e} N");
+        return Err(series.error(found, expected));
+    }
+    if reach_n > FORCE_MOST_N {
+        let found = format!("{force} over {reach_n:.5e} N");
+        return Err(series.error(found, format!("less than {FORCE_MOST_N} N: another unit?")));
+    }
+    if travel_m < 1e-6 {
+        let found = format!("{displacement} constant within {travel_m} m");
+        return Err(series.error(found, "a damper that moves".to_owned()));
+    }
+    if reach_n < 1e-6 {
+        let found = format!("{force} constant within {reach_n} N");
+        return Err(series.error(found, "a force that answers".to_owned()));
+    }
+    Ok(())
+}
+
+/// Rate and length, on the uniform clock.
+///
+/// # Errors
+/// Slower than 100 Hz; less than about one cycle (travel below 1.75 times the range) without holds
+/// of 30 % of the record in all.
+pub(crate) fn check_length(series: &Series, step_s: f64) -> Result<(), MeasurementError> {
+    let rate_hz = 1.0 / step_s;
+    if rate_hz < RATE_LEAST_HZ * (1.0 - 1e-6) {
+        let found = format!("{rate_hz:.6} samples per second");
+        return Err(series.error(found, format!("at least {RATE_LEAST_HZ}")));
+    }
+    let x = &series.displacement_m;
+    let (range, travel) = (span(x), travel_m(x));
+    if travel < 1.75 * range && 10 * held(x) < 3 * x.len() {
+        let found = format!(
+            "{:.2} s with a travel of {:.1} times the range",
+            step_s * x.len() as f64,
+            travel / range
+        );
+        return Err(series.error(found, "about a whole cycle at least, or a hold".to_owned()));
+    }
+    Ok(())
+}
+
+/// Travel from turning point to turning point (m). A point counts when the travel back from it is a
+/// tenth of the range: noise travels nowhere.
+fn travel_m(displacement_m: &[f64]) -> f64 {
+    let Some(first) = displacement_m.first() else { return 0.0 };
+    let band = 0.1 * span(displacement_m);
+    let (mut travel, mut turned, mut farthest) = (0.0, *first, *first);
+    for x in displacement_m {
+        if (farthest - turned) * (x - farthest) >= 0.0 {
+            farthest = *x;
+        } else if (x - farthest).abs() >= band {
+            travel += (farthest - turned).abs();
+            (turned, farthest) = (farthest, *x);
+        }
+    }
+    travel + (farthest - turned).abs()
+}
+
+/// Samples in holds: stretches of a tenth of the record or more that stay within 2 % of the range.
+fn held(displacement_m: &[f64]) -> usize {
+    let quiet = 0.02 * span(displacement_m);
+    let part = displacement_m.len().div_ceil(10).max(1);
+    let stride = (part / 20).max(1);
+    let (mut held, mut until) = (0, 0);
+    for (index, window) in displacement_m.windows(part).step_by(stride).enumerate() {
+        let (start, end) = (index * stride, index * stride + part);
+        if span(window) < quiet {
+            held += end - start.max(until);
+            until = end;
+        }
+    }
+    held
+}
+
+/// Reports a velocity column that is not the slope of the displacement.
+pub(crate) fn report_velocity(series: &mut Series, velocity_m_per_s: &[f64]) {
+    let Some(given) = &series.velocity_m_per_s else { return };
+    let difference: Vec<f64> = given.iter().zip(velocity_m_per_s).map(|(a, b)| a - b).collect();
+    let share = rms(&difference) / rms(velocity_m_per_s).max(f64::MIN_POSITIVE);
+    if share > 0.2 {
+        series.repairs.push(format!(
+            "velocity column not used, as always; it differs from the slope of {} by {:.0} % of rms",
+            series.columns[1],
+            100.0 * share
+        ));
+    }
+}
+
+fn span(values: &[f64]) -> f64 {
+    min_max(values).map_or(0.0, |(low, high)| high - low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Positions (mm) at 20 mm/s with a hold (s) at each, from 0, at 1 kHz.
+    fn path(legs_mm: &[f64], hold_s: f64) -> Vec<f64> {
+        let mut x = vec![0.0];
+        for to_mm in legs_mm {
+            let (from_m, to_m) = (x[x.len() - 1], 1e-3 * to_mm);
+            let steps = ((to_m - from_m).abs() / 20e-6).round() as usize;
+            x.extend((1..=steps).map(|n| from_m + (to_m - from_m) * n as f64 / steps as f64));
+            x.extend(vec![to_m; (1e3 * hold_s) as usize]);
+        }
+        x
+    }
+
+    fn judged(x: &[f64]) -> Result<(), String> {
+        let series = Series::sampled("path", 1e3, x.to_vec(), x.to_vec());
+        check_length(&series, 1e-3).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_path_with_short_holds_was_refused_because_travel_was_counted_in_tenths_of_the_range() {
+        let there_and_back = [4.0, 0.0, -4.0, 0.0];
+        for hold_s in [0.0, 0.05, 0.1, 0.5] {
+            let x = path(&there_and_back, hold_s);
+            assert!((travel_m(&x) / 16e-3 - 1.0).abs() < 1e-9, "{}", travel_m(&x));
+            assert_eq!(judged(&x), Ok(()), "holds of {hold_s} s");
+        }
+        // Noise of 2 % of the range at every sample adds its own size, not its way.
+        let noisy: Vec<f64> = path(&there_and_back, 0.1)
+            .iter()
+            .enumerate()
+            .map(|(n, x)| x + 80e-6 * [1.0, -1.0, 0.5, -0.7][n % 4])
+            .collect();
+        assert!((travel_m(&noisy) / 16e-3 - 1.0).abs() < 0.05, "{}", travel_m(&noisy));
+    }
+
+    #[test]
+    fn holds_count_together() {
+        // Up in three steps, never back: 0.6 s of way, three holds of a tenth to a fifth.
+        assert_eq!(judged(&path(&[4.0, 8.0, 12.0], 0.15)), Ok(()));
+        let refused = judged(&path(&[4.0, 8.0, 12.0], 0.05)).unwrap_err();
+        assert!(refused.contains("0.75 s with a travel of 1.0 times the range"), "{refused}");
+    }
+
+    #[test]
+    fn half_a_cosine_is_no_hold_and_too_short() {
+        let half: Vec<f64> =
+            (0..2000).map(|n| libm::cos(std::f64::consts::PI * f64::from(n) / 2e3)).collect();
+        assert_eq!(held(&half), 0);
+        assert!(judged(&half).is_err());
+    }
+}

@@ -1,0 +1,7 @@
+//! Files as users give them: what is read, what is refused, and what a message shows of them.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+mod companions;
+mod inputs;
+mod support;
