@@ -141,15 +141,17 @@ fn code_of<E>(why: &E, code: impl Fn(&E) -> u8) -> u8 {
 mod tests {
     use super::*;
     use anyhow::Context;
+    use std::path::Path;
 
     #[test]
     fn the_exit_code_is_read_from_the_kind_of_the_error() {
         let full = || io::Error::from(io::ErrorKind::StorageFull);
-        let scenario = || ScenarioError { file: "a.toml".into(), line: None, message: "no".into() };
+        let scenario = || ScenarioError::mismatch(Path::new("a.toml"), "no");
+        let silent = BenchError::SilentRigs { nodes: vec![1], bus: "memory".to_owned() };
         let folder = |error| CommandError::Folder(error).exit_code();
         assert_eq!(CommandError::from(scenario()).exit_code(), BAD_INPUT);
         assert_eq!(CommandError::from(full()).exit_code(), FAILED);
-        assert_eq!(CommandError::from(SilentRigs(String::new())).exit_code(), SAFE_STATE);
+        assert_eq!(CommandError::from(silent).exit_code(), SAFE_STATE);
         assert_eq!(folder(FolderError::Disk("a".into(), full())), FAILED);
         assert_eq!(folder(FolderError::Occupied("a".into())), BAD_INPUT);
         let option = CommandError::Option("--seeds 0".into(), "1 to 1000".into());

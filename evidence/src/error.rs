@@ -4,7 +4,6 @@ use files::quoted;
 use firmware_core::damper::DamperError;
 use measurement::MeasurementError;
 use scenario::equilibrium::NoEquilibrium;
-use scenario::profile::ProfileError;
 use scenario::source::ScenarioError;
 use signal::SignalError;
 use std::fmt;
@@ -19,8 +18,6 @@ pub enum EvidenceError {
     Study(StudyError),
     /// A file that cannot be read.
     Scenario(ScenarioError),
-    /// A profile that cannot be.
-    Profile(ProfileError),
     /// Records that cannot be evaluated.
     Measurement(MeasurementError),
     /// A vehicle without a yaw damper to vary: scenario.
@@ -57,9 +54,9 @@ impl EvidenceError {
         match self {
             Self::Study(why) => why.is_bad_input(),
             Self::InFigure(_, why) => why.is_bad_input(),
-            Self::Scenario(_) | Self::NoYawDamper(_) => true,
-            Self::Profile(_)
-            | Self::Measurement(_)
+            Self::Scenario(why) => why.is_bad_input(),
+            Self::NoYawDamper(_) => true,
+            Self::Measurement(_)
             | Self::Changed(_)
             | Self::OffTheTrack
             | Self::NotSimulated(_)
@@ -80,7 +77,6 @@ impl fmt::Display for EvidenceError {
         match self {
             Self::Study(why) => why.fmt(f),
             Self::Scenario(why) => why.fmt(f),
-            Self::Profile(why) => why.fmt(f),
             Self::Measurement(why) => why.fmt(f),
             Self::NoYawDamper(path) => write!(
                 f,
@@ -119,12 +115,6 @@ impl From<StudyError> for EvidenceError {
 impl From<ScenarioError> for EvidenceError {
     fn from(why: ScenarioError) -> Self {
         Self::Scenario(why)
-    }
-}
-
-impl From<ProfileError> for EvidenceError {
-    fn from(why: ProfileError) -> Self {
-        Self::Profile(why)
     }
 }
 

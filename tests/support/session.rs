@@ -11,12 +11,13 @@ use firmware_core::line::Slot;
 use firmware_core::track::Track;
 use hil_host::bus::MemoryBus;
 use hil_host::clock::Tick;
-use hil_host::control::{Buses, Pace, Port, Session, SessionState};
+use hil_host::control::{Buses, Port, Session, SessionState};
 use hil_host::record::Recorder;
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A scenario of the repository, perhaps cut to a duration.
