@@ -9,8 +9,7 @@ use crate::value::number;
 use clap::{Args, ValueEnum};
 use hil_host::bus::BusChoice;
 use hil_host::control::End;
-use hil_host::summary::Summary;
-use hil_host::{PaceChoice, RunOptions, run};
+use hil_host::{PaceChoice, RunOptions, Summary, run};
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::PathBuf;
@@ -65,8 +64,8 @@ pub(crate) struct RunArgs {
     json: bool,
     #[command(flatten)]
     wire: WireArgs,
-    /// Stretch the period by this factor, for a host that cannot hold it; the sync frame gives it to
-    /// the rig.
+    /// Stretch the period by this factor, for a host that cannot hold it; the sync frame gives it
+    /// to the rig.
     #[arg(long, value_name = "1..255", default_value_t = NonZeroU8::MIN, value_parser = slow_down)]
     slow_down: NonZeroU8,
     #[command(flatten)]
@@ -127,7 +126,8 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
     let mut lines = Vec::new();
     lines.push(summary.title.clone());
     lines.push(format!(
-        "{} cycles of 1 ms, {} | vehicle step p50 {:.1} p99 {:.1} µs | cycle p50 {:.1} p99 {:.1} p99.9 {:.1} max {:.0} µs | skipped {}",
+        "{} cycles of 1 ms, {} | vehicle step p50 {:.1} p99 {:.1} µs | cycle p50 {:.1} p99 {:.1} \
+         p99.9 {:.1} max {:.0} µs | skipped {}",
         summary.steps,
         summary.state.name(),
         summary.step_compute_us.p50,

@@ -5,7 +5,8 @@ use can_protocol::Watch;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use hdrhistogram::Histogram;
 
-/// Rows kept for statistics and plots: twenty minutes at 1 kHz. The record itself has no such limit.
+/// Rows kept for statistics and plots: twenty minutes at 1 kHz. The record itself has no such
+/// limit.
 pub(crate) const ROWS_MAX: usize = 1_200_000;
 
 /// Columns of a run.

@@ -125,7 +125,8 @@ impl fmt::Display for BenchError {
                 let nodes: Vec<String> = nodes.iter().map(u8::to_string).collect();
                 write!(
                     f,
-                    "no answer from rig node {} on {} within 10 s; is `yawbench rig` running there?",
+                    "no answer from rig node {} on {} within 10 s; is `yawbench rig` running \
+                     there?",
                     nodes.join(", "),
                     quoted(bus)
                 )

@@ -14,14 +14,14 @@
 //! 4. [`rig`]: the other end of the bus, in line or as a process of its own.
 //! 5. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
 //!    read back as a damper test.
-//! 6. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `columns` (the record
-//!    for statistics), `summary` (`summary.json`), `page` (`report.html`), `comparison` (the same run
-//!    with another damper).
+//! 6. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `columns` (the
+//!    record for statistics), `summary` (`summary.json`), `page` (`report.html`), `comparison` (the
+//!    same run with another damper).
 //!
 //! Layers: `firmware-core` computes a cycle and `can-protocol` its frames; `scenario` reads the
-//! input, `files` guards it and the result folder, `signal` and `report` make the statistics and the
-//! page, `measurement` is the form in which a run is read back. No study is known here. What goes
-//! wrong around a run is a [`BenchError`]; inside the loop nothing is an error.
+//! input, `files` guards it and the result folder, `signal` and `report` make the statistics and
+//! the page, `measurement` is the form in which a run is read back. No study is known here. What
+//! goes wrong around a run is a [`BenchError`]; inside the loop nothing is an error.
 
 pub mod bus;
 pub mod clock;
@@ -35,8 +35,12 @@ pub mod realtime;
 pub mod record;
 pub mod rig;
 pub mod run;
-pub mod summary;
+mod summary;
 
 pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};
 pub use error::BenchError;
 pub use options::{PaceChoice, RunOptions};
+pub use summary::{
+    Acceleration, Accelerations, BusCount, DamperSummary, ForceRange, Frames, Percentiles,
+    StepPercentiles, Stroke, Summary,
+};

@@ -1,17 +1,19 @@
 //! What Linux can do so that a cycle is on time, asked for one by one.
 //!
-//! 1. `SCHED_FIFO` with a priority: no ordinary process runs before the loop. Under `PREEMPT_RT` the
-//!    interrupt threads stand at 50; the CAN interrupt belongs above the loop or on its own processor.
+//! 1. `SCHED_FIFO` with a priority: no ordinary process runs before the loop. Under `PREEMPT_RT`
+//!    the interrupt threads stand at 50; the CAN interrupt belongs above the loop or on its own
+//!    processor.
 //! 2. `mlockall`: no page of the loop is fetched from disk.
 //! 3. The stack is touched once, so that it is there when it is needed.
 //! 4. Affinity: the loop stays on one processor, best an isolated one.
-//! 5. `/dev/cpu_dma_latency` is held open with 0: the processor sleeps only as deep as it wakes at once.
+//! 5. `/dev/cpu_dma_latency` is held open with 0: the processor sleeps only as deep as it wakes at
+//!    once.
 //!
 //! Each is optional and answers with a line; none is fatal here. All of it applies to the calling
 //! thread (1, 3, 4) or the process (2, 5) and stays until they end. Threads that the caller starts
-//! afterwards do not inherit its priority, but they do inherit its processor: start them before. On a kernel without
-//! `PREEMPT_RT`, or inside a virtual machine, all five can be granted and a cycle still be late by
-//! milliseconds: only the measured lateness tells.
+//! afterwards do not inherit its priority, but they do inherit its processor: start them before. On
+//! a kernel without `PREEMPT_RT`, or inside a virtual machine, all five can be granted and a cycle
+//! still be late by milliseconds: only the measured lateness shows it.
 //!
 //! The one `unsafe` call of this crate is here.
 
@@ -88,7 +90,8 @@ impl RealtimeReport {
         self.steps.iter().all(|step| step.refused.is_none())
     }
 
-    /// One line for each thing that was asked for: `memory locked: done`, or why not and what helps.
+    /// One line for each thing that was asked for: `memory locked: done`, or why not and what
+    /// helps.
     pub fn lines(&self) -> impl Iterator<Item = String> {
         self.steps.iter().map(|Step { what, refused }| match refused {
             None => format!("{what}: done"),
@@ -150,7 +153,7 @@ fn fifo(priority: u8) -> std::io::Result<()> {
 }
 
 /// Writes one byte into every page of a large frame; `black_box` keeps the compiler from seeing
-/// that nobody reads them.
+/// that they are never read.
 #[inline(never)]
 #[expect(clippy::large_stack_arrays, reason = "a large frame is the point")]
 fn touch_stack() {
@@ -196,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_refusal_has_its_line_and_says_what_helps() {
-        // No kernel has this many processors, whoever asks.
+        // No kernel has this many processors, whatever the caller's rights.
         let options = RealtimeOptions { cpu: Some(1_000_000), ..RealtimeOptions::NONE };
         let report = set_up(&options);
         assert!(!report.complete());

@@ -172,8 +172,8 @@ fn with_rig<T>(vcan: &Vcan, host: impl FnOnce(SocketCanBus) -> T) -> (T, RigSumm
     std::thread::scope(|scope| {
         let served = scope.spawn(|| serve(&mut rig, &mut bus, &OPTIONS, &stop).unwrap());
         let _guard = StopOnPanic(&stop);
-        let told = host(vcan.bus(&for_host(Profile::Classical), Profile::Classical));
-        (told, served.join().unwrap())
+        let result = host(vcan.bus(&for_host(Profile::Classical), Profile::Classical));
+        (result, served.join().unwrap())
     })
 }
 

@@ -192,8 +192,8 @@ fn thirty_thousand_cycles_on_the_clock_account_for_every_frame() {
         assert_eq!(number(&host["steps"]), 30_000);
         // One more: the command that ends the run.
         assert_eq!(number(&rig["frames"]["received"]) + number(&rig["frames"]["lost"]), sent + 1);
-        // The rig measures on its own clock; its counters show that none went missing but those that
-        // a full queue dropped and counted.
+        // The rig measures on its own clock; its counters show that none went missing but those
+        // that a full queue dropped and counted.
         let lost = number(&host["frames"]["lost"]);
         assert!(lost <= dropped, "{lost} measurements lost, {dropped} dropped");
         assert!(number(&host["frames"]["wrong_sequence"]) <= dropped);
@@ -295,8 +295,8 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
         .expect("the host");
     let mut history = hear(&socket, MEASUREMENT, 500);
     assert_eq!(history.len(), 500, "the run did not start");
-    // The host waits for the rig's answer: nothing on the bus can be newer than what was heard. Then
-    // the host is stopped as well, so that it does not matter how long the rest takes.
+    // The host waits for the rig's answer: nothing on the bus can be newer than what was heard.
+    // Then the host is stopped as well, so that it does not matter how long the rest takes.
     signal("-STOP", rig.id());
     history.extend(hear(&socket, MEASUREMENT, usize::MAX));
     signal("-STOP", host.id());

@@ -40,7 +40,7 @@ pub trait Bus {
     fn counters(&self) -> BusCounters;
 }
 
-/// What became of a frame.
+/// Whether the bus took a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sent {
     /// The bus has it.

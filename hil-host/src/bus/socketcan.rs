@@ -2,15 +2,15 @@
 //!
 //! - Kernel filters let through exactly the ids that are wanted, standard data frames only.
 //! - The socket never blocks, and its send buffer holds a few frames: the kernel's queues would
-//!   otherwise deliver commands that are milliseconds old. What does not fit is dropped, counted and
-//!   not retried.
-//! - The kernel counts what it had to drop on the way in (`SO_RXQ_OVFL`) and delivers the number with
-//!   the next frame.
+//!   otherwise deliver commands that are milliseconds old. What does not fit is dropped, counted
+//!   and not retried.
+//! - The kernel counts what it had to drop on the way in (`SO_RXQ_OVFL`) and delivers the number
+//!   with the next frame.
 //! - Error frames of the controller are counted. A virtual interface has none; it has no bit rate,
 //!   no arbitration and no bus load either.
 //!
 //! FD frames go out with bit-rate switch. On an interface that is not set up for FD the kernel
-//! refuses them, which [`SocketCanBus::open`] tells in advance.
+//! refuses them, which [`SocketCanBus::open`] reports in advance.
 
 use super::error::BusError;
 use super::wire_frame::{MAX_BYTES, WireFrame};

@@ -1,4 +1,4 @@
-//! A frame as it came off the wire.
+//! A frame as it was received.
 
 use can_protocol::Frame;
 use std::fmt;
@@ -6,7 +6,7 @@ use std::fmt;
 /// Most bytes in a frame, those of CAN FD.
 pub(super) const MAX_BYTES: usize = 64;
 
-/// A data frame with a standard id as it came off the wire: of this protocol or not, sound or not.
+/// A data frame with a standard id as it was received: of this protocol or not, valid or not.
 ///
 /// It is [`Frame`] without the promise that an encoder made it. `Display` writes it the way
 /// `cansend` takes and `candump -L` logs it.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A comparison as it stands in `summary.json`.
+/// A comparison, as `summary.json` has it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// What the other damper is called.
@@ -90,7 +90,8 @@ impl Comparison {
         let mut warnings = Vec::new();
         if self.state == End::Safe {
             warnings.push(format!(
-                "with {} the model left its track after {:.1} s: before covers only what came until then",
+                "with {} the model left its track after {:.1} s: before covers only what came until \
+                 then",
                 self.name, self.duration_s
             ));
         }

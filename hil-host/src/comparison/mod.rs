@@ -3,13 +3,14 @@
 //! ```text
 //! change = 100 % (after / before - 1)        before: the other damper, after: the scenario's own
 //! ```
-//! A scenario with `[compare]` is run once more with the other damper, on the memory bus and in virtual
-//! time, when its own run is over and its files are written ([`SecondRun`]). Vehicle, track, speed, rig and
-//! seeds are the same, so that a damper compared with itself changes nothing, to the last bit. The
-//! figures are those of the summary, and how far the leading wheelset moves on the track.
+//! A scenario with `[compare]` is run once more with the other damper, on the memory bus and in
+//! virtual time, when its own run is over and its files are written ([`SecondRun`]). Vehicle,
+//! track, speed, rig and seeds are the same, so that a damper compared with itself changes nothing,
+//! to the last bit. The figures are those of the summary, and how far the leading wheelset moves on
+//! the track.
 //!
-//! Limits: a rig on a real bus cannot be run again, its slot is modelled before and measured after. A
-//! negative figure (a force in compression) that grows in size has a positive change.
+//! Limits: a rig on a real bus cannot be run again, its slot is modelled before and measured after.
+//! A negative figure (a force in compression) that grows in size has a positive change.
 
 mod difference;
 mod second_run;

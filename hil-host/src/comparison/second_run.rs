@@ -36,8 +36,8 @@ pub(crate) struct SecondRun {
 const SILENT: Duration = Duration::from_secs(2);
 
 impl SecondRun {
-    /// Runs through a scenario, at most as far as statistics reach, and writes its record; none, and
-    /// no record, where it was stopped.
+    /// Runs through a scenario, at most as far as statistics reach, and writes its record; none,
+    /// and no record, where it was stopped.
     ///
     /// # Errors
     /// The record cannot be written.

@@ -3,25 +3,28 @@
 //! ```text
 //! receive -> decode -> guard -> vehicle step -> compensate -> encode -> send -> record
 //! ```
-//! and then the wait for the next tick. [`Session::cycle`] is that line. Between receive and send it
-//! neither allocates nor locks, logs or calls through a pointer.
+//! and then the wait for the next tick. [`Session::cycle`] is that line. Between receive and send
+//! it neither allocates nor locks, logs or calls through a pointer.
 //!
 //! A [`Session`] holds the parameters and [`SessionState`] everything that changes. [`Buses`] are
 //! its buses and the recorder that keeps every frame. A [`Port`] is the host's end of one rig, with
-//! a [`watch`] over its damper.
+//! a [`Watch`] over its damper.
 
 mod buses;
 mod cycle;
 mod greeting;
-pub mod hash;
+mod hash;
 mod pacing;
 mod port;
 mod row;
 mod session;
-pub mod watch;
+mod watch;
 
 pub use buses::Buses;
 pub use greeting::NoAnswer;
 pub use pacing::{End, Pace, SILENCE, STOP_CYCLES};
 pub use port::{Port, PortState};
 pub use session::{Session, SessionState};
+pub use watch::{View, Watch, WatchState};
+
+pub(crate) use hash::ALGORITHM as HASH_ALGORITHM;

@@ -4,15 +4,17 @@
 //! r = F_measured - F_model        s^2 += (1 - exp(-h/T)) (r^2 - s^2)
 //! ```
 //!
-//! The model is driven with the displacement that came with the measured force, straight between two
-//! measurements: at 1 ms that costs 0.01 % of the force. After a time to settle, in which the
+//! The model is driven with the displacement that came with the measured force, straight between
+//! two measurements: at 1 ms that costs 0.01 % of the force. After a time to settle, in which the
 //! model forgets where it started, the usual residual is learnt as a plain rms; from there on the
-//! running rms s forgets with the window T. **Drift** is raised where s rises above the limit and taken
-//! back where it falls below two thirds of it. A limit that is a multiple of the learnt rms grows
-//! with the force: where the track gets rougher, the imperfections of a model grow in proportion.
+//! running rms s forgets with the window T. **Drift** is raised where s rises above the limit and
+//! taken back where it falls below two thirds of it. A limit that is a multiple of the learnt rms
+//! grows with the force: where the track gets rougher, the imperfections of a model grow in
+//! proportion.
 //!
 //! Every cycle costs the same but for events in the damper; nothing is allocated and nothing of it
-//! comes back into the loop. Without a fresh measurement the watch waits and then takes a longer step.
+//! comes back into the loop. Without a fresh measurement the watch waits and then takes a longer
+//! step.
 
 use can_protocol::Watch as Verdict;
 use firmware_core::damper::{Damper, DamperState, Motion};
@@ -20,7 +22,7 @@ use scenario::run::CYCLE_S;
 use scenario::watch::{Limit, WatchSetup};
 
 /// Share of the limit below which drift is taken back.
-pub const RELEASE: f64 = 2.0 / 3.0;
+const RELEASE: f64 = 2.0 / 3.0;
 
 /// Parameters of a watch.
 #[derive(Debug, Clone, PartialEq)]
@@ -143,7 +145,7 @@ mod tests {
         Watch::new(&WatchSetup { damper, settle_s: 0.1, learn_s: 1.0, window_s: 2.0, limit })
     }
 
-    /// Displacement of a damper that stands in its clearance: the model has no force.
+    /// Displacement of a damper that rests in its clearance: the model has no force.
     const STILL_M: f64 = 0.02e-3;
 
     /// Cycles from the step of the residual from 10 to 50 N until the verdict changes.

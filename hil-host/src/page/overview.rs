@@ -92,8 +92,8 @@ fn acceleration_table(summary: &Summary) -> Table {
 
 pub(super) fn about(run: &Run) -> Section {
     let mut section = Section::new("About this run").text(
-        "A laboratory tool and no safety function. The record is record.npy (NumPy), the frames are \
-         in bus.log (candump format), the scenario with all defaults is in scenario.toml.",
+        "A laboratory tool and no safety function. The record is record.npy (NumPy), the frames \
+         are in bus.log (candump format), the scenario with all defaults is in scenario.toml.",
     );
     for note in &run.about {
         section = section.note(note);

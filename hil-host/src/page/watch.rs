@@ -9,9 +9,9 @@ use scenario::run::Run;
 /// Measured less modelled force of every watched rig, from the start of the run.
 pub(super) fn watch(run: &Run, columns: &Columns) -> Option<Section> {
     let mut section = Section::new("Watch over the rigs").text(
-        "Force that a rig measured less the force of the model that the scenario names for it, driven \
-         with the measured displacement. The usual residual is learnt first; drift is raised where \
-         the running rms rises above the limit and taken back below two thirds of it.",
+        "Force that a rig measured less the force of the model that the scenario names for it, \
+         driven with the measured displacement. The usual residual is learnt first; drift is raised \
+         where the running rms rises above the limit and cleared below two thirds of it.",
     );
     let mut table = Table::new("Residual")
         .text("damper")
@@ -50,7 +50,8 @@ pub(super) fn watch(run: &Run, columns: &Columns) -> Option<Section> {
         section = section.plot(plot);
         if let Some(since_s) = watched.drift_since_s {
             section = section.warning(&format!(
-                "{}: the rig's damper has not behaved like its model since {since_s:.3} s, for {} cycles.",
+                "{}: the rig's damper has not behaved like its model since {since_s:.3} s, for {} \
+                 cycles.",
                 place.place, watched.drift_cycles
             ));
         }

@@ -1,7 +1,7 @@
 //! The lossless record as a `NumPy` file: `numpy.load("record.npy")` gives a structured array.
 //!
-//! Format 1.0: magic, version, header length, a Python dictionary padded with spaces, then the rows.
-//! The number of rows is written last, over spaces kept free for it.
+//! Format 1.0: magic, version, header length, a Python dictionary padded with spaces, then the
+//! rows. The number of rows is written last, over spaces kept free for it.
 
 use super::row::Row;
 use std::fs::File;

@@ -144,8 +144,8 @@ row! {
     input: [InputKind; DAMPER_SLOTS],
     /// Payload of the frame that the input came from.
     frame: [FrameBytes; DAMPER_SLOTS],
-    /// Force that the rig measured less that of the model that watches it; not a number, or zero for
-    /// a modelled damper, without a watch (N).
+    /// Force that the rig measured less that of the model that watches it; not a number, or zero
+    /// for a modelled damper, without a watch (N).
     residual_n: [f64; DAMPER_SLOTS],
     /// Running rms of it (N).
     residual_rms_n: [f64; DAMPER_SLOTS],

@@ -1,4 +1,4 @@
-//! What a rig process tells: a line per second while it runs, and a summary at the end.
+//! What a rig process prints: a line per second while it runs, and a summary at the end.
 
 use super::{FrameCounts, RigNode};
 use crate::bus::BusCounters;
@@ -17,13 +17,13 @@ pub struct RigSummary {
     pub state: &'static str,
     /// Cycles it computed.
     pub cycles: u64,
-    /// Slots of its own clock that it missed.
+    /// Ticks of its own clock that it missed.
     pub skipped: u64,
     /// How often it was set running.
     pub runs: u64,
     /// How often it went safe by itself.
     pub safe_events: u64,
-    /// What became of the commands.
+    /// How the commands were received.
     pub frames: FrameCounts,
     /// Frames that the bus took from it.
     pub sent: u64,
@@ -58,7 +58,7 @@ impl RigSummary {
     }
 }
 
-/// What the printer tells once per second.
+/// What is printed once per second.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Status {
     state: RunState,
@@ -108,7 +108,7 @@ pub fn summary_text(summary: &RigSummary) -> String {
     let mut lines = Vec::new();
     let frames = &summary.frames;
     lines.push(format!(
-        "rig node {}: {} after {} cycles in {} runs, {} slots missed, {} times safe by itself",
+        "rig node {}: {} after {} cycles in {} runs, {} ticks missed, {} times safe by itself",
         summary.node,
         summary.state,
         summary.cycles,

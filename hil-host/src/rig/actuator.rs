@@ -17,23 +17,23 @@
 pub const DECELERATION_M_PER_S2: f64 = 10.0;
 
 /// Speed at which the ram goes to mid-stroke when asked to (m/s).
-pub const CENTRING_M_PER_S: f64 = 5e-3;
+pub(super) const CENTRING_M_PER_S: f64 = 5e-3;
 
 /// Time constant with which it arrives there (s).
 const CENTRING_LAG_S: f64 = 0.02;
 
 /// The ram's parameters for one length of substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ram {
+pub(super) struct Ram {
     /// Largest travel from the middle to either side (m).
-    pub stroke_m: f64,
+    pub(super) stroke_m: f64,
     /// Largest speed (m/s).
-    pub rate_m_per_s: f64,
+    pub(super) rate_m_per_s: f64,
     /// Time constant of the lag (s), zero for none.
-    pub lag_s: f64,
+    pub(super) lag_s: f64,
     step_s: f64,
-    /// What is left of a deviation after one substep.
-    left: f64,
+    /// Residual of a deviation after one substep, as a share.
+    residual: f64,
 }
 
 /// Where the ram is and how fast.
@@ -81,17 +81,17 @@ impl Limits {
 
 impl Ram {
     /// A ram for substeps of this length (s).
-    pub fn new(stroke_m: f64, rate_m_per_s: f64, lag_s: f64, step_s: f64) -> Self {
-        let left = if lag_s > 0.0 { libm::exp(-step_s / lag_s) } else { 0.0 };
-        Self { stroke_m, rate_m_per_s, lag_s, step_s, left }
+    pub(super) fn new(stroke_m: f64, rate_m_per_s: f64, lag_s: f64, step_s: f64) -> Self {
+        let residual = if lag_s > 0.0 { libm::exp(-step_s / lag_s) } else { 0.0 };
+        Self { stroke_m, rate_m_per_s, lag_s, step_s, residual }
     }
 
     /// One substep after the reference.
-    pub fn follow(&self, state: &mut RamState, reference: Reference, limits: &mut Limits) {
+    pub(super) fn follow(&self, state: &mut RamState, reference: Reference, limits: &mut Limits) {
         let Reference { displacement_m: r, velocity_m_per_s: v } = reference;
         let start = state.displacement_m;
         let (end_reference, behind) = (r + v * self.step_s, v * self.lag_s);
-        let end = end_reference - behind + (start - r + behind) * self.left;
+        let end = end_reference - behind + (start - r + behind) * self.residual;
         let most = self.rate_m_per_s * self.step_s;
         let travel = (end - start).clamp(-most, most);
         let velocity = if self.lag_s > 0.0 {
@@ -107,12 +107,12 @@ impl Ram {
     }
 
     /// One substep of coming to rest.
-    pub fn stop(&self, state: &mut RamState) {
+    pub(super) fn stop(&self, state: &mut RamState) {
         self.glide(state, 0.0);
     }
 
     /// One substep towards mid-stroke, slowly, and at rest when it is there.
-    pub fn centre(&self, state: &mut RamState) {
+    pub(super) fn centre(&self, state: &mut RamState) {
         let x = state.displacement_m;
         let speed = CENTRING_M_PER_S.min(x.abs() / CENTRING_LAG_S);
         self.glide(state, -speed.copysign(x));

@@ -6,9 +6,9 @@
 //!
 //! One cycle has [`SUBSTEPS`] substeps: the ram moves, then the force is found at which fixture and
 //! damper agree. A damper's force never falls with its displacement, so `F = D(x_r - C F)` has one
-//! solution, enclosed from the start by the last force and the force at it; a bounded false-position
-//! search finds it. That holds for a fixture softer than the damper as well, where feeding back
-//! the last force would blow up.
+//! solution, enclosed from the start by the last force and the force at it; a bounded
+//! false-position search finds it. That holds for a fixture softer than the damper as well, where
+//! feeding back the last force would blow up.
 //!
 //! **Delay.** A command says where the eyes should be at the instant at which the cycle begins; the
 //! reading is taken at its end. With velocity the reference runs on over the cycle and the ram is
@@ -26,7 +26,7 @@ use firmware_core::damper::{Damper, DamperState, Motion};
 use scenario::rig::{DELAY_CYCLES_MAX, RigSetup};
 
 /// Substeps of a cycle.
-pub const SUBSTEPS: u32 = 4;
+const SUBSTEPS: u32 = 4;
 
 /// Most evaluations of the damper in the search of one substep.
 const SEARCH_STEPS: u32 = 12;

@@ -21,25 +21,25 @@
 //! changes a counter and nothing else. A command that says RUN and follow without a displacement is
 //! a cycle (and is answered in lock-step), but does not feed the watchdog.
 //!
-//! **Handshake.** Every sync is answered at once with a heartbeat. A sync begins a new session when no
-//! command came since the one before, or when its time does not follow on: counters may then start
-//! anywhere, and a lock-step rig that was still coupled to an earlier host lets go (INIT). A sync
-//! also sets period, slow-down, pace and profile, unless the rig is coupled; then, or when its
+//! **Handshake.** Every sync is answered at once with a heartbeat. A sync begins a new session when
+//! no command came since the one before, or when its time does not follow on: counters may then
+//! start anywhere, and a lock-step rig that was still coupled to an earlier host lets go (INIT). A
+//! sync also sets period, slow-down, pace and profile, unless the rig is coupled; then, or when its
 //! version is foreign, it is refused with a fault and without a heartbeat.
 
 mod account;
-pub mod actuator;
-pub mod emulator;
-pub mod noise;
+mod actuator;
+mod emulator;
+mod noise;
 mod outbox;
 pub mod process;
 mod session;
 
+pub use actuator::{DECELERATION_M_PER_S2, Limits, RamState, Reference};
 pub use emulator::{Emulator, EmulatorState, Reading, Target};
 pub use session::{FrameCounts, Timing};
 
 use crate::bus::WireFrame;
-use actuator::Reference;
 use can_protocol::{
     Command, FaultCode, Frame, MeasurementFlags, MessageId, Mode, Node, PROTOCOL_VERSION, Pace,
     Profile, RunState, Sync, Trips,
@@ -310,7 +310,7 @@ impl RigNode {
         self.safe_events
     }
 
-    /// What became of the commands.
+    /// How the commands were received.
     pub fn frames(&self) -> FrameCounts {
         self.session.counts()
     }

@@ -6,10 +6,10 @@
 //! (g1, g2) = sqrt(-2 ln u1) (cos 2 pi u2, sin 2 pi u2)
 //! ```
 //!
-//! Every cycle owns one block of the stream, 16 words of which 8 make four Gaussians. The noise of a
-//! cycle therefore depends on seed, stream and cycle number alone: not on what was asked for before,
-//! not on wall time, and there is no state to snapshot. A real amplifier's noise is not white; this
-//! one is there so that nothing downstream lives on exact numbers.
+//! Every cycle owns one block of the stream, 16 words of which 8 make four Gaussians. The noise of
+//! a cycle therefore depends on seed, stream and cycle number alone: not on what was asked for
+//! before, not on wall time, and there is no state to snapshot. A real amplifier's noise is not
+//! white; this one is there so that nothing downstream depends on exact numbers.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -19,27 +19,20 @@ const WORDS_PER_CYCLE: u128 = 16;
 
 /// A source of Gaussian noise.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Noise {
+pub(super) struct Noise {
     start: ChaCha8Rng,
 }
 
 impl Noise {
     /// The noise of a seed; streams of one seed are independent (one per rig).
-    pub fn new(seed: u64, stream: u64) -> Self {
+    pub(super) fn new(seed: u64, stream: u64) -> Self {
         let mut start = ChaCha8Rng::seed_from_u64(seed);
         start.set_stream(stream);
         Self { start }
     }
 
     /// Four independent Gaussians of mean 0 and variance 1, those of this cycle.
-    ///
-    /// ```
-    /// use hil_host::rig::noise::Noise;
-    /// let noise = Noise::new(1, 0);
-    /// assert_eq!(noise.at(7), noise.at(7));
-    /// assert_ne!(noise.at(7), noise.at(8));
-    /// ```
-    pub fn at(&self, cycle: u64) -> [f64; 4] {
+    pub(super) fn at(&self, cycle: u64) -> [f64; 4] {
         let mut random = self.start.clone();
         random.set_word_pos(u128::from(cycle) * WORDS_PER_CYCLE);
         let [a, b] = pair(&mut random);
@@ -87,6 +80,13 @@ mod tests {
         assert!(lagged.abs() < error, "of neighbours {lagged}");
         // 4.55 % of a Gaussian lie beyond two sigma.
         assert!((beyond - 0.0455).abs() < error * 0.21, "beyond two sigma {beyond}");
+    }
+
+    #[test]
+    fn the_noise_depends_on_the_cycle_alone() {
+        let noise = Noise::new(1, 0);
+        assert_eq!(noise.at(7), noise.at(7));
+        assert_ne!(noise.at(7), noise.at(8));
     }
 
     #[test]

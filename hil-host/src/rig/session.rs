@@ -19,7 +19,7 @@ pub struct Timing {
     pub pace: Pace,
     /// Length of a cycle in the model (us).
     pub period_us: u16,
-    /// Wall time over model time.
+    /// Real time over model time.
     pub slow_down: u8,
 }
 
@@ -35,7 +35,7 @@ impl Timing {
         f64::from(self.period_us) * 1e-6
     }
 
-    /// Length of a cycle on the wall (ns).
+    /// Length of a cycle in real time (ns).
     pub fn wall_period_ns(self) -> u64 {
         u64::from(self.period_us) * 1000 * u64::from(self.slow_down)
     }
@@ -52,7 +52,7 @@ impl From<&Sync> for Timing {
     }
 }
 
-/// What became of the commands that came in.
+/// How the commands that came in were received.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct FrameCounts {
     /// Valid and new.

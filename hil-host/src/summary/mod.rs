@@ -18,7 +18,7 @@ pub(crate) use times::microseconds;
 
 use crate::columns::Columns;
 use crate::comparison::Comparison;
-use crate::control::{End, hash};
+use crate::control::{End, HASH_ALGORITHM};
 use crate::options::PaceChoice;
 use frames::frames;
 use scenario::run::CYCLE_S;
@@ -121,7 +121,7 @@ impl Summary {
             comparison: None,
             state: outcome.end,
             trajectory_hash: format!("{:016x}", state.hash),
-            trajectory_hash_algorithm: hash::ALGORITHM.to_owned(),
+            trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),
             record_dropped: outcome.record_dropped,
             bus_load: outcome.bus_load,
         }

@@ -46,7 +46,7 @@ struct Disturbed {
 
 impl Disturbed {
     fn new(run: &Run) -> Self {
-        let bus = MemoryBus::new([RigNode::new(&run.rig, NODE, Profile::Classical)]);
+        let bus = MemoryBus::new(Some(RigNode::new(&run.rig, NODE, Profile::Classical)));
         let from_outside = VecDeque::new();
         Self { bus, from_outside, measurements: Vec::new(), most: usize::MAX }
     }

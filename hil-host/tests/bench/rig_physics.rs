@@ -3,8 +3,7 @@
 use crate::support::host::{motion, setup};
 use crate::support::rig::quiet;
 use firmware_core::damper::{Damper, Nominal};
-use hil_host::rig::actuator::{DECELERATION_M_PER_S2, Reference};
-use hil_host::rig::{Emulator, Reading, Target};
+use hil_host::rig::{DECELERATION_M_PER_S2, Emulator, Reading, Reference, Target};
 use scenario::rig::{RigFile, RigSetup};
 use std::path::Path;
 
@@ -93,7 +92,8 @@ fn stroke_and_rate_hold_whatever_is_commanded() {
     let (mut stroke, mut rate) = (false, false);
     let mut before_m = 0.0;
     for cycle in 0..4000_u32 {
-        // Steps of 0.4 m to and fro with absurd velocities, between them the ram has time to arrive.
+        // Steps of 0.4 m to and fro with absurd velocities, between them the ram has time to
+        // arrive.
         let side = if cycle / 1000 % 2 == 0 { 1.0 } else { -1.0 };
         let reading = rig.cycle(&mut state, follow(0.2 * side, 50.0 * side));
         stroke |= reading.limits.stroke;

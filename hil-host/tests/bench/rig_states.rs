@@ -281,7 +281,7 @@ fn a_lock_step_rig_goes_safe_when_its_owner_gives_the_host_up() {
     let mut host = Host::new(Profile::Classical);
     let mut rig = greeted(&quiet(), &host, Pace::LockStep);
     rig.host_is_silent(1000);
-    assert_eq!(rig.run_state(), RunState::Init, "nobody was there to lose");
+    assert_eq!(rig.run_state(), RunState::Init, "there was no host to lose");
     for _ in 0..20 {
         give(&mut rig, &host.run());
     }

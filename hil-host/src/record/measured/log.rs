@@ -1,11 +1,12 @@
 //! A bus log as a damper test.
 //!
 //! A rig's measurement frame holds displacement and force of one instant, so a log of the bus is a
-//! record of a damper test. The sample's number comes from the frame's counter, which has no jitter;
-//! the sync gives the length of a cycle. Frames that the protocol would not use (wrong CRC, repeated,
-//! out of sequence, not in RUN, sensor invalid) are omitted and reported; up to three in a row are
-//! then filled by interpolation like missing rows of any file, more are an error with its line. Lost
-//! frames beyond one turn of the counter are placed by their time stamps where a clock sets the pace.
+//! record of a damper test. The sample's number comes from the frame's counter, which has no
+//! jitter; the sync gives the length of a cycle. Frames that the protocol would not use (wrong CRC,
+//! repeated, out of sequence, not in RUN, sensor invalid) are omitted and reported; up to three in
+//! a row are then filled by interpolation like missing rows of any file, more are an error with its
+//! line. Lost frames beyond one turn of the counter are placed by their time stamps where a clock
+//! sets the pace.
 
 use super::empty;
 use can_protocol::{
@@ -22,8 +23,8 @@ use std::path::Path;
 /// Lost frames in a row that the receiver accepts; below half the 4-bit counter.
 const MAX_DELTA: u8 = 5;
 
-/// The measurements of one node in a candump log. `bus` names the interface where the node answers on
-/// several.
+/// The measurements of one node in a candump log. `bus` names the interface where the node answers
+/// on several.
 ///
 /// # Errors
 /// The log cannot be read, holds no measurements of the node, or those of two buses.
