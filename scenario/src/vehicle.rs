@@ -147,6 +147,9 @@ pub struct DamperSlotFile {
     pub height_m: Quantity,
 }
 
+/// Rounding of the heights and stations in a file (m).
+const AXLE_TOLERANCE_M: f64 = 1e-6;
+
 fn yes() -> bool {
     true
 }
@@ -187,6 +190,10 @@ impl VehicleFile {
                 second: find.anchor(second, place),
                 direction: Vector3::x(),
             };
+            for anchor in [&mount.first, &mount.second] {
+                let what = || format!("damper_slot \"{}\"", quoted(&slot.place));
+                find.on_axle(anchor, [true, false], &slot.height_m, what)?;
+            }
             push(&mut vehicle.dampers, mount, source, "damper_slot")?;
         }
         let wheel = self.wheel_rail.wheel(source)?;
@@ -249,6 +256,41 @@ impl Finder<'_> {
             (self.body(body).station_m.value, self.body(body).height_m.value)
         };
         Anchor { body, point_m: Vector3::new(station - origin, right, level - height) }
+    }
+
+    /// On a wheelset that spins, a longitudinal force acts at the height of the axle and a vertical
+    /// one at its station. Elsewhere the element would turn with the wheelset: its pitch is the sum
+    /// of the deviations of its spin, and the wheel load would drift.
+    fn on_axle(
+        &self,
+        anchor: &Anchor,
+        [longitudinal, vertical]: [bool; 2],
+        near: &Quantity,
+        what: impl Fn() -> String,
+    ) -> Result<(), ScenarioError> {
+        if anchor.body == BodyId::GROUND {
+            return Ok(());
+        }
+        let body = self.body(anchor.body);
+        let spins = body.free.as_ref().is_none_or(|free| free.contains(&Coordinate::Pitch));
+        if !body.wheelset || !spins {
+            return Ok(());
+        }
+        let (ahead_m, above_m) = (anchor.point_m.x, -anchor.point_m.z);
+        let (force, place, off_m) = if longitudinal && above_m.abs() > AXLE_TOLERANCE_M {
+            ("longitudinal", "above", above_m)
+        } else if vertical && ahead_m.abs() > AXLE_TOLERANCE_M {
+            ("vertical", "ahead of", ahead_m)
+        } else {
+            return Ok(());
+        };
+        let message = format!(
+            "{} acts {off_m:.4} m {place} the axle of \"{}\", expected 0: the wheelset's spin adds \
+             up, and with a {force} force off the axle the wheel load would drift",
+            what(),
+            quoted(&body.name),
+        );
+        Err(near.error(self.source, message))
     }
 
     /// Optional quantities that may not be negative, zero where absent.
@@ -353,6 +395,12 @@ impl SuspensionFile {
                     damping_n_s_per_m,
                     play_m: [0.0, play_y, 0.0],
                 };
+                let acts =
+                    |axis: usize| stiffness_n_per_m[axis] != 0.0 || damping_n_s_per_m[axis] != 0.0;
+                for anchor in [&element.first, &element.second] {
+                    let what = || format!("suspension \"{}\"", quoted(&self.name));
+                    find.on_axle(anchor, [acts(0), acts(2)], &self.height_m, what)?;
+                }
                 push(&mut vehicle.suspensions, element, source, "suspension")?;
             }
         }

@@ -5,3 +5,4 @@
 mod inputs;
 mod refused;
 mod support;
+mod vehicle;

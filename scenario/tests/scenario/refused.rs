@@ -16,7 +16,7 @@ fn load(path: &std::path::Path) -> Result<Run, ScenarioError> {
 /// The scenario with a vehicle and something more.
 fn scenario(folder: &Folder, more: &str) -> Result<Run, ScenarioError> {
     let vehicle = shipped().join("vehicles/ss9.toml");
-    load(&folder.write("run.toml", &format!("vehicle = {vehicle:?}\n{GOOD}{more}")))
+    load(&folder.write("run.toml", &format!("vehicle = \"{}\"\n{GOOD}{more}", vehicle.display())))
 }
 
 #[test]
@@ -50,7 +50,8 @@ fn a_file_of_another_kind_is_named_as_such() {
     assert_eq!(kinds(model_error(&rig)), (Kind::Rig, Kind::DamperModel));
     assert_eq!(kinds(model_error(&sheet)), (Kind::Datasheet, Kind::DamperModel));
     assert_eq!(kinds(Datasheet::load(&run).unwrap_err()), (Kind::Scenario, Kind::Datasheet));
-    let vehicle_error = load(&folder.write("run.toml", &format!("vehicle = {run:?}\n{GOOD}")));
+    let vehicle_error =
+        load(&folder.write("run.toml", &format!("vehicle = \"{}\"\n{GOOD}", run.display())));
     assert_eq!(kinds(vehicle_error.unwrap_err()), (Kind::Scenario, Kind::Vehicle));
     let said = load(&rig).unwrap_err().to_string();
     let end =
@@ -101,11 +102,11 @@ fn text_of_a_file_is_escaped_and_cut_in_messages() {
         assert!(said.contains(escaped) || more.contains("play"), "{said}");
     }
     let track = folder.write("track.csv", "distance_m,\u{1b}[31mred\n0,0\n");
-    let said = shown(&format!("[track.irregularity.csv]\npath = {track:?}\n"));
+    let said = shown(&format!("[track.irregularity.csv]\npath = \"{}\"\n", track.display()));
     assert!(said.contains("unknown column `\\u{1b}[31mred`"), "{said}");
     // Names that are shown and not refused are quoted too.
     let vehicle = shipped().join("vehicles/ss9.toml");
-    let text = format!("vehicle = {vehicle:?}\n{}", GOOD.replace("a case", red));
+    let text = format!("vehicle = \"{}\"\n{}", vehicle.display(), GOOD.replace("a case", red));
     let run = load(&folder.write("red.toml", &text)).unwrap();
     assert_eq!(run.title, escaped);
     assert!(run.effective.scenario.contains("\\u001B[31mred"), "{}", run.effective.scenario);
