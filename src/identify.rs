@@ -12,6 +12,7 @@ use identification::{
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Options of `identify`.
@@ -53,6 +54,8 @@ pub(crate) struct IdentifyArgs {
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
 pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
+    // From here on Ctrl-C ends the command with its files.
+    let stop = stop::flag();
     let (question, warnings) = question(args)?;
     let out = args.out.as_deref();
     let mut folder = ResultFolder::fresh(out, "identify", "identify", args.overwrite)?;
@@ -61,7 +64,7 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     for warning in warnings {
         eprintln!("warning: {warning}");
     }
-    let identification = match with_progress(|control| identify(question, control)) {
+    let identification = match with_progress(stop, |control| identify(question, control)) {
         Err(why @ IdentificationError::Interrupted) => {
             eprintln!("error: {why}");
             return Ok(ExitCode::from(exit::INTERRUPTED));
@@ -127,7 +130,7 @@ fn prediction_files(test: &str) -> [String; 2] {
 }
 
 /// Runs the work; its steps are shown once it has taken two seconds.
-fn with_progress<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
+fn with_progress<T>(stop: &AtomicBool, work: impl FnOnce(Control<'_>) -> T) -> T {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
     if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}") {
         bar.set_style(style);
@@ -139,7 +142,7 @@ fn with_progress<T>(work: impl FnOnce(Control<'_>) -> T) -> T {
             bar.tick();
         }
     };
-    let done = work(Control { progress: &progress, stop: stop::flag() });
+    let done = work(Control { progress: &progress, stop });
     bar.finish_and_clear();
     done
 }

@@ -14,7 +14,7 @@ pub struct Control<'a> {
     pub stop: &'a AtomicBool,
 }
 
-/// A flag that nobody sets.
+/// A flag that is never set.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Control<'static> {

@@ -1,5 +1,5 @@
-//! `yawbench identify` and `yawbench simulate`: from records and a datasheet to the named effect, the
-//! files it leaves and what they are good for, and what is refused.
+//! `yawbench identify` and `yawbench simulate`: from records and a datasheet to the named effect,
+//! the files it leaves and what they are good for, and what is refused.
 
 use crate::support::command::{output, repository, yawbench};
 use crate::support::schema;
@@ -7,7 +7,7 @@ use crate::support::visit::{Sine, text_of, visit};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Command, Output, Stdio};
 use std::sync::LazyLock;
 
 /// One clear effect: 5 % more damping and relief in extension, as much less in compression.
@@ -16,7 +16,8 @@ const DAMPER: &str = "[damper]\nclearance_2a_m = 1e-3\nf_relief_n = 15e3\nc2_n_s
     relief_asymmetry = 0.05\n";
 /// A tenth off, and no word of clearance or slope beyond relief.
 const SHEET: &str = "[damper]\nce_n_s_per_m = 1.1e6\nke_n_per_m = 11e6\nf_relief_n = 16e3\n";
-/// Sines: millimetres, hertz, seconds. Short, but with some forty whole cycles for chance to fail in.
+/// Sines: millimetres, hertz, seconds. Short, but with some forty whole cycles for chance to fail
+/// in.
 const SINES: [Sine; 5] = [
     ("work", 3.46, 3.5, 2.5),
     ("large", 5.0, 4.0, 2.5),
@@ -93,8 +94,8 @@ fn a_missing_effect_is_named_and_the_damper_with_it_runs_in_a_vehicle() {
     assert_eq!((&ce["datasheet"], &ce["unit"]), (&Value::from(1.1e6), &Value::from("N s/m")));
     assert!((ce["value"].as_f64().unwrap() / 1e6 - 1.0).abs() < 0.01, "{ce}");
 
-    // Held out: the datasheet is worse than the refit, and that worse than the model with the effect,
-    // which is at the floor. The noise of the bench is 0.1 % of 50 kN.
+    // Held out: the datasheet is worse than the refit, and that worse than the model with the
+    // effect, which is at the floor. The noise of the bench is 0.1 % of 50 kN.
     for role in ["train", "holdout"] {
         let rmse = MODELS.map(|model| result["errors"][model][format!("{role}_rmse_n")].as_f64());
         let [sheet, refitted, after] = rmse.map(Option::unwrap);
@@ -107,15 +108,15 @@ fn a_missing_effect_is_named_and_the_damper_with_it_runs_in_a_vehicle() {
     }
     let floor = result["noise_floor_n"].as_f64().unwrap();
     assert!((45.0..60.0).contains(&floor), "{floor}");
-    let told = notes(&result);
-    assert!(told.contains("datasheet: C2 = 0.06 Ce"), "{told}");
-    assert!(told.contains("lose 3 dB at") && !told.contains("hold-out"), "{told}");
+    let lines = notes(&result);
+    assert!(lines.contains("datasheet: C2 = 0.06 Ce"), "{lines}");
+    assert!(lines.contains("lose 3 dB at") && !lines.contains("hold-out"), "{lines}");
     assert!(text_of(&place.join("report.html")).contains("asymmetric damping"), "no such report");
-    assert_eq!(result["empirical"], Value::Null, "nobody asked for a map");
+    assert_eq!(result["empirical"], Value::Null, "no map was asked for");
     assert!(!place.join("model-empirical.toml").exists());
 
     predictions_fit_the_result(&result, &place);
-    simulate_gives_the_predictions_again(&place);
+    simulate_repeats_the_predictions(&place);
     the_damper_runs_in_a_vehicle(&place);
 }
 
@@ -146,7 +147,7 @@ fn predictions_fit_the_result(result: &Value, place: &Path) {
     }
 }
 
-fn simulate_gives_the_predictions_again(place: &Path) {
+fn simulate_repeats_the_predictions(place: &Path) {
     for name in ["service", "work"] {
         let args = [
             "simulate",
@@ -251,12 +252,12 @@ fn few_tests_are_cut_into_cycles_and_the_number_of_cores_changes_no_byte() {
     }
     assert!(files[0] == files[1], "another result with another number of threads");
     let result: Value = serde_json::from_str(&files[0][0]).unwrap();
-    let told = notes(&result);
-    assert!(told.contains("no hold-out was given: 1 of 3 whole tests are held out"), "{told}");
-    assert!(told.contains("training tests: 2, fewer than four"), "{told}");
+    let lines = notes(&result);
+    assert!(lines.contains("no hold-out was given: 1 of 3 whole tests are held out"), "{lines}");
+    assert!(lines.contains("training tests: 2, fewer than four"), "{lines}");
     assert!(
-        told.contains("folds leave out 6 runs of whole cycles") && told.contains("guard gap"),
-        "{told}"
+        lines.contains("folds leave out 6 runs of whole cycles") && lines.contains("guard gap"),
+        "{lines}"
     );
 }
 
@@ -265,9 +266,9 @@ fn one_test_gives_its_last_two_fifths() {
     let (result, place) = identified("one", &["--train", "bench/work.csv"]);
     assert_eq!(result["errors"]["datasheet"], Value::Null);
     assert_eq!(result["nominal"]["ce_n_s_per_m"]["datasheet"], Value::Null);
-    let told = notes(&result);
-    assert!(told.contains("one test was given: its last part, from 1."), "{told}");
-    assert!(told.contains("training tests: 1, fewer than four"), "{told}");
+    let lines = notes(&result);
+    assert!(lines.contains("one test was given: its last part, from 1."), "{lines}");
+    assert!(lines.contains("training tests: 1, fewer than four"), "{lines}");
     let (_, first) = rows(&place.join("predictions/work-first-part.csv"));
     let (_, last) = rows(&place.join("predictions/work-last-part.csv"));
     let share = last.len() as f64 / (first.len() + last.len()) as f64;
@@ -313,6 +314,32 @@ fn identify_replaced_files_that_it_had_not_written() {
     }
 }
 
+/// The signal is sent once the command catches it, long before the first fit ends. What is written
+/// after a later signal is tested in the crate.
+#[test]
+fn ctrl_c_killed_identify() {
+    let mut command = yawbench();
+    command.args(["identify", "--train", "bench/work.csv", "bench/large.csv", "bench/slow.csv"]);
+    command.args(["--out", "stopped"]).current_dir(&*VISIT);
+    let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let status = PathBuf::from(format!("/proc/{}/status", running.id()));
+    let catches = || {
+        let status = text_of(&status);
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+        u64::from_str_radix(caught.trim(), 16).unwrap() & 0b10 != 0
+    };
+    while !catches() {
+        std::thread::yield_now();
+    }
+    let sent = Command::new("kill").args(["-INT", &running.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    let ended = running.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stderr).trim().to_owned();
+    assert_eq!(ended.status.code(), Some(130), "{said}");
+    assert!(said.starts_with("error: interrupted before") && said.lines().count() == 1, "{said}");
+    assert!(ended.stdout.is_empty() && !VISIT.join("stopped").exists());
+}
+
 #[test]
 fn simulate_replaced_existing_files() {
     let simulate = |out: &str, more: &[&str]| {
@@ -328,7 +355,7 @@ fn simulate_replaced_existing_files() {
         assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
         assert_ne!(text_of(&VISIT.join(existing)), "of the user");
     }
-    // The mapping beside the CSV would be the model itself.
+    // The mapping of this CSV would replace the model itself.
     let damper = text_of(&VISIT.join("damper.toml"));
     let refused = simulate("damper.csv", &["--overwrite"]);
     said_in_one_line(&refused, &[], &["damper.csv", "damper.toml, which is an input"]);

@@ -1,4 +1,4 @@
-//! `yawbench identify --empirical`: the map that it leaves beside the physics, its files and columns, and
+//! `yawbench identify --empirical`: the map that it adds to the physics, its files and columns, and
 //! that it leaves nothing where there is nothing to map.
 
 use crate::support::command::repository;
@@ -57,7 +57,7 @@ fn numbers(path: &Path, name: &str) -> Vec<f64> {
 }
 
 #[test]
-fn a_kept_map_stands_beside_the_physics_in_files_of_its_own() {
+fn a_kept_map_has_files_of_its_own_next_to_the_physics() {
     let place = visit("identify-empirical", &format!("{DAMPER}{MAP}"), &SINES, "");
     let (text, result) = identified(&place);
     let map = &result["empirical"];

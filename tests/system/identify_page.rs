@@ -1,5 +1,5 @@
-//! The report of an identification, as a person opens it: it says what was found, of every test, and
-//! every plot is drawn.
+//! The report of an identification, as a person opens it: it says what was found, of every test,
+//! and every plot is drawn.
 
 use firmware_core::damper::effects::Effect;
 use firmware_core::damper::{Damper, Nominal};
@@ -59,7 +59,7 @@ fn opened(found: &Identification, name: &str) -> String {
 }
 
 #[test]
-fn the_page_tells_what_was_found_and_shows_every_held_out_test() {
+fn the_page_names_what_was_found_and_shows_every_held_out_test() {
     let asymmetry = Effect::from_values("asymmetric_damping", &[0.15, 0.1]).unwrap();
     let train = ["sine-3.5hz-3.46mm", "sine-3.5hz-8mm", "sine-1hz-1.5mm", "sine-10hz-1mm"];
     let holdout = ["sine-3.5hz-3.46mm-plus-40mm", "service"];
@@ -69,7 +69,7 @@ fn the_page_tells_what_was_found_and_shows_every_held_out_test() {
         datasheet: Some(Nominal { ce_n_s_per_m: 1.2e6, f_relief_n: 16e3, ..NOMINAL }),
         empirical: false,
         thorough: false,
-        notes: vec!["a note <that is told>".to_owned()],
+        notes: vec!["a note <in brackets>".to_owned()],
     };
     let found = identify(question, Control::QUIET).unwrap();
     let (effects, rejected) = (&found.result.effects, &found.result.rejected);
@@ -108,8 +108,8 @@ fn the_page_tells_what_was_found_and_shows_every_held_out_test() {
     for hidden in &found.result.not_testable {
         assert!(text.contains(&format!("<td>{}</td>", hidden.name)), "{}", hidden.name);
     }
-    assert!(text.contains("a note &lt;that is told&gt;"), "no note");
-    assert!(!text.contains("mpirical"), "a word of a map that nobody asked for");
+    assert!(text.contains("a note &lt;in brackets&gt;"), "no note");
+    assert!(!text.contains("mpirical"), "a word of a map that was not asked for");
 }
 
 #[test]
@@ -169,7 +169,8 @@ fn a_map_that_was_asked_for_comes_last_and_is_called_no_physics() {
     assert!(section.contains("valid only inside the range of these records"), "no limits");
     let (_, after) = section.split_once("<h2>").unwrap();
     assert!(after.starts_with("How this was done") && !after.contains("<h2>"), "not last");
-    // A bump stop may be named beside it: five short sines do not tell a worn band from one everywhere.
+    // A bump stop may be named too: five short sines do not distinguish a worn band from one
+    // everywhere.
     let verdict = found.result.verdict;
     let unexplained = [Verdict::Unexplained, Verdict::EffectsFoundAndUnexplained];
     assert!(unexplained.contains(&verdict), "the map has changed the verdict: {verdict:?}");

@@ -28,7 +28,7 @@ pub(super) struct Which {
 
 impl Which {
     /// The chosen models that there are, with their names, the best one last and so on top.
-    fn of<'a>(self, shown: &Shown<'a>) -> Vec<(&'static str, &'a [f64])> {
+    fn chosen<'a>(self, shown: &Shown<'a>) -> Vec<(&'static str, &'a [f64])> {
         let all = [
             (self.datasheet, DATASHEET, shown.force_n.datasheet),
             (self.refitted, REFITTED, shown.force_n.refitted),
@@ -53,7 +53,7 @@ pub(super) fn over_time(title: &str, shown: &Shown<'_>, which: Which) -> Plot {
         .y("force", &force.unit)
         .height_px(TIME_HEIGHT_PX)
         .backdrop(MEASURED, &time_s, &force.values(&record.force_n));
-    let models = which.of(shown);
+    let models = which.chosen(shown);
     for (name, simulated) in &models {
         plot = plot.line(name, &time_s, &force.values(simulated));
     }
@@ -126,7 +126,7 @@ pub(super) fn loop_of(shown: &Shown<'_>, over: Over, stretch: &Range<usize>, whi
         .y("force", &force.unit)
         .height_px(LOOP_HEIGHT_PX)
         .backdrop(MEASURED, &x, &force.values(measured));
-    for (name, simulated) in which.of(shown) {
+    for (name, simulated) in which.chosen(shown) {
         plot = plot.line(name, &x, &force.values(&simulated[stretch.clone()]));
     }
     plot
@@ -140,7 +140,7 @@ pub(super) fn residual_of(shown: &Shown<'_>, stretch: &Range<usize>, which: Whic
     let x = x_unit.values(values);
     let measured = &shown.test.record.force_n[stretch.clone()];
     let residuals: Vec<(&str, Vec<f64>)> = which
-        .of(shown)
+        .chosen(shown)
         .into_iter()
         .map(|(name, simulated)| {
             let pairs = measured.iter().zip(&simulated[stretch.clone()]);

@@ -24,12 +24,16 @@ pub(super) struct Shown<'a> {
 
 /// All tests: those fitted, then those held out.
 pub(super) fn all(identification: &Identification) -> Vec<Shown<'_>> {
-    let mut all = of(&identification.train, &identification.on_train, false);
-    all.extend(of(&identification.holdout, &identification.on_holdout, true));
+    let mut all = with_forces(&identification.train, &identification.on_train, false);
+    all.extend(with_forces(&identification.holdout, &identification.on_holdout, true));
     all
 }
 
-fn of<'a>(tests: &'a TestSet, models: &'a Models<Option<Fit>>, held_out: bool) -> Vec<Shown<'a>> {
+fn with_forces<'a>(
+    tests: &'a TestSet,
+    models: &'a Models<Option<Fit>>,
+    held_out: bool,
+) -> Vec<Shown<'a>> {
     let each = tests.tests.iter().enumerate().map(|(index, test)| {
         let force_n = models.map(|fit| fit.as_ref()?.force_n.get(index).map(Vec::as_slice));
         Shown { test, held_out, force_n }
