@@ -1,5 +1,6 @@
 //! The command: where the host wants the damper's eyes to be, once per cycle.
 use crate::signal::{Field, FixedPoint, Quantity, Saturated, Word};
+use crate::wire_enum::wire_enum;
 use crate::{Error, Frame, MessageId, Node, Profile, RunState, protection};
 use core::fmt;
 
@@ -24,42 +25,17 @@ pub struct Command {
     pub time_us: Option<u32>,
 }
 
-/// What the rig does with a command, as the 4-bit code on the wire. Codes 4 to 15 are reserved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[repr(u8)]
-pub enum Mode {
-    /// Hold the present position; the values are not used.
-    Hold = 0,
-    /// Follow the displacement.
-    Follow = 1,
-    /// Follow the displacement, with the velocity as feed-forward.
-    FollowWithVelocity = 2,
-    /// Go to mid-stroke at the rig's own slow rate; the values are not used.
-    Centre = 3,
-}
-
-impl Mode {
-    /// All modes in the order of their codes.
-    pub const ALL: [Self; 4] = [Self::Hold, Self::Follow, Self::FollowWithVelocity, Self::Centre];
-
-    /// The code on the wire.
-    pub const fn code(self) -> u8 {
-        self as u8
-    }
-
-    /// The mode of a code, `None` for a reserved one.
-    pub fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.get(usize::from(code)).copied()
-    }
-
-    /// The name in the DBC.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Hold => "HOLD",
-            Self::Follow => "FOLLOW",
-            Self::FollowWithVelocity => "FOLLOW_WITH_VELOCITY",
-            Self::Centre => "CENTRE",
-        }
+wire_enum! {
+    /// What the rig does with a command, as the 4-bit code on the wire. Codes 4 to 15 are reserved.
+    Mode in "mode" {
+        /// Hold the present position; the values are not used.
+        Hold = 0, "HOLD";
+        /// Follow the displacement.
+        Follow = 1, "FOLLOW";
+        /// Follow the displacement, with the velocity as feed-forward.
+        FollowWithVelocity = 2, "FOLLOW_WITH_VELOCITY";
+        /// Go to mid-stroke at the rig's own slow rate; the values are not used.
+        Centre = 3, "CENTRE";
     }
 }
 
@@ -147,16 +123,11 @@ impl Command {
         };
         let layout = CommandLayout::of(profile);
         let word = protection::open(message, data)?;
-        let mode = word.get(layout.mode);
         Ok(Self {
             node,
             counter: word.counter(message, layout.counter)?,
-            state: word.state(message, layout.state)?,
-            mode: Mode::from_code(mode as u8).ok_or(Error::ReservedCode {
-                id,
-                field: "mode",
-                code: mode,
-            })?,
+            state: word.code(message, layout.state)?,
+            mode: word.code(message, layout.mode)?,
             echo: word.get_counter(layout.echo),
             displacement_m: word.get_fixed(layout.displacement),
             velocity_m_per_s: word.get_fixed(layout.velocity),

@@ -134,7 +134,7 @@ impl Fault {
         Ok(Self {
             sender,
             counter: word.counter(message, Self::COUNTER)?,
-            state: word.state(message, Self::STATE)?,
+            state: word.code(message, Self::STATE)?,
             code: FaultCode::from_code(word.get(Self::CODE) as u16),
             detail: word.get(Self::DETAIL) as u16,
         })

@@ -18,6 +18,11 @@ impl Frame {
     pub(crate) fn new(message: MessageId, bytes: [u8; 16]) -> Self {
         let mut payload = Vec::from_array(bytes);
         payload.truncate(message.payload_len());
+        debug_assert!(
+            payload.len() == message.payload_len(),
+            "{message:?} is longer than 16 bytes"
+        );
+        debug_assert!(message.raw() < 0x800, "{message:?} has no standard id");
         Self { id: message.raw(), fd: message.profile() == crate::Profile::Fd, payload }
     }
 

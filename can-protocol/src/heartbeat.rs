@@ -42,7 +42,7 @@ impl Heartbeat {
         if code != u32::from(sender.number()) {
             return Err(Error::ReservedCode { id, field: "sender", code });
         }
-        Ok(Self { sender, state: word.state(message, Self::STATE)? })
+        Ok(Self { sender, state: word.code(message, Self::STATE)? })
     }
 }
 

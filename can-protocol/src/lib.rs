@@ -103,6 +103,7 @@ pub mod signal;
 mod state;
 mod sync;
 mod telemetry;
+mod wire_enum;
 
 pub use bus_load::{BusPlan, Verdict, classical_frame_bits, fd_frame_bits};
 pub use command::{Command, CommandLayout, Mode};

@@ -133,7 +133,7 @@ impl Measurement {
         Ok(Self {
             node,
             counter: word.counter(message, layout.counter)?,
-            state: word.state(message, layout.state)?,
+            state: word.code(message, layout.state)?,
             flags: MeasurementFlags::from_bits_truncate(word.get(layout.flags) as u8),
             echo: word.get_counter(layout.echo),
             force_n: word.get_fixed(layout.force),

@@ -39,6 +39,7 @@ pub const fn crc_field(message: MessageId) -> Option<Field> {
 /// # Ok::<(), can_protocol::Error>(())
 /// ```
 pub fn checksum(message: MessageId, payload: &[u8]) -> u16 {
+    debug_assert!(payload.len() == message.payload_len(), "{message:?} in {} bytes", payload.len());
     let data_id = message.data_id().to_be_bytes();
     match (message.payload_len(), payload) {
         (1, _) | (_, []) => 0,
@@ -61,6 +62,7 @@ pub fn checksum(message: MessageId, payload: &[u8]) -> u16 {
 pub(crate) fn seal(message: MessageId, mut word: Word) -> Frame {
     if let Some(field) = crc_field(message) {
         let bytes = word.to_bytes();
+        debug_assert!(message.payload_len() <= bytes.len(), "{message:?} is longer than 16 bytes");
         let payload = bytes.get(..message.payload_len()).unwrap_or(&bytes);
         word.put(field, u32::from(checksum(message, payload)));
     }

@@ -225,6 +225,12 @@ impl<M: Cyclic> Receiver<M> {
 
     /// The status of a valid frame by its counter.
     fn judge(&self, state: &mut ReceiverState, counter: u8) -> Status {
+        debug_assert!(
+            self.max_delta >= 1 && self.max_delta <= self.profile.counter_modulus() / 2,
+            "max_delta {}",
+            self.max_delta
+        );
+        debug_assert!(counter < self.profile.counter_modulus(), "counter {counter}");
         let step = |from| self.profile.counter_steps(from, counter);
         let counts = &mut state.counts;
         let status = match state.last.map(step) {
@@ -252,6 +258,11 @@ impl<M: Cyclic> Receiver<M> {
         } else if status == Status::WrongSequence {
             state.candidate = Some(counter);
         }
+        debug_assert!(
+            !status.delivers() || (state.last == Some(counter) && state.candidate.is_none()),
+            "what delivers data is the last frame"
+        );
+        debug_assert!(state.last.is_some(), "a frame was accepted before or is now");
         status
     }
 }

@@ -1,6 +1,7 @@
 //! The residual: how far a rig's damper is from its model, as the host sees it.
 use crate::command::write_value;
 use crate::signal::{Field, FixedPoint, Quantity, Saturated, Word};
+use crate::wire_enum::wire_enum;
 use crate::{Error, Frame, MessageId, Node, RunState, protection};
 use core::fmt;
 
@@ -20,42 +21,17 @@ pub struct Residual {
     pub watch: Watch,
 }
 
-/// State of a watch, as the 4-bit code on the wire. Codes 4 to 15 are reserved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[repr(u8)]
-pub enum Watch {
-    /// Nothing has been compared yet.
-    None = 0,
-    /// The usual residual is being learnt.
-    Learning = 1,
-    /// Within its limit.
-    Steady = 2,
-    /// Above its limit: the damper is no longer what the model says.
-    Drift = 3,
-}
-
-impl Watch {
-    /// All states in the order of their codes.
-    pub const ALL: [Self; 4] = [Self::None, Self::Learning, Self::Steady, Self::Drift];
-
-    /// The code on the wire.
-    pub const fn code(self) -> u8 {
-        self as u8
-    }
-
-    /// The state of a code, `None` for a reserved one.
-    pub fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.get(usize::from(code)).copied()
-    }
-
-    /// The name in the DBC.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::None => "NONE",
-            Self::Learning => "LEARNING",
-            Self::Steady => "STEADY",
-            Self::Drift => "DRIFT",
-        }
+wire_enum! {
+    /// State of a watch, as the 4-bit code on the wire. Codes 4 to 15 are reserved.
+    Watch in "watch" {
+        /// Nothing has been compared yet.
+        None = 0, "NONE";
+        /// The usual residual is being learnt.
+        Learning = 1, "LEARNING";
+        /// Within its limit.
+        Steady = 2, "STEADY";
+        /// Above its limit: the damper is no longer what the model says.
+        Drift = 3, "DRIFT";
     }
 }
 
@@ -89,14 +65,12 @@ impl Residual {
             return Err(Error::UnknownId { id });
         };
         let word = protection::open(message, data)?;
-        let code = word.get(Self::WATCH);
-        let reserved = Error::ReservedCode { id, field: "watch", code };
         Ok(Self {
             node,
             counter: word.counter(message, Self::COUNTER)?,
-            state: word.state(message, Self::STATE)?,
+            state: word.code(message, Self::STATE)?,
             rms_n: word.get_fixed(Self::RMS),
-            watch: Watch::from_code(code as u8).ok_or(reserved)?,
+            watch: word.code(message, Self::WATCH)?,
         })
     }
 }

@@ -5,7 +5,8 @@
 //! A physical value is `code x lsb`, two's complement, rounded half to even. The codes span
 //! `-(2^(n-1) - 1)` to `2^(n-1) - 1`; what lies beyond takes the nearest of them and is reported;
 //! the most negative code `-2^(n-1)` means *invalid*.
-use crate::{Error, MessageId, RunState};
+use crate::wire_enum::WireEnum;
+use crate::{Error, MessageId};
 
 bitflags::bitflags! {
     /// What did not fit when a frame was encoded. Physical values then sit at the end of their
@@ -121,6 +122,7 @@ impl FixedPoint {
     /// reported as well.
     pub fn code(self, value: Option<f64>) -> (i32, bool) {
         let Some(value) = value else { return (self.invalid_code(), false) };
+        debug_assert!(self.lsb_per_unit >= 1.0, "{} codes per unit", self.lsb_per_unit);
         let limit = self.max_code();
         let code = libm::rint(value * self.lsb_per_unit);
         if code.is_nan() {
@@ -136,6 +138,11 @@ impl FixedPoint {
 
     /// The value of a code, `None` when invalid.
     pub fn value(self, code: i32) -> Option<f64> {
+        debug_assert!(
+            code >= self.invalid_code() && code <= self.max_code(),
+            "code {code} in {} bits",
+            self.field.bits
+        );
         (code != self.invalid_code()).then(|| f64::from(code) / self.lsb_per_unit)
     }
 }
@@ -145,8 +152,9 @@ impl FixedPoint {
 pub struct Word(u128);
 
 impl Word {
-    /// The number of a payload; bytes beyond 16 are ignored.
+    /// The number of a payload of at most 16 bytes.
     pub fn from_bytes(bytes: &[u8]) -> Self {
+        debug_assert!(bytes.len() <= 16, "a payload of {} bytes", bytes.len());
         let mut padded = [0; 16];
         for (to, from) in padded.iter_mut().zip(bytes) {
             *to = *from;
@@ -161,6 +169,7 @@ impl Word {
 
     /// Write a code over a field that is still zero; bits beyond the field are cut.
     pub const fn put(&mut self, field: Field, code: u32) {
+        debug_assert!(self.get(field) == 0, "a field is written once");
         self.0 |= ((code & field.ones()) as u128) << field.start_bit;
     }
 
@@ -202,10 +211,10 @@ impl Word {
         self.get_counter(field).ok_or(Error::ReservedCode { id, field: "counter", code })
     }
 
-    /// The run state of a message: a frame with a reserved one is refused.
-    pub(crate) fn state(self, message: MessageId, field: Field) -> Result<RunState, Error> {
+    /// The value of a code in a message: a frame with a reserved code is refused.
+    pub(crate) fn code<T: WireEnum>(self, message: MessageId, field: Field) -> Result<T, Error> {
         let (id, code) = (message.raw(), self.get(field));
-        RunState::from_code(code as u8).ok_or(Error::ReservedCode { id, field: "state", code })
+        T::of_code(code).ok_or(Error::ReservedCode { id, field: T::FIELD, code })
     }
 
     /// Write a time, modulo the field's range. All ones mean *none*, so a time that lands on that
@@ -285,5 +294,21 @@ mod tests {
             word.put_time(field, time_us);
             assert_eq!(word.get_time(field), read);
         }
+    }
+
+    #[cfg(debug_assertions)]
+    #[test]
+    #[should_panic(expected = "a field is written once")]
+    fn a_field_that_is_written_twice_stops_a_debug_build() {
+        let mut word = Word::default();
+        word.put(Field::new(8, 4), 3);
+        word.put(Field::new(8, 4), 4);
+    }
+
+    #[cfg(debug_assertions)]
+    #[test]
+    #[should_panic(expected = "a payload of 17 bytes")]
+    fn a_payload_that_is_too_long_stops_a_debug_build() {
+        let _ = Word::from_bytes(&[0; 17]);
     }
 }

@@ -4,6 +4,7 @@
 //! rig cannot slow down its oil: it must refuse a sync whose `slow_down` is not 1 or whose pace is
 //! lock-step. An emulated rig advances `period_us` per cycle in any case.
 use crate::signal::{Field, Word};
+use crate::wire_enum::wire_enum;
 use crate::{Error, Frame, MessageId, Profile, protection};
 use core::fmt;
 use core::num::{NonZeroU8, NonZeroU16};
@@ -28,24 +29,14 @@ pub struct Sync {
     pub time_us: u32,
 }
 
-/// Who waits for whom.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[repr(u8)]
-pub enum Pace {
-    /// The clock rules: a command every period, a rig that hears nothing for 5 goes safe.
-    Clock = 0,
-    /// The echo rules: the next command comes when every rig has echoed the last one, and a rig
-    /// advances one cycle per new command.
-    LockStep = 1,
-}
-
-impl Pace {
-    /// The name in the DBC.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Clock => "CLOCK",
-            Self::LockStep => "LOCK_STEP",
-        }
+wire_enum! {
+    /// Who waits for whom.
+    Pace in "pace" {
+        /// The clock rules: a command every period, a rig that hears nothing for 5 goes safe.
+        Clock = 0, "CLOCK";
+        /// The echo rules: the next command comes when every rig has echoed the last one, and a rig
+        /// advances one cycle per new command.
+        LockStep = 1, "LOCK_STEP";
     }
 }
 
@@ -68,7 +59,7 @@ impl Sync {
         let mut word = Word::default();
         word.put(Self::VERSION, u32::from(self.version).min(Self::VERSION.ones()));
         word.put(Self::PROFILE, u32::from(self.profile == Profile::Fd));
-        word.put(Self::PACE, self.pace as u32);
+        word.put(Self::PACE, u32::from(self.pace.code()));
         word.put(Self::PERIOD, u32::from(self.period_us.get()));
         word.put(Self::SLOW_DOWN, u32::from(self.slow_down.get()));
         word.put(Self::TIME, self.time_us);
@@ -93,11 +84,7 @@ impl Sync {
                 1 => Profile::Fd,
                 code => return Err(reserved("profile", code)),
             },
-            pace: match word.get(Self::PACE) {
-                0 => Pace::Clock,
-                1 => Pace::LockStep,
-                code => return Err(reserved("pace", code)),
-            },
+            pace: word.code(MessageId::Sync, Self::PACE)?,
             period_us: NonZeroU16::new(word.get(Self::PERIOD) as u16)
                 .ok_or(reserved("period", 0))?,
             slow_down: NonZeroU8::new(word.get(Self::SLOW_DOWN) as u8)

@@ -1,6 +1,7 @@
 //! Telemetry: a rig's slow values, to read and never to set.
 use crate::command::write_value;
 use crate::signal::{Field, FixedPoint, Quantity, Saturated, Word};
+use crate::wire_enum::wire_enum;
 use crate::{Error, Frame, MessageId, Node, RunState, protection};
 use core::fmt;
 
@@ -21,46 +22,19 @@ pub struct Telemetry {
     pub trips: Trips,
 }
 
-/// State of the supply pressure, as the 4-bit code on the wire. Codes 5 to 15 are reserved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[repr(u8)]
-pub enum Pressure {
-    /// The rig does not know, or has none to know of.
-    Unknown = 0,
-    /// Off.
-    Off = 1,
-    /// Rising, not yet usable.
-    Rising = 2,
-    /// In range.
-    Ready = 3,
-    /// Out of range.
-    OutOfRange = 4,
-}
-
-impl Pressure {
-    /// All states in the order of their codes.
-    pub const ALL: [Self; 5] =
-        [Self::Unknown, Self::Off, Self::Rising, Self::Ready, Self::OutOfRange];
-
-    /// The code on the wire.
-    pub const fn code(self) -> u8 {
-        self as u8
-    }
-
-    /// The state of a code, `None` for a reserved one.
-    pub fn from_code(code: u8) -> Option<Self> {
-        Self::ALL.get(usize::from(code)).copied()
-    }
-
-    /// The name in the DBC.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Unknown => "UNKNOWN",
-            Self::Off => "OFF",
-            Self::Rising => "RISING",
-            Self::Ready => "READY",
-            Self::OutOfRange => "OUT_OF_RANGE",
-        }
+wire_enum! {
+    /// State of the supply pressure, as the 4-bit code on the wire. Codes 5 to 15 are reserved.
+    Pressure in "pressure" {
+        /// The rig does not know, or has none to know of.
+        Unknown = 0, "UNKNOWN";
+        /// Off.
+        Off = 1, "OFF";
+        /// Rising, not yet usable.
+        Rising = 2, "RISING";
+        /// In range.
+        Ready = 3, "READY";
+        /// Out of range.
+        OutOfRange = 4, "OUT_OF_RANGE";
     }
 }
 
@@ -122,17 +96,12 @@ impl Telemetry {
             return Err(Error::UnknownId { id });
         };
         let word = protection::open(message, data)?;
-        let pressure = word.get(Self::PRESSURE);
         Ok(Self {
             node,
             counter: word.counter(message, Self::COUNTER)?,
-            state: word.state(message, Self::STATE)?,
+            state: word.code(message, Self::STATE)?,
             temperature_degc: word.get_fixed(Self::TEMPERATURE),
-            pressure: Pressure::from_code(pressure as u8).ok_or(Error::ReservedCode {
-                id,
-                field: "pressure",
-                code: pressure,
-            })?,
+            pressure: word.code(message, Self::PRESSURE)?,
             trips: Trips::from_bits_truncate(word.get(Self::TRIPS) as u8),
         })
     }
