@@ -265,23 +265,21 @@ fn listener(interface: &Interface) -> CanFdSocket {
     socket
 }
 
-/// Frames of an id until there are enough, or nothing has come for a while after the first one. A
-/// host may take its time to start.
+/// Frames of an id until there are enough. A host may take its time to start.
 fn hear(socket: &CanFdSocket, id: MessageId, enough: usize) -> Vec<Vec<u8>> {
     let (begin, mut heard) = (Instant::now(), Vec::new());
-    while heard.len() < enough {
-        let frame = match socket.read_frame() {
-            Ok(frame) => frame,
-            Err(_) if heard.is_empty() && begin.elapsed() < Duration::from_secs(20) => continue,
-            Err(_) => return heard,
-        };
-        if let Some((raw, data)) = parts(&frame)
-            && raw == id.raw()
-        {
-            heard.push(data);
-        }
+    while heard.len() < enough && begin.elapsed() < Duration::from_secs(20) {
+        let Ok(frame) = socket.read_frame() else { continue };
+        heard.extend(parts(&frame).filter(|(raw, _)| *raw == id.raw()).map(|(_, data)| data));
     }
     heard
+}
+
+/// Frames of an id that are on their way: until nothing comes for a while.
+fn remaining(socket: &CanFdSocket, id: MessageId) -> Vec<Vec<u8>> {
+    let frames = std::iter::from_fn(|| socket.read_frame().ok());
+    let ours = frames.filter_map(|frame| parts(&frame));
+    ours.filter(|(raw, _)| *raw == id.raw()).map(|(_, data)| data).collect()
 }
 
 fn hex(data: &[u8]) -> String {
@@ -305,7 +303,7 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
     // The host waits for the rig's answer: nothing on the bus can be newer than what was heard.
     // Then the host is stopped as well, so that it does not matter how long the rest takes.
     signal("-STOP", rig.id());
-    history.extend(hear(&socket, MEASUREMENT, usize::MAX));
+    history.extend(remaining(&socket, MEASUREMENT));
     signal("-STOP", host.id());
     let [.., old, _, _, last] = history.as_slice() else { panic!("no history") };
     let (measurement, command) = (MEASUREMENT.raw(), COMMAND.raw());
