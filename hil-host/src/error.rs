@@ -182,3 +182,41 @@ impl From<serde_json::Error> for BenchError {
         Self::Summary(why)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_has_one_exit_code_and_one_line() {
+        let disk = || io::Error::from(io::ErrorKind::StorageFull);
+        let path = PathBuf::from("runs/a-1");
+        let bus = || "socketcan:can\n0".to_owned();
+        // Bad input, safe state, interrupted, or none of them.
+        let cases = [
+            (
+                BenchError::Protocol(can_protocol::Error::NodeRange { value: 9 }),
+                [true, false, false],
+            ),
+            (BenchError::FastOnBus { bus: bus() }, [true, false, false]),
+            (BenchError::BusLoad { bus: bus(), load: 1.08 }, [true, false, false]),
+            (BenchError::Bus(BusError::NoCan), [true, false, false]),
+            (
+                BenchError::Bus(BusError::Refused { interface: bus(), error: disk() }),
+                [false, false, false],
+            ),
+            (BenchError::RealtimeRefused, [true, false, false]),
+            (BenchError::Folder(FolderError::Occupied(path.clone())), [true, false, false]),
+            (BenchError::Folder(FolderError::Disk(path.clone(), disk())), [false, false, false]),
+            (BenchError::File { file: path, why: disk() }, [false, false, false]),
+            (BenchError::SilentRigs { nodes: vec![1, 3], bus: bus() }, [false, true, false]),
+            (BenchError::Interrupted, [false, false, true]),
+            (BenchError::Thread { name: "records the run" }, [false, false, false]),
+        ];
+        for (error, kind) in cases {
+            let found = [error.is_bad_input(), error.is_safe_state(), error.is_interrupted()];
+            assert_eq!(found, kind, "{error:?}");
+            assert_eq!(error.to_string().lines().count(), 1, "{error}");
+        }
+    }
+}

@@ -1,10 +1,10 @@
 //! What Linux can do so that a cycle is on time, asked for one by one.
 //!
 //! 1. `SCHED_FIFO` with a priority: no ordinary process runs before the loop. Under `PREEMPT_RT`
-//!    the interrupt threads stand at 50; the CAN interrupt belongs above the loop or on its own
+//!    the interrupt threads have priority 50; the CAN interrupt belongs above the loop or on its own
 //!    processor.
 //! 2. `mlockall`: no page of the loop is fetched from disk.
-//! 3. The stack is touched once, so that it is there when it is needed.
+//! 3. The stack is touched once in advance, so that no page of it is missing in the loop.
 //! 4. Affinity: the loop stays on one processor, best an isolated one.
 //! 5. `/dev/cpu_dma_latency` is held open with 0: the processor sleeps only as deep as it wakes at
 //!    once.
@@ -42,7 +42,7 @@ pub struct RealtimeOptions {
 }
 
 impl Default for RealtimeOptions {
-    /// Everything but a processor of one's own, and nothing required.
+    /// Everything except a processor of its own; nothing is required.
     fn default() -> Self {
         Self {
             fifo_priority: Some(80),
@@ -133,7 +133,7 @@ pub fn set_up(options: &RealtimeOptions) -> RealtimeReport {
         let advice = "allow this user to write /dev/cpu_dma_latency, or run as root";
         report.note("processors kept awake", held, advice);
     }
-    // Last, so that nothing above runs in front of the rest of the machine.
+    // Last: nothing above needs precedence over the rest of the machine.
     if let Some(priority) = options.fifo_priority {
         let advice = "raise the limit rtprio, or run as root";
         report.note(format!("SCHED_FIFO {priority}"), fifo(priority), advice);

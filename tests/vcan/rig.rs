@@ -3,6 +3,7 @@
 use crate::interface::{Candump, Interface, cansend, interface, slow_down, yawbench};
 use crate::record::Record;
 use can_protocol::{Fault, Measurement, Message, MessageId, Node, Profile, RunState, Sender};
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use socketcan::{CanAnyFrame, CanFdSocket, EmbeddedFrame, Id, Socket, SocketOptions};
 use std::collections::BTreeMap;
@@ -238,10 +239,27 @@ fn a_comparison_models_the_slot_of_a_rig_that_cannot_be_run_again() {
     let _ = std::fs::remove_dir_all(folder);
 }
 
-/// Stops or continues a process.
-fn signal(name: &str, process: u32) {
-    let done = Command::new("kill").args([name, &process.to_string()]).status().expect("kill");
-    assert!(done.success(), "kill {name} {process}");
+/// Suspends a process and returns when it stands still.
+fn suspend(process: u32) {
+    signal(process, Signal::STOP);
+    // The state is the field after the name in brackets.
+    let is_suspended = || {
+        let text = std::fs::read_to_string(format!("/proc/{process}/stat")).expect("its state");
+        text.rsplit_once(')').is_some_and(|(_, behind)| behind.trim_start().starts_with('T'))
+    };
+    while !is_suspended() {
+        std::thread::yield_now();
+    }
+}
+
+/// Lets a suspended process run again.
+fn resume(process: u32) {
+    signal(process, Signal::CONT);
+}
+
+fn signal(process: u32, signal: Signal) {
+    let pid = i32::try_from(process).ok().and_then(Pid::from_raw).expect("a process number");
+    kill_process(pid, signal).expect("the right to signal it");
 }
 
 /// As Linux numbers them.
@@ -258,23 +276,20 @@ fn listener(interface: &Interface) -> CanFdSocket {
     socket
 }
 
-/// Frames of an id until there are enough, or nothing has come for a while after the first one. A
-/// host may take its time to start.
+/// Frames of an id until there are enough. A host may take its time to start.
 fn hear(socket: &CanFdSocket, id: MessageId, enough: usize) -> Vec<Vec<u8>> {
     let (begin, mut heard) = (Instant::now(), Vec::new());
-    while heard.len() < enough {
-        let frame = match socket.read_frame() {
-            Ok(frame) => frame,
-            Err(_) if heard.is_empty() && begin.elapsed() < Duration::from_secs(20) => continue,
-            Err(_) => return heard,
-        };
-        if let Some((raw, data)) = parts(&frame)
-            && raw == id.raw()
-        {
-            heard.push(data);
-        }
+    while heard.len() < enough && begin.elapsed() < Duration::from_secs(20) {
+        let Ok(frame) = socket.read_frame() else { continue };
+        heard.extend(parts(&frame).filter(|(raw, _)| *raw == id.raw()).map(|(_, data)| data));
     }
     heard
+}
+
+/// Frames that are on their way: until nothing comes for a while.
+fn remaining(socket: &CanFdSocket) -> Vec<(u16, Vec<u8>)> {
+    let frames = std::iter::from_fn(|| socket.read_frame().ok());
+    frames.filter_map(|frame| parts(&frame)).collect()
 }
 
 fn hex(data: &[u8]) -> String {
@@ -295,11 +310,15 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
         .expect("the host");
     let mut history = hear(&socket, MEASUREMENT, 500);
     assert_eq!(history.len(), 500, "the run did not start");
-    // The host waits for the rig's answer: nothing on the bus can be newer than what was heard.
-    // Then the host is stopped as well, so that it does not matter how long the rest takes.
-    signal("-STOP", rig.id());
-    history.extend(hear(&socket, MEASUREMENT, usize::MAX));
-    signal("-STOP", host.id());
+    // Both are suspended: nothing on the bus can be newer than what was heard, and it does not matter
+    // how long the rest takes.
+    suspend(rig.id());
+    suspend(host.id());
+    let rest = remaining(&socket);
+    let measured = rest.iter().filter(|(id, _)| *id == MEASUREMENT.raw());
+    history.extend(measured.map(|(_, data)| data.clone()));
+    let cyclic = [COMMAND.raw(), MEASUREMENT.raw()];
+    let last_id = rest.iter().rev().map(|(id, _)| *id).find(|id| cyclic.contains(id));
     let [.., old, _, _, last] = history.as_slice() else { panic!("no history") };
     let (measurement, command) = (MEASUREMENT.raw(), COMMAND.raw());
     let mut broken = last.clone();
@@ -312,9 +331,16 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
     cansend(&vcan, "7AA#0011223344556677");
     let sent = hear(&socket, MEASUREMENT, 4);
     assert_eq!(sent.len(), 4, "the frames from outside");
-    signal("-CONT", rig.id());
-    assert_eq!(hear(&socket, MEASUREMENT, 1).len(), 1, "the rig's answer");
-    signal("-CONT", host.id());
+    // Who owes the next frame goes first: the other one has waited for too long by its own clock.
+    if last_id == Some(COMMAND.raw()) {
+        resume(rig.id());
+        assert_eq!(hear(&socket, MEASUREMENT, 1).len(), 1, "the rig's answer");
+        resume(host.id());
+    } else {
+        resume(host.id());
+        assert_eq!(hear(&socket, COMMAND, 1).len(), 1, "the host's command");
+        resume(rig.id());
+    }
     let output = host.wait_with_output().expect("the host");
     let host = summary(&output);
     let (code, rig) = rig.end();

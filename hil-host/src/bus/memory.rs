@@ -1,8 +1,8 @@
 //! The bus in memory: up to four emulated rigs in line with the host.
 //!
 //! A frame that the host sends is in every rig at once, in the order of the rigs; what they answer
-//! waits in a bounded queue. A command advances its rig by one cycle, whatever pace the host has
-//! announced, so wall time never enters a trajectory.
+//! waits in a bounded queue. A command advances its rig by one cycle at every pace that the
+//! host announces, so real time never enters a trajectory.
 
 use super::{Bus, BusCounters, Sent, WireFrame};
 use crate::rig::RigNode;
@@ -25,9 +25,14 @@ pub struct MemoryBus {
 }
 
 impl MemoryBus {
-    /// A bus with these rigs; a fifth and later ones are left out.
+    /// A bus with these rigs, at most [`MAX_RIGS`].
     pub fn new(rigs: impl IntoIterator<Item = RigNode>) -> Self {
-        Self { rigs: rigs.into_iter().take(MAX_RIGS).collect(), ..Self::default() }
+        let mut bus = Self::default();
+        for rig in rigs {
+            let fits = bus.rigs.push(rig).is_ok();
+            debug_assert!(fits, "more than {MAX_RIGS} rigs on one bus");
+        }
+        bus
     }
 
     /// The rigs.
@@ -35,7 +40,7 @@ impl MemoryBus {
         &self.rigs
     }
 
-    /// The rigs, to cut one off or to look deeper.
+    /// The rigs, for a test that changes one.
     pub fn rigs_mut(&mut self) -> &mut [RigNode] {
         &mut self.rigs
     }

@@ -4,8 +4,8 @@
 //! the kernel; [`SocketCanBus`] is a CAN interface of Linux, real or virtual. Neither waits in
 //! [`Bus::send`] or [`Bus::receive`], and neither uses the heap there.
 //!
-//! A frame that cannot go out at once is dropped and counted: on a bus that runs a cycle per
-//! millisecond an old command is worth less than none.
+//! A frame that cannot be sent at once is dropped and counted. With a cycle per millisecond an old
+//! command is worse than none.
 
 mod any;
 mod choice;
@@ -45,7 +45,7 @@ pub trait Bus {
 pub enum Sent {
     /// The bus has it.
     Away,
-    /// The bus had no room; the frame is gone and counted.
+    /// The bus had no room; the frame is dropped and counted.
     Dropped,
     /// The interface is down or no longer there.
     Down,

@@ -1,4 +1,4 @@
-//! The comparison of a run: what another damper would have made of the vehicle.
+//! The comparison of a run: the same vehicle with another damper.
 //!
 //! ```text
 //! change = 100 % (after / before - 1)        before: the other damper, after: the scenario's own

@@ -88,13 +88,21 @@ impl Session<'_> {
                 }
             }
         }
+        let modelled = inputs.kind.iter().zip(&self.line.slots);
+        debug_assert!(
+            modelled.into_iter().all(|(kind, slot)| {
+                (*kind != InputKind::NoRig) == matches!(slot, Slot::Rig(_))
+            }),
+            "inputs and rig slots do not fit each other"
+        );
         inputs
     }
 
     /// Guard, vehicle step, compensate: the three arrows of [`firmware_core::line`].
     fn guard_step_and_compensate(&self, state: &mut SessionState, inputs: &Inputs) -> Duration {
-        let begin = Instant::now();
+        let (begin, cycle) = (Instant::now(), state.line.cycle);
         self.line.step(&mut state.line, &inputs.force);
+        debug_assert_eq!(state.line.cycle, cycle + 1, "a step is one cycle");
         begin.elapsed()
     }
 
@@ -136,7 +144,7 @@ impl Session<'_> {
         }
     }
 
-    /// The host's slow messages, in the cycles in which the protocol wants them.
+    /// The host's slow messages, in the cycles that the protocol gives them.
     fn announce<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>) {
         let is_due = |period: u64| state.line.cycle % period == 1;
         let (residuals, sync) = (is_due(RESIDUAL_CYCLES), is_due(SYNC_CYCLES));

@@ -8,12 +8,12 @@
 //! two measurements: at 1 ms that costs 0.01 % of the force. After a time to settle, in which the
 //! model forgets where it started, the usual residual is learnt as a plain rms; from there on the
 //! running rms s forgets with the window T. **Drift** is raised where s rises above the limit and
-//! taken back where it falls below two thirds of it. A limit that is a multiple of the learnt rms
+//! cleared where it falls below two thirds of it. A limit that is a multiple of the learnt rms
 //! grows with the force: where the track gets rougher, the imperfections of a model grow in
 //! proportion.
 //!
-//! Every cycle costs the same but for events in the damper; nothing is allocated and nothing of it
-//! comes back into the loop. Without a fresh measurement the watch waits and then takes a longer
+//! Every cycle costs the same except for events in the damper. Nothing is allocated, and the loop
+//! does not depend on the watch. Without a fresh measurement the watch waits and then takes a longer
 //! step.
 
 use can_protocol::Watch as Verdict;
@@ -21,7 +21,7 @@ use firmware_core::damper::{Damper, DamperState, Motion};
 use scenario::run::CYCLE_S;
 use scenario::watch::{Limit, WatchSetup};
 
-/// Share of the limit below which drift is taken back.
+/// Share of the limit below which drift is cleared.
 const RELEASE: f64 = 2.0 / 3.0;
 
 /// Parameters of a watch.

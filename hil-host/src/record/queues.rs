@@ -112,7 +112,7 @@ impl Drain<'_> {
                 found = true;
                 let batch: Batch = batch.into();
                 for channel in rows {
-                    // A receiver that has gone away has said why itself.
+                    // A receiver that has ended reports the reason itself.
                     let _ = channel.send(Arc::clone(&batch));
                 }
             }

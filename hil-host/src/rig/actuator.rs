@@ -7,8 +7,8 @@
 //! x' = (r - x) / lag        x(s) = r(s) - v lag + (x - r + v lag) exp(-s / lag)
 //! ```
 //!
-//! The rate is limited by the servo valve, the travel by the stroke. Stopping is the ram's own
-//! affair: it decelerates at [`DECELERATION_M_PER_S2`] from whatever speed it has, harder only
+//! The rate is limited by the servo valve, the travel by the stroke. The ram stops by
+//! itself: it decelerates at [`DECELERATION_M_PER_S2`] from any speed, harder only
 //! where its end stop is nearer than that, so its velocity never jumps. Servo dynamics of higher
 //! order, oil compliance and supply pressure are not modelled.
 

@@ -1,7 +1,8 @@
 //! The physics of an emulated rig: ram, fixture, damper, load cell, displacement sensors.
 //!
 //! ```text
-//! command -> delay line -> ram x_r --[ fixture, compliance C ]-- eyes x_e = x_r - C F --[ damper F(x_e) ]-- ground
+//! command -> delay line -> ram x_r --[ fixture, compliance C ]-- eyes x_e --[ damper F ]-- ground
+//! x_e = x_r - C F(x_e)
 //! ```
 //!
 //! One cycle has [`SUBSTEPS`] substeps: the ram moves, then the force is found at which fixture and
@@ -10,7 +11,7 @@
 //! false-position search finds it. That holds for a fixture softer than the damper as well, where
 //! feeding back the last force would blow up.
 //!
-//! **Delay.** A command says where the eyes should be at the instant at which the cycle begins; the
+//! **Delay.** A command is the position of the eyes at the instant at which the cycle begins; the
 //! reading is taken at its end. With velocity the reference runs on over the cycle and the ram is
 //! behind it by the lag and the whole cycles of pure delay: 0.5 ms on the default rig. Without
 //! velocity the reference stands still until the next command, which costs the cycle as well:
@@ -58,7 +59,7 @@ pub struct EmulatorState {
     line: [Reference; LINE],
 }
 
-/// What the ram shall do in a cycle.
+/// What the ram does in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
     /// Follow the reference that runs on from here.

@@ -1,31 +1,32 @@
 //! The rig: the other end of the bus.
 //!
 //! [`RigNode`] is a rig as the bus sees it, around the physics of an [`Emulator`]. The same code
-//! serves in line on the memory bus and in its own process ([`process`]); given the same frames it
-//! gives the same answers, bit for bit.
+//! runs in line on the memory bus and in its own process ([`process`]). The same frames get the same
+//! answers, bit for bit.
 //!
-//! **States.** A rig starts in INIT. It takes on the state that the host commands, with one
-//! exception: SAFE by itself.
+//! **States.** A rig starts in INIT. It enters the state that the host commands, with one exception:
+//! it enters SAFE by itself.
 //!
 //! | host commands | the rig |
 //! | --- | --- |
-//! | RUN, coming from another state | puts the ram in the middle, the damper at rest, the noise to cycle 0, and follows from this command on |
+//! | RUN, from another state | centres the ram, rests the damper, resets the noise, follows |
 //! | RUN | follows: displacement, or displacement and velocity; HOLD; CENTRE |
 //! | any other state | decelerates and holds |
-//! | nothing valid for [`WATCHDOG_CYCLES`] cycles | goes SAFE: decelerates, holds, sends one fault, keeps answering |
+//! | nothing valid for [`WATCHDOG_CYCLES`] cycles | SAFE: decelerates, holds, sends one fault, answers |
 //! | RUN after that | stays SAFE: only another state releases it, then RUN arms anew |
 //!
 //! **Cycles.** In lock-step a new valid command is a cycle and gets its answer. In clock pace the
 //! owner calls [`RigNode::cycle`] once per period; the newest valid command counts, and in a cycle
 //! without one the reference runs on at its last velocity. A frame that is not valid and new
-//! changes a counter and nothing else. A command that says RUN and follow without a displacement is
-//! a cycle (and is answered in lock-step), but does not feed the watchdog.
+//! changes a counter and nothing else. A command RUN and follow without a displacement is a cycle
+//! (and is answered in lock-step), but does not reset the watchdog.
 //!
 //! **Handshake.** Every sync is answered at once with a heartbeat. A sync begins a new session when
-//! no command came since the one before, or when its time does not follow on: counters may then
-//! start anywhere, and a lock-step rig that was still coupled to an earlier host lets go (INIT). A
-//! sync also sets period, slow-down, pace and profile, unless the rig is coupled; then, or when its
-//! version is foreign, it is refused with a fault and without a heartbeat.
+//! no command came since the last sync, or when its time does not continue that of the last one. In
+//! a new session counters may start anywhere, and a lock-step rig that was still coupled to an
+//! earlier host returns to INIT. A sync also sets period, slow-down, pace and profile. It is refused
+//! with a fault and without a heartbeat where it would change those of a coupled rig, or where its
+//! version is unknown.
 
 mod account;
 mod actuator;
@@ -51,7 +52,7 @@ use session::Session;
 /// Cycles without a valid command after which a coupled rig goes safe.
 pub const WATCHDOG_CYCLES: u32 = 5;
 
-/// Distance between command and ram at which the rig says that it lags (m).
+/// Distance between command and ram at which the rig reports that it lags (m).
 pub const LAGGING_M: f64 = 2e-3;
 
 /// A rig on the bus. A clone is a snapshot; comparing two compares everything they remember.
@@ -104,7 +105,7 @@ impl RigNode {
         }
     }
 
-    /// Takes in any frame of the bus. In lock-step a new valid command is worked off at once.
+    /// Takes in any frame of the bus. In lock-step a new valid command is executed at once.
     pub fn on_frame(&mut self, frame: &WireFrame) {
         match MessageId::from_raw(frame.id()) {
             Some(MessageId::Sync) => {
@@ -151,7 +152,7 @@ impl RigNode {
         self.answer(&reading);
     }
 
-    /// The host has said nothing for so long that the owner gives it up: how a lock-step rig, which
+    /// The host was silent for so long that the owner considers it lost: how a lock-step rig, which
     /// has no time of its own, goes safe. Does nothing unless coupled.
     pub fn host_is_silent(&mut self, cycles: u32) {
         if self.is_coupled() {
@@ -326,7 +327,7 @@ impl RigNode {
     }
 }
 
-/// Whether a command says all that its mode needs.
+/// Whether a command has every value that its mode needs.
 fn has_value(command: &Command) -> bool {
     let follows = matches!(command.mode, Mode::Follow | Mode::FollowWithVelocity);
     command.state != RunState::Run || !follows || command.displacement_m.is_some()

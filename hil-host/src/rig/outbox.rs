@@ -1,4 +1,4 @@
-//! What a rig says: its frames with their counters, until the owner takes them.
+//! The outgoing frames of a rig with their counters, until the owner takes them.
 
 use super::{Reading, Timing};
 use can_protocol::{
@@ -63,7 +63,7 @@ impl Outbox {
         self.measurement_counter = profile.next_counter(self.measurement_counter);
     }
 
-    /// Telemetry and heartbeat, in the cycles in which the protocol wants them.
+    /// Telemetry and heartbeat, in the cycles that the protocol gives them.
     pub(super) fn slow_messages(
         &mut self,
         cycle: u64,

@@ -28,7 +28,7 @@ pub const SILENCE: Duration = Duration::from_secs(1);
 /// Real time after which a rig that went safe ends, when it is to end with the run.
 pub const LINGER: Duration = Duration::from_secs(2);
 
-/// Longest wait for a frame, so that a stop is seen.
+/// Longest wait for a frame: a stop is seen after that time.
 const GLANCE: Duration = Duration::from_millis(50);
 
 /// How a rig runs and ends.
@@ -52,7 +52,7 @@ pub fn run_on(
     options: &Options,
     stop: &AtomicBool,
 ) -> Result<RigSummary, BenchError> {
-    // Either profile: the host's sync says which one it speaks.
+    // Either profile: the host's sync names the one in use.
     let accept = [
         MessageId::Sync,
         MessageId::Command(Profile::Classical, node),
@@ -162,7 +162,7 @@ fn send_out<B: Bus>(rig: &mut RigNode, bus: &mut B) {
     }
 }
 
-/// A lock-step rig has no time of its own: now that its host is gone, its clock stops the ram.
+/// A lock-step rig has no time of its own: when its host is lost, its clock stops the ram.
 fn come_to_rest<B: Bus>(rig: &mut RigNode, bus: &mut B, pacer: &mut Pacer) {
     pacer.restart();
     // From the highest speed that a command can name this takes a second at most.

@@ -10,7 +10,7 @@ const MAX_DELTA: u8 = 5;
 /// Time from one sync to the next beyond which it is another host's: ten are lost (us).
 const SYNC_GAP_US: u32 = 1_000_000;
 
-/// How time runs, as the host's sync says.
+/// How time runs, as the host's sync sets it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timing {
     /// Classical or FD.

@@ -57,8 +57,8 @@ pub struct Finished {
 
 /// Runs a scenario.
 ///
-/// `stop` ends it with what it has: files, summary and report are written, and [`Finished`] says
-/// that it was interrupted.
+/// `stop` ends it early: record, summary and report hold the run up to that point, and
+/// [`Finished::interrupted`] is set.
 ///
 /// # Errors
 /// Bad input, before anything is written; rigs that do not answer; a bus or disk that fails.

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-/// Time between two looks at the line.
+/// Time after which the line is printed again.
 const REFRESH: Duration = Duration::from_millis(100);
 
 /// Collects the columns and shows progress.

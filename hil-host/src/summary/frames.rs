@@ -12,7 +12,7 @@ pub struct Frames {
     pub sent: u64,
     /// Valid, new measurements.
     pub received: u64,
-    /// Measurements that the counters say are missing, or commands without one.
+    /// Measurements that are missing by their counters, or commands without one.
     pub lost: u64,
     /// Frames whose protection failed.
     pub crc_errors: u64,

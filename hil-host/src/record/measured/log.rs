@@ -182,7 +182,7 @@ impl Seen {
         let passed = (stamp_us.saturating_sub(last_us) + cycle_us / 2) / cycle_us;
         // A frame may be late by half a turn before it counts as one of the next turn.
         let turns = (passed + turn / 2).saturating_sub(steps) / turn;
-        // A sequence that begins anew says nothing by its counter.
+        // The counter of a sequence that begins anew carries no information.
         if status == Status::Initial { last + passed.max(1) } else { last + steps + turns * turn }
     }
 
