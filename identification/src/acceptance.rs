@@ -8,7 +8,7 @@
 //! bound speaks against.
 
 use super::candidate::Candidate;
-use super::cautions::physical_limit;
+use super::coordinate::physical_limit;
 use super::evidence::{Evidence, LEAST_GAIN};
 use super::grey_box::{CE, KE, RELIEF};
 use super::judged::Judged;

@@ -17,11 +17,11 @@ pub(crate) struct Candidate {
 /// the processing of the laboratory has not destroyed in the training records.
 pub(crate) fn candidates(model: &GreyBox, tests: &TestSet) -> Vec<Candidate> {
     let has = |info: &EffectInfo| model.effects.iter().any(|effect| effect.name == info.name);
-    let rate_hz = rate_hz(tests);
+    let rate_hz = tests.lowest_rate_hz();
     CATALOGUE
         .iter()
         .filter(|info| !has(info) && info.needs_rate_hz <= rate_hz)
-        .filter(|info| destroyed(tests, info.name).is_none())
+        .filter(|info| tests.destroyed(info.name).is_none())
         .map(|effect| {
             let usual: Vec<f64> =
                 effect.parameters.iter().map(|row| row.usual(&tests.scale)).collect();
@@ -33,16 +33,4 @@ pub(crate) fn candidates(model: &GreyBox, tests: &TestSet) -> Vec<Candidate> {
             Candidate { effect, starts }
         })
         .collect()
-}
-
-/// The processing of a training record that has destroyed the traces of an effect.
-pub(crate) fn destroyed<'a>(tests: &'a TestSet, name: &str) -> Option<&'a str> {
-    tests.tests.iter().find_map(|test| test.record.destroyed.get(name).map(String::as_str))
-}
-
-/// The lowest sampling rate of the records, Hz.
-pub(crate) fn rate_hz(tests: &TestSet) -> f64 {
-    let rates = tests.tests.iter().map(|test| 1.0 / test.record.step_s);
-    // A time column in milliseconds rounds the rate.
-    rates.fold(f64::INFINITY, f64::min) * (1.0 + 1e-6)
 }

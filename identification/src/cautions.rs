@@ -1,7 +1,7 @@
 //! Cautions: reasons to doubt the numbers, a line each.
 
 use super::budget::MOST_PASSES;
-use super::coordinate::Coordinate;
+use super::coordinate::{Coordinate, ON_BOUND, physical_limit};
 use super::finding::Findings;
 use super::fit::Fit;
 use super::residual::Unexplained;
@@ -14,9 +14,6 @@ const BEYOND: f64 = 0.1;
 const OTHER_UNIT: f64 = 30.0;
 /// Multiple of the training error from which held-out tests count as not followed.
 const NOT_FOLLOWED: f64 = 5.0;
-
-/// A parameter closer to its bound than this share is on it.
-const ON_BOUND: f64 = 1e-3;
 
 /// A signal of a test.
 type Signal = fn(&Test) -> &[f64];
@@ -168,17 +165,6 @@ pub(crate) fn on_bounds(fit: &Fit, tests: &TestSet) -> Vec<String> {
         }
     }
     lines
-}
-
-/// The physical limit that a value lies on, if it does. Zero as the lower bound is no such limit:
-/// it means that the effect is absent.
-pub(super) fn physical_limit(value: f64, (lower, upper): (f64, f64)) -> Option<&'static str> {
-    let near = ON_BOUND * (upper - lower);
-    if lower < 0.0 && value < lower + near {
-        Some("negative")
-    } else {
-        (value > upper - near).then_some("large")
-    }
 }
 
 #[cfg(test)]

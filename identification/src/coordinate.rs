@@ -55,6 +55,9 @@ const STUCK: f64 = 1e-2;
 /// A coordinate stays within this, or exponentials underflow.
 const FAR: f64 = 30.0;
 
+/// A parameter closer to its bound than this share is on it.
+pub(crate) const ON_BOUND: f64 = 1e-3;
+
 impl Coordinate {
     /// The coordinate for bounds and a usual size above zero.
     pub fn new(lower: f64, upper: f64, usual: f64) -> Self {
@@ -139,6 +142,17 @@ impl Coordinate {
     pub fn slope(&self, u: f64) -> f64 {
         let step = 1e-5;
         (self.value(u + step) - self.value(u - step)) / (2.0 * step)
+    }
+}
+
+/// The physical limit that a value lies on, if it does. Zero as the lower bound is no such limit:
+/// it means that the effect is absent.
+pub(crate) fn physical_limit(value: f64, (lower, upper): (f64, f64)) -> Option<&'static str> {
+    let near = ON_BOUND * (upper - lower);
+    if lower < 0.0 && value < lower + near {
+        Some("negative")
+    } else {
+        (value > upper - near).then_some("large")
     }
 }
 

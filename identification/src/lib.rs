@@ -15,19 +15,21 @@
 //!
 //! | files | content |
 //! | --- | --- |
+//! | `control` | progress, and the flag that ends the work |
 //! | `test_set`, `split` | records cut into pieces to leave out and independent blocks; the hold-out |
 //! | `coordinate`, `grey_box` | a model as a vector of bounded parameters |
 //! | `simulation`, `fit`, `start` | free-run simulation, least squares, start values |
 //! | `gram`, `colour`, `chance` | normal equations, coloured noise, significance |
+//! | `residual` | is the residual noise, or has it structure? |
 //! | `linearised`, `folds`, `judged` | a fitted model, and its predictions of left-out pieces |
-//! | `finding`, `evidence` | the vocabulary: accepted, rejected, not testable, and the evidence |
+//! | `evidence`, `finding` | the vocabulary: evidence, accepted, rejected, not testable |
 //! | `candidate`, `screening`, `short_list` | the catalogue against the residual, to first order |
-//! | `trial`, `acceptance`, `rejection` | a candidate fitted and judged; the rules; the reasons |
-//! | `round`, `pair`, `settling`, `canonical` | the parts of one round of the search |
+//! | `trial`, `acceptance`, `canonical`, `settling` | a candidate fitted and judged; the rules |
+//! | `budget`, `round`, `pair`, `rejection` | the parts of one round of the search |
 //! | `search` | the rounds, one effect after the other |
-//! | `residual`, `empirical` | is the residual noise? a map of it, if asked for |
+//! | `empirical` | a map of the residual, if asked for |
 //! | `uncertainty`, `cautions` | how well parameters are known; reasons for doubt |
-//! | `question`, `identify`, `result` | files to a question; the whole; `result.json` |
+//! | `error`, `question`, `result`, `identify` | files to a question; the whole; `result.json` |
 //! | `tables`, `summary`, `page`, `model_file`, `predictions` | text, report, `model.toml`, CSV files |
 //!
 //! Layers: the crate knows `measurement`, `scenario`, `signal`, `report`, `files` and the core, but

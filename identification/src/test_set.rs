@@ -105,6 +105,18 @@ impl TestSet {
         self.pieces.iter().map(|piece| piece.samples.len()).sum()
     }
 
+    /// The lowest sampling rate of the records, Hz.
+    pub fn lowest_rate_hz(&self) -> f64 {
+        let rates = self.tests.iter().map(|test| 1.0 / test.record.step_s);
+        // A time column in milliseconds rounds the rate.
+        rates.fold(f64::INFINITY, f64::min) * (1.0 + 1e-6)
+    }
+
+    /// The processing of a record that has destroyed the traces of an effect, if there is one.
+    pub fn destroyed(&self, effect: &str) -> Option<&str> {
+        self.tests.iter().find_map(|test| test.record.destroyed.get(effect).map(String::as_str))
+    }
+
     /// Simulation so far, in passes of a model over all tests.
     pub fn passes(&self) -> f64 {
         let steps: usize = self.tests.iter().map(|test| test.record.len() * test.substeps).sum();

@@ -3,7 +3,7 @@
 use super::curves::{Which, over_time};
 use super::models::deviation;
 use super::prefix::{Prefixed, uncertain};
-use super::shown::{Shown, telling_stretch};
+use super::shown::{Shown, worst_stretch};
 use super::words::{capitalised, listed, percent, probability, spoken};
 use crate::grey_box::{GreyBox, NOMINAL};
 use crate::identify::Identification;
@@ -14,7 +14,7 @@ use report::{Cell, Plot, Section, Table, Tile};
 use signal::statistics::rms;
 
 /// The effects, one after the other.
-pub(super) fn section(identification: &Identification, telling: Option<&Shown<'_>>) -> Section {
+pub(super) fn section(identification: &Identification, worst: Option<&Shown<'_>>) -> Section {
     let effects = &identification.result.effects;
     let names: Vec<String> = effects.iter().map(|effect| spoken(effect.name)).collect();
     let heading = match names.len() {
@@ -34,7 +34,7 @@ pub(super) fn section(identification: &Identification, telling: Option<&Shown<'_
     for (index, effect) in effects.iter().enumerate() {
         section = one(section, identification, index, effect);
     }
-    if let Some(shown) = telling {
+    if let Some(shown) = worst {
         let which = Which { refitted: true, with_effects: true, datasheet: false };
         section = section.heading("The model before and after").plot(over_time(
             &format!("Force in {}", shown.title()),
@@ -120,7 +120,7 @@ fn contribution(identification: &Identification, index: usize, effect: &EffectFo
         return Vec::new();
     };
     let record = &test.record;
-    let stretch = telling_stretch(test, &simulated);
+    let stretch = worst_stretch(test, &simulated);
     let force = Prefixed::for_all("N", &change[stretch.clone()]);
     let y = force.values(&change[stretch.clone()]);
     let axes = [

@@ -27,10 +27,7 @@ pub(super) fn facts(identification: &Identification) -> Vec<(&'static str, Strin
         ("held out", if none { "nothing".to_owned() } else { size(held_out) }),
         ("largest force", quantity(identification.train.scale.force_n, "N")),
         ("largest speed", quantity(identification.train.scale.velocity_m_per_s, "m/s")),
-        (
-            "sampling",
-            format!("{} Hz", significant(crate::candidate::rate_hz(&identification.train), 4)),
-        ),
+        ("sampling", format!("{} Hz", significant(identification.train.lowest_rate_hz(), 4))),
     ]
 }
 

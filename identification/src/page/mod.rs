@@ -31,7 +31,7 @@ use report::Report;
 /// The report of an identification.
 pub fn page(identification: &Identification) -> Report {
     let tests = shown::all(identification);
-    let telling = shown::telling(&tests);
+    let worst = shown::worst(&tests);
     let mut report = Report::new(&words::title(&identification.result))
         .subtitle(&words::sentence(identification));
     for (name, value) in headline::facts(identification) {
@@ -39,11 +39,11 @@ pub fn page(identification: &Identification) -> Report {
     }
     report = report
         .section(headline::section(identification))
-        .section(models::datasheet(identification, telling))
-        .section(models::refitted(identification, telling))
+        .section(models::datasheet(identification, worst))
+        .section(models::refitted(identification, worst))
         .section(coordinates::section(identification))
         .section(candidates::section(identification))
-        .section(effects::section(identification, telling))
+        .section(effects::section(identification, worst))
         .section(loops::section(identification, &tests))
         .section(errors::section(identification))
         .section(limits::section(identification))

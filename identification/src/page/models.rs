@@ -10,11 +10,11 @@ use crate::uncertainty::uncertainty;
 use report::{Cell, Section, Table};
 
 /// The record and the datasheet.
-pub(super) fn datasheet(identification: &Identification, telling: Option<&Shown<'_>>) -> Section {
+pub(super) fn datasheet(identification: &Identification, worst: Option<&Shown<'_>>) -> Section {
     let given = identification.on_train.datasheet.is_some();
     let heading = if given { "The record, and the datasheet over it" } else { "The record" };
     let mut section = Section::new(heading);
-    let Some(shown) = telling else { return section };
+    let Some(shown) = worst else { return section };
     let name = &shown.test.record.name;
     section = section.text(&format!(
         "The test shown is {name}: it has the largest error of the refitted model.{}",
@@ -43,7 +43,7 @@ pub(super) fn datasheet(identification: &Identification, telling: Option<&Shown<
 }
 
 /// The refitted model.
-pub(super) fn refitted(identification: &Identification, telling: Option<&Shown<'_>>) -> Section {
+pub(super) fn refitted(identification: &Identification, worst: Option<&Shown<'_>>) -> Section {
     let given = identification.on_train.datasheet.is_some();
     let mut section = Section::new("The model, refitted");
     let text = if given {
@@ -53,7 +53,7 @@ pub(super) fn refitted(identification: &Identification, telling: Option<&Shown<'
         "The five numbers of the nominal model are fitted to the training tests: the baseline."
     };
     section = section.text(text).table(nominal(identification));
-    if let Some(shown) = telling {
+    if let Some(shown) = worst {
         let which = Which { datasheet: given, refitted: true, with_effects: false };
         section =
             section.plot(over_time(&format!("Force in {}", shown.title()), shown, which)).plots([

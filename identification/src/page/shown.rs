@@ -45,8 +45,8 @@ fn with_forces<'a>(
 const TANGLE: f64 = 1.5;
 
 /// The test with the largest error of the refitted model.
-pub(super) fn telling<'a, 'b>(tests: &'b [Shown<'a>]) -> Option<&'b Shown<'a>> {
-    tests.iter().max_by(|a, b| a.telling_n().total_cmp(&b.telling_n()))
+pub(super) fn worst<'a, 'b>(tests: &'b [Shown<'a>]) -> Option<&'b Shown<'a>> {
+    tests.iter().max_by(|a, b| a.weighted_rms_n().total_cmp(&b.weighted_rms_n()))
 }
 
 impl Shown<'_> {
@@ -59,11 +59,11 @@ impl Shown<'_> {
     /// The stretch with the largest error of the refitted model: whole cycles where there are any.
     pub(super) fn stretch(&self) -> Range<usize> {
         let Some(refitted) = self.force_n.refitted else { return self.test.counted() };
-        telling_stretch(self.test, refitted)
+        worst_stretch(self.test, refitted)
     }
 
     /// rms error of the refitted model over the counted samples, N; more for a test with cycles.
-    fn telling_n(&self) -> f64 {
+    fn weighted_rms_n(&self) -> f64 {
         let counted = self.test.counted();
         let Some(refitted) = self.force_n.refitted else { return 0.0 };
         let samples = counted.len().max(1) as f64;
@@ -73,7 +73,7 @@ impl Shown<'_> {
 }
 
 /// The stretch of a test with the largest error of a simulated force.
-pub(super) fn telling_stretch(test: &Test, force_n: &[f64]) -> Range<usize> {
+pub(super) fn worst_stretch(test: &Test, force_n: &[f64]) -> Range<usize> {
     let counted = test.counted();
     let starts: Vec<usize> =
         test.record.cycles.iter().copied().filter(|at| counted.contains(at)).collect();

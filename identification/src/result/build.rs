@@ -4,7 +4,6 @@ use super::{
     EffectFound, EffectNotTestable, EffectRejected, EmpiricalPart, Errors, EvidenceFound,
     IdentifyResult, Models, NominalValue, ParameterValue, PerTest, UnexplainedPart, Verdict,
 };
-use crate::candidate::{destroyed, rate_hz};
 use crate::empirical::{Empirical, FittedMap};
 use crate::finding::Findings;
 use crate::fit::Fit;
@@ -229,8 +228,8 @@ fn not_testable(findings: &Findings, train: &TestSet) -> Vec<EffectNotTestable> 
             test_that_would: hidden.test_that_would.to_owned(),
         })
         .collect();
-    let rate_hz = rate_hz(train);
-    let kept = |name: &str| destroyed(train, name).is_none();
+    let rate_hz = train.lowest_rate_hz();
+    let kept = |name: &str| train.destroyed(name).is_none();
     let too_fast = CATALOGUE.iter().filter(|info| info.needs_rate_hz > rate_hz);
     for info in too_fast.filter(|info| kept(info.name)) {
         let needs = info.needs_rate_hz;
@@ -239,7 +238,7 @@ fn not_testable(findings: &Findings, train: &TestSet) -> Vec<EffectNotTestable> 
         all.push(EffectNotTestable { name: info.name, why, test_that_would });
     }
     for info in CATALOGUE {
-        if let Some(done) = destroyed(train, info.name) {
+        if let Some(done) = train.destroyed(info.name) {
             let why = format!("the processing of the records has destroyed its traces: {done}");
             let test_that_would = format!("The unprocessed records. {}", info.shown_by);
             all.push(EffectNotTestable { name: info.name, why, test_that_would });
