@@ -96,6 +96,7 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         print(&serde_json::to_string_pretty(&finished.summary)?)?;
     } else {
         let mut lines = summary_lines(&finished.summary);
+        lines.extend(scenario.warnings.iter().map(|warning| format!("warning: {warning}")));
         let mut files =
             "report.html, summary.json, record.npy, bus.log, scenario.toml, vehicle.toml"
                 .to_owned();

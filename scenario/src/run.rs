@@ -1,33 +1,36 @@
-//! The scenario of a run: vehicle, speed, track, four damper slots, rig.
+//! A run: vehicle, speed, track, damper slots and rig, ready to be simulated.
 
-use crate::compare::{CompareFile, CompareSetup};
-use crate::damper::DamperFile;
+pub use crate::cycle::CYCLE_S;
+pub use crate::effective::Effective;
+pub use crate::run_file::{On, RunFile, SlotFile, VirtualWearFile};
+pub use crate::slot::{Slot, SlotForce};
+
+use crate::compare::CompareSetup;
 use crate::damper_mass;
+use crate::effective::effective;
 use crate::equilibrium::{self, Equilibrium, NoEquilibrium};
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
-use crate::irregularity::{Band, IrregularityFile};
+use crate::irregularity::Band;
 use crate::kind::Kind;
 use crate::minimum_speed::minimum_speed_m_per_s;
 use crate::quantity::Quantity;
 use crate::rig::{RigFile, RigSetup};
 use crate::setting::Setting;
+use crate::slot::slots;
 use crate::source::Source;
-use crate::track::{OwnedTrack, TrackFile};
+use crate::title;
+use crate::track::OwnedTrack;
+use crate::typical;
 use crate::vehicle::VehicleFile;
-use crate::watch::{WatchFile, WatchSetup};
-use crate::wheel_rail::{Contact, SurfaceFile};
+use crate::wheel_rail::Contact;
 use files::quote::escaped;
 use files::quoted;
 use firmware_core::damper::Damper;
-use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle};
+use firmware_core::vehicle::Vehicle;
 use firmware_core::wheel_rail::table::ContactTable;
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Length of one control cycle (s).
-pub const CYCLE_S: f64 = 1e-3;
 
 /// Substeps per cycle unless a scenario says otherwise: chosen by the convergence test.
 pub const SUBSTEPS: u32 = 4;
@@ -40,109 +43,6 @@ const DURATION_MAX_S: f64 = 86_400.0;
 
 /// Distance at which the vehicle's reference point starts, so that no wheel stands before zero (m).
 const START_M: f64 = 15.0;
-
-/// A scenario as it stands in its file.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct RunFile {
-    /// What it shows.
-    pub title: String,
-    /// The vehicle file, beside this one.
-    pub vehicle: String,
-    /// Running speed.
-    pub speed_kmh: Quantity,
-    /// How long it runs.
-    pub duration_s: Quantity,
-    /// Time at the start that statistics leave out.
-    pub run_in_s: Option<Quantity>,
-    /// Substeps per cycle of 1 ms.
-    pub substeps: Option<u32>,
-    /// The track.
-    #[serde(default)]
-    pub track: TrackFile,
-    /// The damper in every slot that does not name its own values.
-    #[serde(default)]
-    pub damper: DamperFile,
-    /// What is different in single slots.
-    #[serde(default)]
-    pub slot: Vec<SlotFile>,
-    /// The emulated rig on the memory bus; its damper defaults to that of the scenario.
-    #[serde(default)]
-    pub rig: RigFile,
-    /// Another damper that the run is compared with.
-    pub compare: Option<CompareFile>,
-}
-
-/// One damper slot.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct SlotFile {
-    /// Its place on the vehicle.
-    pub place: String,
-    /// `modelled` or `rig`.
-    pub on: On,
-    /// Node number of the rig, 1 to 4.
-    pub node: Option<u8>,
-    /// Name of the rig's bus, for a vehicle with rigs on several; the run's `--bus` when absent.
-    pub bus: Option<String>,
-    /// Values of this damper alone.
-    #[serde(default)]
-    pub damper: DamperFile,
-    /// Wear injected in software in front of a rig.
-    pub virtual_wear: Option<VirtualWearFile>,
-    /// A model that the rig's force is compared with.
-    pub watch: Option<WatchFile>,
-}
-
-/// Where the force of a slot comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum On {
-    /// The damper model, inside the vehicle step.
-    Modelled,
-    /// A rig on the bus.
-    Rig,
-}
-
-/// Wear in software: play and softness in series with the real damper.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct VirtualWearFile {
-    /// Extra total clearance.
-    pub clearance_2a_m: Option<Quantity>,
-    /// Stiffness of the extra series spring.
-    pub stiffness_n_per_m: Option<Quantity>,
-}
-
-/// One slot, ready to run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Slot {
-    /// Its place on the vehicle.
-    pub place: String,
-    /// Where its force comes from.
-    pub force: SlotForce,
-}
-
-/// Where the force of a slot comes from.
-#[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "four of them, made once")]
-pub enum SlotForce {
-    /// The model.
-    Modelled(Damper),
-    /// A rig.
-    Rig {
-        /// Its node.
-        node: u8,
-        /// Its bus, when it is not the run's.
-        bus: Option<String>,
-        /// Extra total clearance in software (m).
-        virtual_clearance_2a_m: f64,
-        /// Extra series compliance in software (m/N).
-        virtual_compliance_m_per_n: f64,
-        /// The model that its force is compared with.
-        watch: Option<Box<WatchSetup>>,
-    },
-}
 
 /// A scenario in memory.
 #[derive(Debug, Clone, PartialEq)]
@@ -183,17 +83,10 @@ pub struct Run {
     /// "wheel profile", "rail profile", "measured track", "damper", "damper front left",
     /// "watched model front left", "rig damper", "compared damper".
     pub inputs: BTreeMap<String, String>,
+    /// What is unusual about its numbers, one line each, for a command to print.
+    pub warnings: Vec<String>,
     /// The scenario with every default written out; running it gives the same run.
     pub effective: Effective,
-}
-
-/// A scenario and its vehicle as TOML, to be kept beside each other.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Effective {
-    /// The scenario; it names the vehicle `vehicle.toml`.
-    pub scenario: String,
-    /// The vehicle.
-    pub vehicle: String,
 }
 
 /// What happens at a speed that the substeps are too coarse for.
@@ -319,8 +212,12 @@ impl Run {
                 about.push(profile.line());
             }
         }
-        let title = quoted(&file.title).to_string();
         let vehicle_name = quoted(&vehicle_file.name).to_string();
+        let title = match &file.title {
+            Some(title) => quoted(title).to_string(),
+            None => title::title(&vehicle_name, file.speed_kmh.value, &slots, &rig.damper),
+        };
+        let warnings = warnings(&slots, &rig.damper, compare.as_ref());
         let body_names =
             vehicle_file.body.iter().map(|body| quoted(&body.name).to_string()).collect();
         file.run_in_s = Some(Quantity::plain(run_in_s));
@@ -344,6 +241,7 @@ impl Run {
             start,
             body_names,
             inputs: inputs.by_role(),
+            warnings,
             effective,
         })
     }
@@ -398,24 +296,6 @@ impl RunFile {
         self.duration_s.within(source, "duration_s", CYCLE_S, DURATION_MAX_S, EXPECTED)
     }
 
-    /// This scenario with the values of every model file that it names.
-    fn resolved(mut self, source: &Source, inputs: &mut Inputs) -> Result<Self, ScenarioError> {
-        check_places(&self.slot, source)?;
-        self.damper = self.damper.resolved(source, "damper", inputs)?;
-        self.rig.damper = self.rig.damper.resolved(source, "rig damper", inputs)?;
-        for slot in &mut self.slot {
-            let own = std::mem::take(&mut slot.damper);
-            slot.damper = own.resolved(source, &format!("damper {}", slot.place), inputs)?;
-            if let Some(watch) = &mut slot.watch {
-                let model = std::mem::take(&mut watch.damper);
-                let role = format!("watched model {}", slot.place);
-                watch.damper = model.resolved(source, &role, inputs)?;
-            }
-        }
-        self.compare = self.compare.map(|compare| compare.resolved(source, inputs)).transpose()?;
-        Ok(self)
-    }
-
     /// The speed (m/s), and substeps that are fine enough for it.
     fn speed_and_substeps(
         &self,
@@ -447,154 +327,29 @@ impl RunFile {
     }
 }
 
-/// The scenario with every default written out; files that it names get their full path.
-fn effective(
-    mut file: RunFile,
-    source: &Source,
-    mut vehicle: VehicleFile,
-    vehicle_source: &Source,
-) -> Result<Effective, ScenarioError> {
-    let full = |source: &Source, path: &str| {
-        let path = source.beside(path);
-        std::path::absolute(&path).unwrap_or(path).display().to_string()
+/// What is unusual about the dampers of a run: each line once, with the places it is about.
+fn warnings(slots: &[Slot], on_rig: &Damper, compare: Option<&CompareSetup>) -> Vec<String> {
+    let mut found: Vec<(String, Vec<&str>)> = Vec::new();
+    let mut note = |line: String, place| match found.iter_mut().find(|(other, _)| *other == line) {
+        Some((_, places)) => places.push(place),
+        None => found.push((line, vec![place])),
     };
-    "vehicle.toml".clone_into(&mut file.vehicle);
-    file.damper = file.damper.over(&DamperFile::new_damper());
-    file.rig = file.rig.with_defaults(&file.damper);
-    for watch in file.slot.iter_mut().filter_map(|slot| slot.watch.as_mut()) {
-        *watch = watch.with_defaults(&file.damper);
-    }
-    file.compare = file.compare.map(|compare| compare.with_defaults());
-    if let Some(IrregularityFile::Csv { path }) = &mut file.track.irregularity {
-        *path = full(source, path);
-    }
-    if let SurfaceFile::Profiles { wheel, rail, .. } = &mut vehicle.wheel_rail.surface {
-        for profile in [wheel, rail] {
-            if vehicle_source.beside(profile).is_file() {
-                *profile = full(vehicle_source, profile);
-            }
-        }
-    }
-    let written = |error: toml::ser::Error| source.whole_error(error.to_string());
-    Ok(Effective {
-        scenario: toml::to_string(&file).map_err(written)?,
-        vehicle: toml::to_string(&vehicle).map_err(written)?,
-    })
-}
-
-/// Each place is there once at most.
-fn check_places(slots: &[SlotFile], source: &Source) -> Result<(), ScenarioError> {
-    for (index, slot) in slots.iter().enumerate() {
-        let place = &slot.place;
-        if slots.iter().take(index).any(|earlier| earlier.place == *place) {
-            return Err(source.whole_error(format!("slot \"{}\" is given twice", quoted(place))));
-        }
-    }
-    Ok(())
-}
-
-fn slots(
-    file: &RunFile,
-    vehicle: &VehicleFile,
-    source: &Source,
-    rig_ke_n_per_m: f64,
-) -> Result<Vec<Slot>, ScenarioError> {
-    let places: Vec<&str> = vehicle.damper_slot.iter().map(|slot| slot.place.as_str()).collect();
-    debug_assert!(places.len() <= DAMPER_SLOTS);
-    if let Some(unknown) = file.slot.iter().find(|slot| !places.contains(&slot.place.as_str())) {
-        let expected = match places.as_slice() {
-            [] => "expected none: the vehicle has no damper".to_owned(),
-            places => format!("expected one of {}", quoted(&places.join(", "))),
-        };
-        let place = quoted(&unknown.place);
-        return Err(
-            source.whole_error(format!("slot place \"{place}\" does not exist, {expected}"))
-        );
-    }
-    for slot in &file.slot {
-        let place = quoted(&slot.place);
-        let wear_or_watch = slot.virtual_wear.is_some() || slot.watch.is_some();
-        let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), wear_or_watch];
-        if slot.on == On::Modelled && on_a_rig.contains(&true) {
-            return Err(source.whole_error(format!(
-                "slot \"{place}\" is modelled: node, bus, virtual_wear and watch are for a rig"
-            )));
-        }
-    }
-    let mut nodes = Vec::new();
-    let mut built = Vec::new();
-    for place in places {
-        let given = file.slot.iter().find(|slot| slot.place == place);
-        let force = match given {
-            Some(slot) if slot.on == On::Rig => {
-                slot.rig(file, source, &mut nodes, rig_ke_n_per_m)?
-            }
-            given => {
-                let own = given.map(|slot| slot.damper.clone()).unwrap_or_default();
-                SlotForce::Modelled(own.over(&file.damper).build(source)?)
+    for slot in slots {
+        let lines = match &slot.force {
+            SlotForce::Modelled(damper) => typical::warnings(damper),
+            SlotForce::Rig { virtual_clearance_2a_m, .. } => {
+                let wear = typical::wear_warning(*virtual_clearance_2a_m);
+                typical::warnings(on_rig).into_iter().chain(wear).collect()
             }
         };
-        built.push(Slot { place: quoted(place).to_string(), force });
+        for line in lines {
+            note(line, &slot.place);
+        }
     }
-    Ok(built)
-}
-
-impl SlotFile {
-    fn rig(
-        &self,
-        file: &RunFile,
-        source: &Source,
-        nodes: &mut Vec<(Option<String>, u8)>,
-        rig_ke_n_per_m: f64,
-    ) -> Result<SlotForce, ScenarioError> {
-        let node = self.node.unwrap_or(1);
-        let place = quoted(&self.place);
-        if !(1..=4).contains(&node) {
-            return Err(
-                source.whole_error(format!("slot \"{place}\": node = {node}, expected 1 to 4"))
-            );
+    if let Some(CompareSetup { name, damper, .. }) = compare {
+        for line in typical::warnings(damper) {
+            note(line, name);
         }
-        let address = (self.bus.clone(), node);
-        if nodes.contains(&address) {
-            return Err(source
-                .whole_error(format!("slot \"{place}\": node {node} is taken by another slot")));
-        }
-        nodes.push(address);
-        if self.damper != DamperFile::default() {
-            return Err(source.whole_error(format!(
-                "slot \"{place}\" is on a rig: its damper stands under [rig.damper]"
-            )));
-        }
-        let (mut clearance, mut compliance) = (0.0, 0.0);
-        if let Some(wear) = &self.virtual_wear {
-            if let Some(given) = &wear.clearance_2a_m {
-                clearance = given.not_negative(source, "clearance_2a_m")?;
-            }
-            if let Some(given) = &wear.stiffness_n_per_m {
-                let stiffness = given.positive(source, "stiffness_n_per_m")?;
-                // Feedback over one cycle of lag: unstable from the damper's own stiffness down.
-                if stiffness < 2.0 * rig_ke_n_per_m {
-                    return Err(given.error(
-                        source,
-                        format!(
-                            "stiffness_n_per_m = {stiffness}, expected at least twice the ke_n_per_m \
-                             of the rig's damper ({rig_ke_n_per_m}): softer wear needs a softer damper"
-                        ),
-                    ));
-                }
-                compliance = 1.0 / stiffness;
-            }
-        }
-        let watch = match &self.watch {
-            Some(watch) => Some(Box::new(watch.build(source, &file.damper)?)),
-            None => None,
-        };
-        Ok(SlotForce::Rig {
-            node,
-            bus: self.bus.clone(),
-            virtual_clearance_2a_m: clearance,
-            virtual_compliance_m_per_n: compliance,
-            watch,
-        })
     }
+    found.into_iter().map(|(line, places)| format!("{}: {line}", places.join(", "))).collect()
 }

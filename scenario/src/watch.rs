@@ -14,10 +14,10 @@
 //! limit_n = 400.0                    # or, instead: above a stated force
 //! ```
 
+use crate::cycle::CYCLE_S;
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::quantity::Quantity;
-use crate::run::CYCLE_S;
 use crate::source::Source;
 use firmware_core::damper::Damper;
 use serde::{Deserialize, Serialize};

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
+mod dampers;
 mod inputs;
 mod refused;
 mod support;

@@ -1,0 +1,53 @@
+//! A run as files of its own: every default written out, nothing left to the program.
+
+use crate::damper::DamperFile;
+use crate::error::ScenarioError;
+use crate::irregularity::IrregularityFile;
+use crate::run_file::RunFile;
+use crate::source::Source;
+use crate::vehicle::VehicleFile;
+use crate::wheel_rail::SurfaceFile;
+
+/// A scenario and its vehicle as TOML, to be kept beside each other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Effective {
+    /// The scenario; it names the vehicle `vehicle.toml`.
+    pub scenario: String,
+    /// The vehicle.
+    pub vehicle: String,
+}
+
+/// The scenario with every default written out; files that it names get their full path.
+pub(crate) fn effective(
+    mut file: RunFile,
+    source: &Source,
+    mut vehicle: VehicleFile,
+    vehicle_source: &Source,
+) -> Result<Effective, ScenarioError> {
+    let full = |source: &Source, path: &str| {
+        let path = source.beside(path);
+        std::path::absolute(&path).unwrap_or(path).display().to_string()
+    };
+    "vehicle.toml".clone_into(&mut file.vehicle);
+    file.damper = file.damper.over(&DamperFile::new_damper());
+    file.rig = file.rig.with_defaults(&file.damper);
+    for watch in file.slot.iter_mut().filter_map(|slot| slot.watch.as_mut()) {
+        *watch = watch.with_defaults(&file.damper);
+    }
+    file.compare = file.compare.map(|compare| compare.with_defaults());
+    if let Some(IrregularityFile::Csv { path }) = &mut file.track.irregularity {
+        *path = full(source, path);
+    }
+    if let SurfaceFile::Profiles { wheel, rail, .. } = &mut vehicle.wheel_rail.surface {
+        for profile in [wheel, rail] {
+            if vehicle_source.beside(profile).is_file() {
+                *profile = full(vehicle_source, profile);
+            }
+        }
+    }
+    let written = |error: toml::ser::Error| source.whole_error(error.to_string());
+    Ok(Effective {
+        scenario: toml::to_string(&file).map_err(written)?,
+        vehicle: toml::to_string(&vehicle).map_err(written)?,
+    })
+}

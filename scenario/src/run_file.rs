@@ -1,0 +1,122 @@
+//! A scenario as it stands in its file.
+
+use crate::compare::CompareFile;
+use crate::damper::DamperFile;
+use crate::error::ScenarioError;
+use crate::inputs::Inputs;
+use crate::quantity::Quantity;
+use crate::rig::RigFile;
+use crate::source::Source;
+use crate::track::TrackFile;
+use crate::watch::WatchFile;
+use files::quoted;
+use serde::{Deserialize, Serialize};
+
+/// A scenario as it stands in its file.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunFile {
+    /// What it shows; without it the title says what vehicle, speed and dampers are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// The vehicle file, relative to this one.
+    pub vehicle: String,
+    /// Running speed.
+    pub speed_kmh: Quantity,
+    /// How long it runs.
+    pub duration_s: Quantity,
+    /// Time at the start that statistics leave out.
+    pub run_in_s: Option<Quantity>,
+    /// Substeps per cycle of 1 ms.
+    pub substeps: Option<u32>,
+    /// The track.
+    #[serde(default)]
+    pub track: TrackFile,
+    /// The damper in every slot that does not name its own values.
+    #[serde(default)]
+    pub damper: DamperFile,
+    /// What is different in single slots.
+    #[serde(default)]
+    pub slot: Vec<SlotFile>,
+    /// The emulated rig on the memory bus; its damper defaults to that of the scenario.
+    #[serde(default)]
+    pub rig: RigFile,
+    /// Another damper that the run is compared with.
+    pub compare: Option<CompareFile>,
+}
+
+/// One damper slot.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlotFile {
+    /// Its place on the vehicle.
+    pub place: String,
+    /// `modelled` or `rig`.
+    pub on: On,
+    /// Node number of the rig, 1 to 4.
+    pub node: Option<u8>,
+    /// Name of the rig's bus, for a vehicle with rigs on several; the run's `--bus` when absent.
+    pub bus: Option<String>,
+    /// Values of this damper alone.
+    #[serde(default)]
+    pub damper: DamperFile,
+    /// Wear injected in software in front of a rig.
+    pub virtual_wear: Option<VirtualWearFile>,
+    /// A model that the rig's force is compared with.
+    pub watch: Option<WatchFile>,
+}
+
+/// Where the force of a slot comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum On {
+    /// The damper model, inside the vehicle step.
+    Modelled,
+    /// A rig on the bus.
+    Rig,
+}
+
+/// Wear in software: play and softness in series with the real damper.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct VirtualWearFile {
+    /// Extra total clearance.
+    pub clearance_2a_m: Option<Quantity>,
+    /// Stiffness of the extra series spring.
+    pub stiffness_n_per_m: Option<Quantity>,
+}
+
+impl RunFile {
+    /// This scenario with the values of every model file that it names.
+    pub(crate) fn resolved(
+        mut self,
+        source: &Source,
+        inputs: &mut Inputs,
+    ) -> Result<Self, ScenarioError> {
+        check_places(&self.slot, source)?;
+        self.damper = self.damper.resolved(source, "damper", inputs)?;
+        self.rig.damper = self.rig.damper.resolved(source, "rig damper", inputs)?;
+        for slot in &mut self.slot {
+            let own = std::mem::take(&mut slot.damper);
+            slot.damper = own.resolved(source, &format!("damper {}", slot.place), inputs)?;
+            if let Some(watch) = &mut slot.watch {
+                let model = std::mem::take(&mut watch.damper);
+                let role = format!("watched model {}", slot.place);
+                watch.damper = model.resolved(source, &role, inputs)?;
+            }
+        }
+        self.compare = self.compare.map(|compare| compare.resolved(source, inputs)).transpose()?;
+        Ok(self)
+    }
+}
+
+/// Each place is there once at most.
+fn check_places(slots: &[SlotFile], source: &Source) -> Result<(), ScenarioError> {
+    for (index, slot) in slots.iter().enumerate() {
+        let place = &slot.place;
+        if slots.iter().take(index).any(|earlier| earlier.place == *place) {
+            return Err(source.whole_error(format!("slot \"{}\" is given twice", quoted(place))));
+        }
+    }
+    Ok(())
+}

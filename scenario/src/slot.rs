@@ -1,0 +1,148 @@
+//! The damper slots of a run: modelled, or on a rig.
+
+use crate::damper::DamperFile;
+use crate::error::ScenarioError;
+use crate::run_file::{On, RunFile, SlotFile};
+use crate::source::Source;
+use crate::vehicle::VehicleFile;
+use crate::watch::WatchSetup;
+use files::quoted;
+use firmware_core::damper::Damper;
+use firmware_core::vehicle::DAMPER_SLOTS;
+
+/// One slot, ready to run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slot {
+    /// Its place on the vehicle.
+    pub place: String,
+    /// Where its force comes from.
+    pub force: SlotForce,
+}
+
+/// Where the force of a slot comes from.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "four of them, made once")]
+pub enum SlotForce {
+    /// The model.
+    Modelled(Damper),
+    /// A rig.
+    Rig {
+        /// Its node.
+        node: u8,
+        /// Its bus, when it is not the run's.
+        bus: Option<String>,
+        /// Extra total clearance in software (m).
+        virtual_clearance_2a_m: f64,
+        /// Extra series compliance in software (m/N).
+        virtual_compliance_m_per_n: f64,
+        /// The model that its force is compared with.
+        watch: Option<Box<WatchSetup>>,
+    },
+}
+
+/// The slots of a vehicle as a scenario fills them.
+pub(crate) fn slots(
+    file: &RunFile,
+    vehicle: &VehicleFile,
+    source: &Source,
+    rig_ke_n_per_m: f64,
+) -> Result<Vec<Slot>, ScenarioError> {
+    let places: Vec<&str> = vehicle.damper_slot.iter().map(|slot| slot.place.as_str()).collect();
+    debug_assert!(places.len() <= DAMPER_SLOTS);
+    if let Some(unknown) = file.slot.iter().find(|slot| !places.contains(&slot.place.as_str())) {
+        let expected = match places.as_slice() {
+            [] => "expected none: the vehicle has no damper".to_owned(),
+            places => format!("expected one of {}", quoted(&places.join(", "))),
+        };
+        let place = quoted(&unknown.place);
+        return Err(
+            source.whole_error(format!("slot place \"{place}\" does not exist, {expected}"))
+        );
+    }
+    for slot in &file.slot {
+        let place = quoted(&slot.place);
+        let wear_or_watch = slot.virtual_wear.is_some() || slot.watch.is_some();
+        let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), wear_or_watch];
+        if slot.on == On::Modelled && on_a_rig.contains(&true) {
+            return Err(source.whole_error(format!(
+                "slot \"{place}\" is modelled: node, bus, virtual_wear and watch are for a rig"
+            )));
+        }
+    }
+    let mut nodes = Vec::new();
+    let mut built = Vec::new();
+    for place in places {
+        let given = file.slot.iter().find(|slot| slot.place == place);
+        let force = match given {
+            Some(slot) if slot.on == On::Rig => {
+                slot.rig(file, source, &mut nodes, rig_ke_n_per_m)?
+            }
+            given => {
+                let own = given.map(|slot| slot.damper.clone()).unwrap_or_default();
+                SlotForce::Modelled(own.over(&file.damper).build(source)?)
+            }
+        };
+        built.push(Slot { place: quoted(place).to_string(), force });
+    }
+    Ok(built)
+}
+
+impl SlotFile {
+    fn rig(
+        &self,
+        file: &RunFile,
+        source: &Source,
+        nodes: &mut Vec<(Option<String>, u8)>,
+        rig_ke_n_per_m: f64,
+    ) -> Result<SlotForce, ScenarioError> {
+        let node = self.node.unwrap_or(1);
+        let place = quoted(&self.place);
+        if !(1..=4).contains(&node) {
+            return Err(
+                source.whole_error(format!("slot \"{place}\": node = {node}, expected 1 to 4"))
+            );
+        }
+        let address = (self.bus.clone(), node);
+        if nodes.contains(&address) {
+            return Err(source
+                .whole_error(format!("slot \"{place}\": node {node} is taken by another slot")));
+        }
+        nodes.push(address);
+        if self.damper != DamperFile::default() {
+            return Err(source.whole_error(format!(
+                "slot \"{place}\" is on a rig: its damper stands under [rig.damper]"
+            )));
+        }
+        let (mut clearance, mut compliance) = (0.0, 0.0);
+        if let Some(wear) = &self.virtual_wear {
+            if let Some(given) = &wear.clearance_2a_m {
+                clearance = given.not_negative(source, "clearance_2a_m")?;
+            }
+            if let Some(given) = &wear.stiffness_n_per_m {
+                let stiffness = given.positive(source, "stiffness_n_per_m")?;
+                // Feedback over one cycle of lag: unstable from the damper's own stiffness down.
+                if stiffness < 2.0 * rig_ke_n_per_m {
+                    return Err(given.error(
+                        source,
+                        format!(
+                            "stiffness_n_per_m = {stiffness}, expected at least twice the ke_n_per_m \
+                             of the rig's damper ({rig_ke_n_per_m}): softer wear needs a softer damper"
+                        ),
+                    ));
+                }
+                compliance = 1.0 / stiffness;
+            }
+        }
+        let watch = match &self.watch {
+            Some(watch) => Some(Box::new(watch.build(source, &file.damper)?)),
+            None => None,
+        };
+        Ok(SlotForce::Rig {
+            node,
+            bus: self.bus.clone(),
+            virtual_clearance_2a_m: clearance,
+            virtual_compliance_m_per_n: compliance,
+            watch,
+        })
+    }
+}
