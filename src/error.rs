@@ -1,6 +1,7 @@
 //! Everything that can end a command early, and the exit code that each of it has.
 //!
-//! The error of another crate is one variant: one line in the table below. Its own kind decides
+//! The error of another crate is one variant: one row in the table below, such as
+//! `Bench(BenchError) => |why| input_or_failure(why.is_bad_input());`. Its own kind decides
 //! whether the input is at fault ([`BAD_INPUT`]), the operation failed ([`FAILED`]), or the bench
 //! ended in the safe state ([`SAFE_STATE`]).
 

@@ -81,7 +81,13 @@ fn reason(error: &clap::Error, value: &str) -> String {
         }
         .to_owned();
     }
-    let said = source.to_string();
+    let mut said = source.to_string();
+    // The value stands in the line already.
+    if said.starts_with("found ")
+        && let Some(at) = said.rfind(", expected ")
+    {
+        said = said.split_off(at + 2);
+    }
     let range = said.split_once(" is not in ").and_then(|(_, range)| range.split_once("..="));
     range
         .map_or(said.clone(), |(low, high)| format!("expected a whole number from {low} to {high}"))

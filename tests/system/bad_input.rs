@@ -177,7 +177,7 @@ fn an_output_folder_that_cannot_be_made_is_bad_input() {
 }
 
 /// Command lines that are refused before anything is read, and the whole line that says so.
-const REFUSED: [(&[&str], &str); 25] = [
+const REFUSED: [(&[&str], &str); 26] = [
     (&["runn", "a.toml"], "runn: unknown command; did you mean run?"),
     (&["xyz"], "xyz: unknown command; `yawbench --help` lists the commands"),
     (&["--foo"], "--foo: unknown option"),
@@ -207,6 +207,7 @@ const REFUSED: [(&[&str], &str); 25] = [
         "--fifo-priority 300: expected a whole number from 0 to 99",
     ),
     (&["run", "a.toml", "--json", "--json"], "--json: given twice, expected once"),
+    (&["rig", "--bus", "can0"], "--bus can0: expected memory or socketcan:INTERFACE"),
     (&["rig", "--bus", "memory", "--node", "x"], "--node x: expected a whole number"),
     (&["characterise", "--seed", "-1", "a"], "--seed -1: expected a whole number, 0 or more"),
     (&["characterise", "a.toml", "--from", "b.csv"], "[MODEL]: cannot be used with --from"),

@@ -24,7 +24,7 @@ const LAYERS: [&[&str]; 9] = [
     &["virtual-bench", "identification", "vehicle-studies", "hil-host"],
     &["evidence"],
     &["yawbench"],
-    &["xtask"],
+    &["firmware", "xtask"],
 ];
 
 /// What test code uses of its own layer: crate, what it uses, why.
@@ -32,7 +32,10 @@ const TESTS_MAY_USE: [(&str, &str, &str); 1] =
     [("identification", "virtual-bench", "records for the tests of the identification")];
 
 /// Circles that may stay: their files and the reason. Never more than two.
-const BENIGN: &[(&[&str], &str)] = &[];
+const BENIGN: &[(&[&str], &str)] = &[(
+    &["report/src/document.rs", "report/src/page.rs"],
+    "a document renders itself, and a page is made of its blocks",
+)];
 
 /// The position of a crate in the layers.
 fn layer(name: &str) -> Option<usize> {
@@ -89,7 +92,7 @@ fn violations(tree: &Tree, benign: &[(&[&str], &str)]) -> Vec<String> {
 fn no_arrow_runs_up_and_no_files_use_each_other_in_a_circle() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let tree = Tree::read(root);
-    assert!(tree.crates.len() >= 13, "found only {:?}: is this test blind?", tree.crates.keys());
+    assert!(tree.crates.len() >= 15, "found only {:?}: is this test blind?", tree.crates.keys());
     assert!(BENIGN.len() <= 2, "more than two circles are listed as benign");
     let wrong = violations(&tree, BENIGN);
     assert!(wrong.is_empty(), "{} faults of the layout:\n{}", wrong.len(), wrong.join("\n"));

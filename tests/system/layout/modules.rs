@@ -62,10 +62,6 @@ impl Tree {
             let text = std::fs::read_to_string(folder.join("Cargo.toml")).unwrap();
             let manifest: toml::Table = text.parse().unwrap();
             let name = manifest["package"]["name"].as_str().unwrap().to_owned();
-            // The image is no member of the workspace.
-            if name.ends_with("firmware") {
-                continue;
-            }
             let names = |key: &str| -> Vec<String> {
                 let table = manifest.get(key).and_then(toml::Value::as_table);
                 table.into_iter().flat_map(toml::Table::keys).cloned().collect()
