@@ -143,7 +143,8 @@ fn shards_of_another_version_of_the_program_are_refused() {
     let points = place.join("found/points-1-of-1.jsonl");
     let text = read(&points);
     let at = text.find("\"program\":\"").unwrap() + "\"program\":\"".len();
-    std::fs::write(&points, format!("{}0123456789abcdef{}", &text[..at], &text[at + 16..])).unwrap();
+    std::fs::write(&points, format!("{}0123456789abcdef{}", &text[..at], &text[at + 16..]))
+        .unwrap();
     for more in [&["--merge", "found/points-1-of-1.jsonl", "--out=merged"][..], &["--out=found"]] {
         let said = refused(&place, more);
         assert!(said.contains("by another version of the program"), "{said}");

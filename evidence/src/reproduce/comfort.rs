@@ -4,7 +4,7 @@
 //! and reaches vertical motion at second order only, so that the study's change of the vertical index
 //! is not expected here; what comes out is told.
 
-use super::Basis;
+use super::basis::Basis;
 use super::locomotive::KE_N_PER_M;
 use super::row::{Figure, Role, Row};
 use super::running::{SPEED_KMH, run_with};

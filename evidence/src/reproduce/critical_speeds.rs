@@ -4,7 +4,7 @@
 //! irregularity ends after 300 m, and what still moves by the threshold 14 s later hunts. The speed below
 //! which no hunting stays bounds it without seed and threshold.
 
-use super::Basis;
+use super::basis::Basis;
 use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M, Locomotive};
 use super::null_models::{constant_kmh, line_kmh};
 use super::row::{Figure, Role, Row};

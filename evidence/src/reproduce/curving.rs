@@ -4,7 +4,7 @@
 //! sum of guiding forces of wheelset 1, filtered as EN 14363 does; wear power that of all patches. What the
 //! study calls a Bode plot of the shift force is drawn as amplitude density in decibels.
 
-use super::Basis;
+use super::basis::Basis;
 use super::locomotive::{KE_N_PER_M, dampers};
 use super::row::{Figure, Row};
 use crate::error::EvidenceError;

@@ -3,7 +3,7 @@
 //! The study says: it comes to rest from 160 to 240 km/h, swings with constant amplitude abruptly at 250 km/h,
 //! and grows with the dampers suspended at a = 4 mm.
 
-use super::Basis;
+use super::basis::Basis;
 use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M};
 use super::row::{Figure, Role, Row};
 use crate::error::EvidenceError;

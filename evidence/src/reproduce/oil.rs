@@ -8,7 +8,7 @@
 //! Limits: the physical damper is illustrative, no maker's; with every fit stands how much of the force it
 //! leaves.
 
-use super::Basis;
+use super::basis::Basis;
 use super::row::{Figure, Row};
 use crate::error::EvidenceError;
 use firmware_core::damper::Nominal;

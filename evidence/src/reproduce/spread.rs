@@ -5,7 +5,7 @@
 //! else, the calibrated numbers too, as it was. A calibration made anew would take up part of it. Two tracks
 //! are enough for a difference: the seeds spread by less than the inputs.
 
-use super::Basis;
+use super::basis::Basis;
 use super::critical_speeds::PUBLISHED;
 use super::locomotive::Locomotive;
 use super::row::{Figure, Row};

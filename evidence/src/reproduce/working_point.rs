@@ -4,7 +4,7 @@
 //! frequency is defined. Each thing that the full model adds, or that the study leaves open, is changed
 //! alone, and what is then left of the gap stands beside it.
 
-use super::Basis;
+use super::basis::Basis;
 use super::row::{Figure, Row};
 use super::running::{
     Channel, SPEED_KMH, WORKING_2A_M, WORKING_KE_N_PER_M, WORKING_POINT, run_with, signals,

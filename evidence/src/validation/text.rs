@@ -1,7 +1,6 @@
 //! The comparisons as a table of plain text.
 
 use super::Reference;
-use super::page::{allowed, verdict};
 use report::significant;
 use std::fmt::Write;
 
@@ -9,7 +8,7 @@ use std::fmt::Write;
 pub fn text(references: &[Reference]) -> String {
     let mut out = String::new();
     for reference in references {
-        line(&mut out, format_args!("{} - {}", verdict(reference), reference.title));
+        line(&mut out, format_args!("{} - {}", reference.verdict(), reference.title));
         for (check, count) in reference.tightest() {
             line(
                 &mut out,
@@ -20,7 +19,7 @@ pub fn text(references: &[Reference]) -> String {
                     check.at,
                     significant(check.ours, 5),
                     significant(check.expected, 5),
-                    format!("{} {}", allowed(check), check.unit),
+                    format!("{} {}", check.allowed(), check.unit),
                     100.0 * check.used()
                 ),
             );
@@ -50,7 +49,7 @@ pub fn misses(references: &[Reference]) -> impl Iterator<Item = String> {
                 significant(check.ours, 6),
                 check.unit,
                 significant(check.expected, 6),
-                allowed(check)
+                check.allowed()
             )
         })
     })
