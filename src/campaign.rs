@@ -1,4 +1,5 @@
-//! `yawbench identify --campaign` and `--merge`: the proof of `identify` on records whose truth is known.
+//! `yawbench identify --campaign` and `--merge`: the proof of `identify` on records whose truth is
+//! known.
 
 use crate::exit::INTERRUPTED;
 use crate::identify::IdentifyArgs;
@@ -64,8 +65,8 @@ fn merged(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
     show(args, &table, folder.transpose()?.as_ref())
 }
 
-/// The folder of a merged table: that of the campaign where this program has run the cases, else one of
-/// its own, known by the content of the files.
+/// The folder of a merged table: that of the campaign where this program has run the cases, else
+/// one of its own, known by the content of the files.
 fn folder_of_merged(out: &Path, files: &[PathBuf], table: &Table) -> anyhow::Result<ResultFolder> {
     let Table { cases, seed, brief, .. } = *table;
     let campaign = Campaign { cases, seed, brief }.identity()?;

@@ -26,11 +26,12 @@ pub(crate) struct ReproduceArgs {
     /// One figure of the study, such as 10a; all of them without it.
     #[arg(long, value_name = "N", conflicts_with = "calibrate")]
     figure: Option<String>,
-    /// Calibrate the three numbers that are published nowhere on the three critical speeds that fix them.
+    /// Calibrate the three numbers that are published nowhere on the three critical speeds that fix
+    /// them.
     #[arg(long)]
     calibrate: bool,
-    /// Compare with benchmarks, published values, closed forms and second solutions instead of the study;
-    /// exit code 1 if one is missed.
+    /// Compare with benchmarks, published values, closed forms and second solutions instead of the
+    /// study; exit code 1 if one is missed.
     #[arg(long, conflicts_with_all = ["figure", "calibrate"])]
     validation: bool,
     /// The locomotive with its dampers in good condition.
@@ -39,7 +40,8 @@ pub(crate) struct ReproduceArgs {
     /// Tracks: seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
-    /// Folder for the files [default: runs/reproduce or runs/validation, with -2, -3, ... where another result is there].
+    /// Folder for the files [default: runs/reproduce or runs/validation, with -2, -3, ... where
+    /// another result is there].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print reproduce.json instead of tables.

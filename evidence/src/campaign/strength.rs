@@ -1,8 +1,8 @@
 //! One number for every effect of the catalogue, from vanishing (0) to strong.
 //!
 //! Which parameter grows with it, and how, is in [`Strength::values`]; the parameters that give the
-//! effect its shape are drawn once per case. Sizes are in those of the damper and its tests ([`Scale`]:
-//! relief force, greatest velocity and greatest stroke around the middle of a test).
+//! effect its shape are drawn once per case. Sizes are in those of the damper and its tests
+//! ([`Scale`]: relief force, greatest velocity and greatest stroke around the middle of a test).
 
 use firmware_core::damper::effects::{CATALOGUE, EffectInfo, Scale};
 use firmware_core::damper::{Effect, Nominal};

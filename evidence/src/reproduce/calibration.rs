@@ -6,9 +6,9 @@
 //! | its conicity of large motions | 170 km/h at 2a = 8 mm | with its dampers hanging the vehicle is left to its wheels |
 //! | relief force | 250 km/h at Ke = 12.5 MN/m, 2a = 0.2 mm | the cycle is as large as the relieved damper lets it |
 //!
-//! One after the other, twice, since each moves the others a little. A number stays inside the range that the
-//! reduced model found possible; where the speed is not met inside, it stands at the end, and that is told.
-//! Three numbers on three speeds: calibration, and no test of anything.
+//! One after the other, twice, since each moves the others a little. A number stays inside the
+//! range that the reduced model found possible; where the speed is not met inside, it stands at the
+//! end, and that is stated. Three numbers on three speeds: calibration, and no test of anything.
 
 use super::basis::Basis;
 use super::locomotive::Locomotive;
@@ -70,8 +70,8 @@ pub struct Calibrated {
     pub at_end_of_range: bool,
 }
 
-/// Finds the numbers; `see` gets every value that is tried, with its speed. Once `stop` is set, what was
-/// found before is returned.
+/// Finds the numbers; `see` gets every value that is tried, with its speed. Once `stop` is set,
+/// what was found before is returned.
 ///
 /// # Errors
 /// A scenario that cannot run, or whose files change in the meantime.

@@ -1,9 +1,10 @@
-//! The study of 2014 on the yaw dampers of an SS9, figure by figure: what it says beside what comes out here.
+//! The study of 2014 on the yaw dampers of an SS9, figure by figure: what it says compared with
+//! what comes out here.
 //!
-//! "A locomotive's dynamic response to in-service parameter variations of its hydraulic yaw damper",
-//! Nonlinear Dynamics (2014). Its appendix with the parameters is not public: the vehicle here is an
-//! analogue, and three numbers of it that are public nowhere are calibrated, each on one critical speed
-//! ([`calibration`]). [`row`] says which number has which role.
+//! "A locomotive's dynamic response to in-service parameter variations of its hydraulic yaw
+//! damper", Nonlinear Dynamics (2014). Its appendix with the parameters is not public: the vehicle
+//! here is an analogue, and three numbers of it that are public nowhere are calibrated, each on one
+//! critical speed ([`calibration`]). [`row`] says which number has which role.
 //!
 //! | module | of the study |
 //! | --- | --- |
@@ -50,8 +51,8 @@ impl Recipe {
     /// Makes it.
     ///
     /// # Errors
-    /// The vehicle does not run steadily, or cannot be changed so; the files of the scenario have changed
-    /// since the basis was read.
+    /// The vehicle does not run steadily, or cannot be changed so; the files of the scenario have
+    /// changed since the basis was read.
     pub fn make(&self, basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
         let figure = (self.make)(basis)
             .map_err(|why| EvidenceError::InFigure(self.number, Box::new(why)))?;

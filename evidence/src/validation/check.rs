@@ -1,4 +1,4 @@
-//! One number of ours beside one that is known, and what may lie between them.
+//! One number of ours, the known number, and the tolerance between them.
 
 use report::Plot;
 use report::significant;

@@ -1,9 +1,10 @@
-//! Ours against what is known: published numbers, closed forms, and numbers that were computed twice.
+//! Ours against what is known: published numbers, closed forms, and numbers that were computed
+//! twice.
 //!
-//! One file per reference. Each computes its numbers when it is asked, sets them beside the known ones as
-//! [`Check`]s with tolerances that its [`Reference`] derives, and says what is left out. Nothing here is
-//! tuned to pass; the same functions are the tests (`tests/validation.rs`) and the page of
-//! `yawbench reproduce --validation` ([`page`]).
+//! One file per reference. Each computes its numbers when it is asked, compares them with the known
+//! ones as [`Check`]s with tolerances that its [`Reference`] derives, and says what is left out.
+//! Nothing here is tuned to pass; the same functions are the tests (`tests/validation.rs`) and the
+//! page of `yawbench reproduce --validation` ([`page`]).
 //!
 //! | file | known from |
 //! | --- | --- |
@@ -59,8 +60,8 @@ pub const REFERENCES: [Compute; 10] = [
     symmetry::reference,
 ];
 
-/// Computes all of them in parallel. `progress` gets the title of each when it is done, the number done
-/// and the number of all. Once `stop` is set no further reference begins.
+/// Computes all of them in parallel. `progress` gets the title of each when it is done, the number
+/// done and the number of all. Once `stop` is set no further reference begins.
 ///
 /// # Errors
 /// A reference that cannot be computed.

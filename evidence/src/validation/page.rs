@@ -49,7 +49,8 @@ fn overview_table(references: &[Reference]) -> Table {
     }))
 }
 
-/// Whether being far from the known value is worse on both sides, or on the only one that has a bound.
+/// Whether being far from the known value is worse on both sides, or on the only one that has a
+/// bound.
 fn two_sided(check: &Check) -> bool {
     check.highest.is_some()
 }

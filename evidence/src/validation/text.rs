@@ -4,7 +4,8 @@ use super::Reference;
 use report::significant;
 use std::fmt::Write;
 
-/// One line per quantity: how many comparisons, the tightest, and whether all pass; then what misses.
+/// One line per quantity: how many comparisons, the tightest, and whether all pass; then what
+/// misses.
 pub fn text(references: &[Reference]) -> String {
     let mut out = String::new();
     for reference in references {

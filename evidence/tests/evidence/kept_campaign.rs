@@ -1,5 +1,5 @@
-//! The cases of the kept campaign were computed before results had an identity: they still merge among
-//! themselves, to the same table.
+//! The cases of the kept campaign were computed before results had an identity: they still merge
+//! among themselves, to the same table.
 
 use evidence::campaign::score::CaseResult;
 use evidence::campaign::{Campaign, Table, page};
