@@ -1,4 +1,5 @@
-//! Hashes the sources of the crates that compute the cases of the campaign and the figures of the study.
+//! Hashes the sources of the crates that compute the cases of the campaign, the references and the
+//! figures of the study.
 
 include!("../files/build/sources.rs");
 
@@ -14,6 +15,8 @@ fn main() {
         "../scenarios/dampers",
     ];
     export_hash("CAMPAIGN_SOURCES", &[&["src/campaign"][..], &identify].concat());
+    let validation = ["src/validation", "../vehicle-studies/src", "../scenarios/vehicles"];
+    export_hash("VALIDATION_SOURCES", &[&validation[..], &identify].concat());
     let figures = ["src/reproduce", "../vehicle-studies/src"];
     export_hash("REPRODUCE_SOURCES", &[&figures[..], &identify].concat());
 }

@@ -99,13 +99,12 @@ fn folder_of_merged(
 ) -> Result<ResultFolder, CommandError> {
     let Table { cases, seed, brief, .. } = *table;
     let campaign = Campaign { cases, seed, brief }.identity()?;
-    let identity = match merge::<CaseResult>(files, Some(&campaign)) {
-        Ok(_) => campaign,
-        Err(_) => {
-            let cases = serde_json::to_string(table)?;
-            let inputs = [("cases".to_owned(), content_hash(cases.as_bytes()))].into();
-            Identity::new(&"a table of merged cases", inputs, "")?
-        }
+    let identity = if merge::<CaseResult>(files, Some(&campaign)).is_ok() {
+        campaign
+    } else {
+        let cases = serde_json::to_string(table)?;
+        let inputs = [("cases".to_owned(), content_hash(cases.as_bytes()))].into();
+        Identity::new(&"a table of merged cases", inputs, "")?
     };
     let (mut folder, _) = ResultFolder::for_identity(Some(out), "campaign", COMMAND, &identity)?;
     folder.check(&["table.json", "table.txt"])?;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use vehicle_studies::critical_speed::linear::STROKES_M;
 use vehicle_studies::critical_speed::{Criterion, Procedure, Question};
 
-/// What `critical-speed` is told.
+/// The options of `critical-speed`.
 #[derive(Debug, Args)]
 pub(crate) struct CriticalSpeedArgs {
     #[command(flatten)]
@@ -28,8 +28,8 @@ pub(crate) struct CriticalSpeedArgs {
     /// Lateral motion of a wheelset that counts as hunting (mm).
     #[arg(long, value_name = "MM", default_value_t = 3.0, allow_negative_numbers = true)]
     threshold_mm: f64,
-    /// Strokes of the dampers for eigenvalues, half the travel (mm); at zero a clearance would mean that
-    /// there is no damper.
+    /// Strokes of the dampers for eigenvalues, half the travel (mm); at zero a clearance would mean
+    /// that there is no damper.
     #[arg(long, value_name = "MM,MM", value_delimiter = ',', allow_negative_numbers = true)]
     stroke_mm: Vec<f64>,
 }

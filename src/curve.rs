@@ -6,7 +6,7 @@ use clap::Args;
 use std::process::ExitCode;
 use vehicle_studies::curve::Procedure;
 
-/// What `curve` is told.
+/// The options of `curve`.
 #[derive(Debug, Args)]
 pub(crate) struct CurveArgs {
     #[command(flatten)]

@@ -1,34 +1,37 @@
 //! `yawbench reproduce`: the study of the SS9's yaw dampers, figure by figure.
 
+use crate::exit::INTERRUPTED;
 use crate::output::print;
-use crate::progress;
-use crate::validation;
+use crate::{progress, stop, validation};
 use anyhow::bail;
 use clap::Args;
+use evidence::error::EvidenceError;
 use evidence::reproduce::calibration::{Calibrated, UNKNOWNS, calibrate};
 use evidence::reproduce::locomotive::Locomotive;
 use evidence::reproduce::row::{Figure, Row};
 use evidence::reproduce::{Basis, FIGURES, Recipe, named, page};
-use hil_host::record::RunFolder;
+use files::{Identity, ResultFolder};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::Ordering;
 use vehicle_studies::critical_speed::Procedure;
 
 /// Speeds among which critical ones are looked for (km/h): the study's lie between 170 and 260.
 const SPEEDS_KMH: [f64; 2] = [140.0, 340.0];
 
-/// What `reproduce` is told.
+/// The options of `reproduce`.
 #[derive(Debug, Args)]
 pub(crate) struct ReproduceArgs {
     /// One figure of the study, such as 10a; all of them without it.
     #[arg(long, value_name = "N", conflicts_with = "calibrate")]
     figure: Option<String>,
-    /// Find the three numbers that are public nowhere on the three critical speeds that fix them.
+    /// Calibrate the three numbers that are published nowhere on the three critical speeds that fix
+    /// them.
     #[arg(long)]
     calibrate: bool,
-    /// Nothing of the study: benchmarks, published values, closed forms and second solutions; exit code 1
-    /// if one is missed.
+    /// Compare with benchmarks, published values, closed forms and second solutions instead of the
+    /// study; exit code 1 if one is missed.
     #[arg(long, conflicts_with_all = ["figure", "calibrate"])]
     validation: bool,
     /// The locomotive with its dampers in good condition.
@@ -37,7 +40,8 @@ pub(crate) struct ReproduceArgs {
     /// Tracks: seeds 1 to N.
     #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
-    /// Folder for the files [default: runs/reproduce or runs/validation].
+    /// Folder for the files [default: runs/reproduce or runs/validation, with -2, -3, ... where
+    /// another result is there].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print reproduce.json instead of tables.
@@ -77,18 +81,16 @@ pub(crate) fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
     let [from_kmh, to_kmh] = SPEEDS_KMH;
     let seeds = (1..=args.seeds).collect();
     let procedure = Procedure { from_kmh, to_kmh, seeds, ..Procedure::default() };
-    let folder = RunFolder::at(args.out.clone().unwrap_or_else(|| "runs/reproduce".into()));
-    folder.try_create()?;
-    if args.calibrate {
-        calibration(args, &procedure, &folder)?;
-        return Ok(ExitCode::SUCCESS);
-    }
     let scenario = args.scenario.as_path();
     let basis = Basis { scenario, locomotive: &locomotive, procedure: &procedure };
+    if args.calibrate {
+        return calibration(args, &basis);
+    }
+    let numbers: Vec<&'static str> = recipes.iter().map(|recipe| recipe.number).collect();
+    let folder = folder(args, &basis.identity(&numbers)?, &["reproduce.json", "report.html"])?;
     let figures = make(&recipes, &basis)?;
     let rows: Vec<&Row> = figures.iter().flat_map(|figure| &figure.rows).collect();
     let json = format!("{}\n", serde_json::to_string_pretty(&rows)?);
-    folder.create()?;
     folder.write("reproduce.json", &json)?;
     folder.write("report.html", &page::page(&figures, &locomotive).to_html()?)?;
     if args.json {
@@ -97,44 +99,71 @@ pub(crate) fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
         let (text, place) = (page::text(&figures), folder.path().display());
         print(&format!("{text}\n\nfiles in {place}: report.html, reproduce.json"))?;
     }
+    let (done, of) = (figures.len(), recipes.len());
+    if done < of {
+        eprintln!("interrupted: {done} of {of} figures are made");
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
     Ok(ExitCode::SUCCESS)
 }
 
-fn make(recipes: &[Recipe], basis: &Basis<'_>) -> anyhow::Result<Vec<Figure>> {
+/// The folder of a question, made before the work.
+fn folder(
+    args: &ReproduceArgs,
+    identity: &Identity,
+    names: &[&str],
+) -> anyhow::Result<ResultFolder> {
+    let out = args.out.as_deref();
+    let (mut folder, changed) =
+        ResultFolder::for_identity(out, "reproduce", "reproduce", identity)?;
+    folder.check(names)?;
+    if let Some(changed) = changed {
+        eprintln!("note: {changed}");
+    }
+    folder.create()?;
+    Ok(folder)
+}
+
+/// Makes the figures; those that are done when the command is stopped.
+fn make(recipes: &[Recipe], basis: &Basis<'_>) -> Result<Vec<Figure>, EvidenceError> {
     let bar = progress::bar("the first figure");
     let mut figures = Vec::new();
     for (done, recipe) in recipes.iter().enumerate() {
+        if stop::flag().load(Ordering::Relaxed) {
+            break;
+        }
         let now = format!("figure {}: {}", recipe.number, recipe.title);
         progress::show(&bar, [done, recipes.len()], now);
-        figures.push(recipe.make(basis).map_err(anyhow::Error::msg)?);
+        figures.push(recipe.make(basis)?);
     }
     bar.finish_and_clear();
     Ok(figures)
 }
 
-fn calibration(
-    args: &ReproduceArgs,
-    procedure: &Procedure,
-    folder: &RunFolder,
-) -> anyhow::Result<()> {
+fn calibration(args: &ReproduceArgs, basis: &Basis<'_>) -> anyhow::Result<ExitCode> {
+    let folder = folder(args, &basis.identity(&["calibration"])?, &["calibration.json"])?;
     let bar = progress::bar("the first number");
     let tried = std::cell::Cell::new(0);
-    let calibrated = calibrate(&args.scenario, procedure, &|key, value, kmh| {
+    let calibrated = calibrate(basis, stop::flag(), &|key, value, kmh| {
         tried.set(tried.get() + 1);
         let speed = kmh.map_or("beyond the range".to_owned(), |kmh| format!("{kmh:.1} km/h"));
         let name = key.rsplit('.').next().unwrap_or(key);
-        // How many tries it takes is not known before.
+        // How many values are tried is not known before.
         progress::show(&bar, [tried.get(), tried.get() + 1], format!("{name} {value:.4}: {speed}"));
-    })
-    .map_err(anyhow::Error::msg)?;
+    })?;
     bar.finish_and_clear();
+    let procedure = basis.procedure;
     let file = CalibrationFile { format: 1, procedure, calibrated: &calibrated };
     let json = format!("{}\n", serde_json::to_string_pretty(&file)?);
-    folder.create()?;
     folder.write("calibration.json", &json)?;
+    let interrupted = stop::flag().load(Ordering::Relaxed);
+    if interrupted {
+        eprintln!("interrupted: the numbers are those of the last complete step");
+    }
+    let code = if interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS };
     if args.json {
         print(&json)?;
-        return Ok(());
+        return Ok(code);
     }
     let mut lines = Vec::new();
     for (number, unknown) in calibrated.iter().zip(UNKNOWNS) {
@@ -148,5 +177,5 @@ fn calibration(
     }
     lines.push(format!("\nfiles in {}: calibration.json", folder.path().display()));
     print(&lines.join("\n"))?;
-    Ok(())
+    Ok(code)
 }

@@ -8,15 +8,16 @@ use vehicle_studies::ride::Procedure;
 use vehicle_studies::ride::grade::Kind;
 use vehicle_studies::ride::sperling::WINDOW_1985_S;
 
-/// What `ride` is told.
+/// The options of `ride`.
 #[derive(Debug, Args)]
 pub(crate) struct RideArgs {
     #[command(flatten)]
     study: StudyArgs,
-    /// Whose grades are told.
+    /// Whose grades are reported.
     #[arg(long, value_enum, default_value_t = GradesOf::Locomotive)]
     grades: GradesOf,
-    /// Time on each track that counts (s); a minute on five tracks are the sixty blocks of EN 12299.
+    /// Time on each track that counts (s); a minute on five tracks are the sixty blocks of EN
+    /// 12299.
     #[arg(long, value_name = "S", default_value_t = 60.0, allow_negative_numbers = true)]
     section_s: f64,
     /// Time at the beginning of each track that does not count (s).

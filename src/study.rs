@@ -1,7 +1,8 @@
-//! What the commands on studies of a vehicle share: a grid of keys, shards, merging, files, the table.
+//! What the commands on studies of a vehicle share: a grid of keys, shards, merging, files, the
+//! table.
 //!
-//! One point, or a grid of them with `--vary`, in shards where there are many. A folder that holds some
-//! of the points of the same study is continued.
+//! One point, or a grid of them with `--vary`, in shards where there are many. A folder that holds
+//! some of the points of the same study is continued.
 
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::output::print;
@@ -72,12 +73,12 @@ struct StudyFile<'a, P, A> {
     points: &'a [GridPoint<A>],
 }
 
-/// Asks a question at every point, or merges the answers that shards have computed, and shows them. Exit
-/// code 1 means that a point has no answer; the files are written all the same.
+/// Asks a question at every point, or merges the answers that shards have computed, and shows them.
+/// Exit code 1 means that a point has no answer; the files are written all the same.
 ///
 /// # Errors
-/// Bad input, before anything is written; points of another study; files that change while the study
-/// runs; a disk that fails.
+/// Bad input, before anything is written; points of another study; files that change while the
+/// study runs; a disk that fails.
 pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> anyhow::Result<ExitCode> {
     let grid = Grid::new(args.vary.clone()).map_err(|why| anyhow::anyhow!("--vary: {why}"))?;
     let varied = Varied { scenario: args.scenario.clone(), grid };

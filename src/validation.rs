@@ -1,16 +1,14 @@
-//! `yawbench reproduce --validation`: numbers of this program beside numbers that are known
+//! `yawbench reproduce --validation`: numbers of this program compared with known numbers
 //! ([`evidence::validation`]): a table, `validation.json` and a page.
 
+use crate::exit::{FAILED, INTERRUPTED};
 use crate::output::print;
-use crate::progress;
-use evidence::validation::{self, Reference, page, text};
-use hil_host::record::RunFolder;
+use crate::{progress, stop};
+use evidence::validation::{self, REFERENCES, Reference, page, text};
+use files::ResultFolder;
 use serde::Serialize;
 use std::path::Path;
 use std::process::ExitCode;
-
-/// A comparison missed, or a reference could not be computed.
-const FAILED: u8 = 1;
 
 /// `validation.json`.
 #[derive(Debug, Serialize)]
@@ -21,32 +19,42 @@ struct ValidationFile<'a> {
     references: &'a [Reference],
 }
 
-/// Compares everything; the files go into `out` or `runs/validation`.
+/// Compares everything; the files go to `out` or `runs/validation`.
 ///
 /// # Errors
-/// A folder or disk that fails.
+/// A folder or disk that fails; a reference that cannot be computed.
 pub(crate) fn command(out: Option<&Path>, json: bool) -> anyhow::Result<ExitCode> {
-    let folder = RunFolder::at(out.unwrap_or(Path::new("runs/validation")).to_owned());
-    // A folder that cannot be made is told before the work and not after it.
+    let identity = validation::identity()?;
+    let (mut folder, changed) =
+        ResultFolder::for_identity(out, "validation", "reproduce --validation", &identity)?;
+    folder.check(&["validation.json", "validation.html"])?;
+    if let Some(changed) = changed {
+        eprintln!("note: {changed}");
+    }
     folder.create()?;
     let bar = progress::bar("the first references");
-    let found = validation::all(&|title, done, of| {
+    let computed = validation::all(stop::flag(), &|title, done, of| {
         progress::show(&bar, [done, of], title.to_owned());
     });
     bar.finish_and_clear();
-    let references = match found {
+    let references = match computed {
         Ok(references) => references,
         Err(why) => {
             eprintln!("error: a reference could not be computed: {why}");
             return Ok(ExitCode::from(FAILED));
         }
     };
-    leave(json, &folder, &references)
+    finish(json, &folder, &references)
 }
 
 /// Writes the files and prints the table.
-fn leave(as_json: bool, folder: &RunFolder, references: &[Reference]) -> anyhow::Result<ExitCode> {
-    let passes = references.iter().all(Reference::passes);
+fn finish(
+    as_json: bool,
+    folder: &ResultFolder,
+    references: &[Reference],
+) -> anyhow::Result<ExitCode> {
+    let (done, of) = (references.len(), REFERENCES.len());
+    let passes = done == of && references.iter().all(Reference::passes);
     let program = env!("CARGO_PKG_VERSION");
     let file = ValidationFile { format: 1, program, passes, references };
     let json = format!("{}\n", serde_json::to_string_pretty(&file)?);
@@ -62,5 +70,9 @@ fn leave(as_json: bool, folder: &RunFolder, references: &[Reference]) -> anyhow:
         let text = text::text(references);
         print(&format!("{text}\nfiles in {place}: validation.html, validation.json"))?;
     }
-    Ok(if passes { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+    if done < of {
+        eprintln!("interrupted: {done} of {of} references are computed");
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    Ok(ExitCode::from(if passes { 0 } else { FAILED }))
 }

@@ -1,5 +1,5 @@
-//! Answers are never stale: a study whose scenario, vehicle or profile was edited is computed anew, and
-//! results of different identities are never put together.
+//! Answers are never stale: a study whose scenario, vehicle or profile was edited is computed anew,
+//! and results of different identities are never put together.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
@@ -81,8 +81,8 @@ fn linear_kmh(found: &Value) -> f64 {
     found["points"][0]["linear"][0]["critical"]["kmh"].as_f64().unwrap()
 }
 
-/// A profile that went from 1:20 to 1:10 gave the old 314.7 km/h out of the same folder, where a fresh one
-/// gave 271.2.
+/// A profile that went from 1:20 to 1:10 gave the old 314.7 km/h out of the same folder, where a
+/// fresh one gave 271.2.
 #[test]
 fn conicity_1_20_to_1_10_in_the_profile_is_computed_anew() {
     let place = locomotive("stale-profile");

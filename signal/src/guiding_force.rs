@@ -1,11 +1,10 @@
 //! Guiding forces as acceptance tests read them: low-pass, then a sliding mean over distance.
 //!
-//! A raw wheel force is full of blows of a few milliseconds that neither shift a track nor lift a wheel
-//! over the rail, and whose height depends on how finely one samples. EN 14363 therefore judges the
-//! sum of the guiding forces of a wheelset and the quotient Y/Q after a low-pass of 20 Hz (four
-//! poles, Butterworth) and as a sliding mean over 2 m of track. Here the result is
-//! given at every sample (the standard takes one each 0.5 m) and causal: it lags by 1 m plus about
-//! 21 ms.
+//! A raw wheel force is full of blows of a few milliseconds that neither shift a track nor lift a
+//! wheel over the rail, and whose height depends on how finely one samples. EN 14363 therefore
+//! judges the sum of the guiding forces of a wheelset and the quotient Y/Q after a low-pass of 20
+//! Hz (four poles, Butterworth) and as a sliding mean over 2 m of track. Here the result is given
+//! at every sample (the standard takes one each 0.5 m) and causal: it lags by 1 m plus about 21 ms.
 
 use crate::error::SignalError;
 

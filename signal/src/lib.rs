@@ -9,8 +9,8 @@
 //! | [`shards`] | many independent items, in shards that can be stopped, continued and merged |
 //! | [`error`] | what can go wrong in any of them |
 //!
-//! Read [`spectrum`] first for signals; [`shards`] stands alone. The crate knows nothing of vehicles
-//! and dampers; `files` says where its files go and what an identity is.
+//! Read [`spectrum`] first for signals; [`shards`] stands alone. The crate knows nothing of
+//! vehicles and dampers; `files` says where its files go and what an identity is.
 
 pub mod error;
 pub mod guiding_force;

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 
 /// The identity of a result in short form, stored with every line of a shard.
 ///
-/// Lines of different shards belong together only where their origins are equal. The parts are hashed
-/// separately so that a difference can be named.
+/// Lines of different shards belong together only where their origins are equal. The parts are
+/// hashed separately so that a difference can be named.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Origin {
     /// Hash of the question.
@@ -30,8 +30,8 @@ impl From<&Identity> for Origin {
 }
 
 impl Origin {
-    /// How a line of origin `found` was made otherwise than one of origin `expected`, as short phrases;
-    /// none where they are equal.
+    /// How a line of origin `found` was made otherwise than one of origin `expected`, as short
+    /// phrases; none where they are equal.
     pub(crate) fn differences(found: Option<&Self>, expected: Option<&Self>) -> Vec<String> {
         let (found, expected) = match (found, expected) {
             (Some(found), Some(expected)) => (found, expected),

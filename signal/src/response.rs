@@ -3,9 +3,9 @@
 //! ```text
 //! y = F^-1 [ H(f) F[x] ]
 //! ```
-//! The transform takes a signal for one period of an endless one. It is therefore followed by zeros as
-//! long as the filter takes to settle, so that its end does not ring into its beginning. A real `H`
-//! delays nothing and rings before a blow as well as behind it.
+//! The transform takes a signal for one period of an endless one. It is therefore followed by zeros
+//! as long as the filter takes to settle, so that its end does not ring into its beginning. A real
+//! `H` delays nothing and rings before a blow as well as behind it.
 
 use crate::error::SignalError;
 use realfft::RealFftPlanner;

@@ -3,7 +3,7 @@
 use crate::error::SignalError;
 use std::str::FromStr;
 
-/// The items whose number leaves `part - 1` when divided by `of`.
+/// Every item of the numbers `part - 1`, `part - 1 + of`, `part - 1 + 2 of` and so on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// Which part, from 1.

@@ -1,11 +1,12 @@
-//! Long work in shards: which items are computed here, where their lines go, and how stopped work goes on.
+//! Long work in shards: which items are computed here, where their lines go, and how stopped work
+//! goes on.
 //!
-//! Work is a number of independent items. A shard `i/n` computes the items whose number leaves i - 1 when
-//! divided by n and appends one line of JSON for each to its file as soon as it is done. Every line holds
-//! its item and what it was computed from; lines that were computed from something else are
-//! refused. Items that the file holds are not computed again; a last line that was cut off is. Lines are
-//! in the order in which items were done; merging sorts them, so the result is the same on one core
-//! or many, in one shard or several.
+//! Work is a number of independent items. A shard `i/n` computes the items with the numbers i - 1,
+//! i - 1 + n, i - 1 + 2n and so on, and appends one line of JSON for each to its file as soon as it
+//! is done. Every line holds its item and what it was computed from; lines that were computed from
+//! something else are refused. Items that the file holds are not computed again; a last line that
+//! was cut off is. Lines are in the order in which items were done; merging sorts them, so the
+//! result is the same on one core or many, in one shard or several.
 
 use crate::error::SignalError;
 use crate::origin::Origin;
@@ -81,13 +82,13 @@ struct StoredItem<T> {
     origin: Option<Origin>,
 }
 
-/// Computes the items of a shard that its file in `folder` does not hold yet. `progress` gets each item
-/// when it is done, the number of items done now and the number to do. Once `stop` is set no further
-/// item begins.
+/// Computes the items of a shard that its file in `folder` does not hold yet. `progress` gets each
+/// item when it is done, the number of items done now and the number to do. Once `stop` is set no
+/// further item begins.
 ///
 /// # Errors
-/// An item that fails; a file that cannot be read or written, or that holds lines of another origin; a
-/// second process at the same shard. The file then holds the items that were done.
+/// An item that fails; a file that cannot be read or written, or that holds lines of another
+/// origin; a second process at the same shard. The file then holds the items that were done.
 pub fn run<T: Item, E: From<SignalError> + Send>(
     work: &Work<'_>,
     shard: Shard,
@@ -129,7 +130,8 @@ pub fn run<T: Item, E: From<SignalError> + Send>(
 /// item has to be computed from it; otherwise all items from the same one.
 ///
 /// # Errors
-/// A file that cannot be read, is of other work or of another origin, or has another result for an item.
+/// A file that cannot be read, is of other work or of another origin, or has another result for an
+/// item.
 pub fn merge<T: Item>(
     paths: &[PathBuf],
     identity: Option<&Identity>,

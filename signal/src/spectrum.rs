@@ -6,8 +6,8 @@
 //! S(f_k) = 2 / (f_s sum w^2) |sum (x - mean) w exp(-2 pi i k n / N)|^2        unit^2/Hz
 //! ```
 //! (Welch 1967; without the 2 at zero and at half the rate). The integral over frequency is the
-//! variance. A segment of `T` seconds gives lines `1/T` apart; a Hann window blurs a tone over four of
-//! them, and its leakage falls by 18 dB per octave. What is slower than one segment is lost with
+//! variance. A segment of `T` seconds gives lines `1/T` apart; a Hann window blurs a tone over four
+//! of them, and its leakage falls by 18 dB per octave. What is slower than one segment is lost with
 //! the mean or smeared into the first lines.
 
 use crate::error::SignalError;
@@ -29,10 +29,11 @@ pub struct Spectrum {
 
 impl Spectrum {
     /// The density of `values`, sampled at `rate_hz`, from segments of `segment_s` that overlap by
-    /// half. A signal shorter than a segment is one segment; [`Spectrum::resolution_hz`] tells.
+    /// half. A signal shorter than a segment is one segment; [`Spectrum::resolution_hz`] says so.
     ///
     /// # Errors
-    /// Fewer than eight samples, a rate or length that is not positive, a sample that is not finite.
+    /// Fewer than eight samples, a rate or length that is not positive, a sample that is not
+    /// finite.
     ///
     /// ```
     /// use signal::spectrum::Spectrum;
@@ -96,8 +97,8 @@ impl Spectrum {
         Ok(Self { resolution_hz: rate_hz / length as f64, density, segments })
     }
 
-    /// Frequency of the highest density above zero (Hz), refined by a parabola through the logarithms
-    /// of three lines; `None` for a signal without any.
+    /// Frequency of the highest density above zero (Hz), refined by a parabola through the
+    /// logarithms of three lines; `None` for a signal without any.
     pub fn peak_hz(&self) -> Option<f64> {
         let (line, highest) = self
             .density
@@ -106,8 +107,8 @@ impl Spectrum {
             .skip(1)
             .max_by(|(_, a), (_, b)| a.total_cmp(b))
             .filter(|(_, density)| **density > 0.0)?;
-        let beside = |index: usize| self.density.get(index).copied().filter(|d| *d > 0.0);
-        let shift = match (beside(line - 1).filter(|_| line > 1), beside(line + 1)) {
+        let next_to = |index: usize| self.density.get(index).copied().filter(|d| *d > 0.0);
+        let shift = match (next_to(line - 1).filter(|_| line > 1), next_to(line + 1)) {
             (Some(before), Some(after)) => {
                 let (l, m, r) = (libm::log(before), libm::log(*highest), libm::log(after));
                 let bend = l - 2.0 * m + r;
@@ -118,7 +119,8 @@ impl Spectrum {
         Some((line as f64 + shift) * self.resolution_hz)
     }
 
-    /// The mean of spectra with the same lines; none of none. Lines that some do not have are left out.
+    /// The mean of spectra with the same lines; none of none. Lines that some do not have are left
+    /// out.
     pub fn mean(spectra: &[Self]) -> Option<Self> {
         let first = spectra.first()?;
         let lines = spectra.iter().map(|spectrum| spectrum.density.len()).min()?;
@@ -133,8 +135,8 @@ impl Spectrum {
         })
     }
 
-    /// The highest lines that stand above both neighbours between two frequencies, the highest first:
-    /// frequency and density (Hz, unit^2/Hz).
+    /// The highest lines that stand above both neighbours between two frequencies, the highest
+    /// first: frequency and density (Hz, unit^2/Hz).
     pub fn peaks(&self, from_hz: f64, to_hz: f64, most: usize) -> Vec<(f64, f64)> {
         let inside = |hz: f64| (from_hz..=to_hz).contains(&hz);
         let lines: Vec<(f64, f64)> = self.lines().collect();

@@ -53,8 +53,8 @@ pub fn percentile(values: &[f64], share: f64) -> Option<f64> {
     Some(low + (high - low) * fraction)
 }
 
-/// The smallest change from one value to the next that is larger than `above`: the last digit of a record.
-/// `f64::MAX` where nothing changes.
+/// The smallest change from one value to the next that is larger than `above`: the last digit of a
+/// record. `f64::MAX` where nothing changes.
 ///
 /// ```
 /// use signal::statistics::smallest_change;

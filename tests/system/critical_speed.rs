@@ -186,5 +186,6 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
     let result = output(yawbench().args(other).current_dir(&place));
     let errors = String::from_utf8_lossy(&result.stderr);
     assert_eq!(result.status.code(), Some(2), "{errors}");
-    assert!(errors.contains("points-1-of-1.jsonl: 3 critical speeds"), "{errors}");
+    assert!(errors.contains("--out kept: holds"), "{errors}");
+    assert!(errors.contains("from_kmh: 226.0, before 225.0"), "{errors}");
 }

@@ -3,10 +3,10 @@
 //! ```text
 //! x = A sin(w t)      F = K A sin(w t) + w C A cos(w t) + harmonics
 //! ```
-//! K and C by the first harmonic of the force of the very damper, effects and all, once its motion has
-//! settled. Linear studies put the pair in its place. Small strokes lie inside the clearance and move no
-//! force at all, large ones open the relief valve: a single critical speed by eigenvalues does not
-//! exist, only one for every stroke.
+//! K and C by the first harmonic of the force of the very damper, effects and all, once its motion
+//! has settled. Linear studies put the pair in its place. Small strokes lie inside the clearance
+//! and move no force at all, large ones open the relief valve: a single critical speed by
+//! eigenvalues does not exist, only one for every stroke.
 
 use firmware_core::damper::{Damper, DamperState, Motion};
 use std::f64::consts::TAU;

@@ -1,7 +1,7 @@
 //! Studies of a vehicle: from which speed on it hunts, how it rides, how it goes through a curve.
 //!
-//! A study is a question ([`study::Study`]) that is asked at every point of a grid of the scenario's
-//! numbers. The vehicle always runs on the line that also drives a rig, in virtual time.
+//! A study is a question ([`study::Study`]) that is asked at every point of a grid of the
+//! scenario's numbers. The vehicle always runs on the line that also drives a rig, in virtual time.
 //!
 //! Read in this order:
 //!
@@ -14,8 +14,8 @@
 //! | [`grid`], [`point`], [`over_seeds`] | points, their answers, quantities over several tracks |
 //! | [`error`] | what can go wrong in any of them |
 //!
-//! The crate uses `scenario` for what it simulates, `signal` for what it makes of the signals, `files`
-//! for identities and `report` for pages. It knows nothing of records, rigs and buses.
+//! The crate uses `scenario` for what it simulates, `signal` for what it makes of the signals,
+//! `files` for identities and `report` for pages. It knows nothing of records, rigs and buses.
 
 pub mod critical_speed;
 pub mod curve;

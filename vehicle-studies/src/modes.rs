@@ -1,12 +1,13 @@
-//! Small vibrations of a vehicle about steady running, from the accelerations that a step evaluates.
+//! Small vibrations of a vehicle about steady running, from the accelerations that a step
+//! evaluates.
 //!
 //! ```text
 //! q'' = a(q, q')   ->   z' = [0 I; da/dq da/dq'] z
 //! ```
 //! with both Jacobians by central differences over bodies and rails. The creep laws bend at zero
 //! creepage, `F = C xi (1 - |u|/3)`, which a difference sees in proportion to its width `h`; two
-//! widths remove it: `2 D(h) - D(2h)`. A damper comes in as what it is for one frequency and stroke,
-//! stiffness and damping at its place ([`crate::describing_function`]).
+//! widths remove it: `2 D(h) - D(2h)`. A damper comes in as what it is for one frequency and
+//! stroke, stiffness and damping at its place ([`crate::describing_function`]).
 
 use crate::describing_function::Impedance;
 use firmware_core::lanes::Lanes;

@@ -29,8 +29,8 @@ pub(crate) fn values<A>(points: &[GridPoint<A>], axis: usize) -> Vec<f64> {
     values
 }
 
-/// The quantities of a unit over the key that is varied, with limits; over two keys the first quantity
-/// alone. None where no key or more than two are varied.
+/// The quantities of a unit over the key that is varied, with limits; over two keys the first
+/// quantity alone. None where no key or more than two are varied.
 pub(crate) fn plot<A>(
     title: &str,
     [name, unit]: [&str; 2],

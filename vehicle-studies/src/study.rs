@@ -1,10 +1,10 @@
 //! A question about a vehicle, asked at every point of a grid of its numbers.
 //!
-//! A study reads its scenario at every point before it begins, so that what cannot run is known before
-//! anything is written. Its identity holds the question, the content of every file that was read and the
-//! sources of the program, so that answers to anything else are never mistaken for its own. A point
-//! whose files have changed since is an error. Points are independent: any number of cores and shards
-//! gives the same answers.
+//! A study reads its scenario at every point before it begins, so that what cannot run is known
+//! before anything is written. Its identity holds the question, the content of every file that was
+//! read and the sources of the program, so that answers to anything else are never mistaken for its
+//! own. A point whose files have changed since is an error. Points are independent: any number of
+//! cores and shards gives the same answers.
 
 use crate::error::StudyError;
 use crate::grid::Grid;
@@ -25,8 +25,8 @@ use std::path::PathBuf;
 /// Hash over the sources of the crates that compute the answers, made by the build script.
 const PROGRAM: &str = env!("VEHICLE_STUDIES_SOURCES");
 
-/// A question about a vehicle: how it is asked, what the answer is and how it is shown. Serialised, it is
-/// every number that the answers depend on apart from the scenario and its grid.
+/// A question about a vehicle: how it is asked, what the answer is and how it is shown. Serialised,
+/// it is every number that the answers depend on apart from the scenario and its grid.
 pub trait Study: Debug + Serialize + Sync {
     /// Its name: of the command, the folder and the file.
     const NAME: &'static str;

@@ -3,7 +3,8 @@
 use crate::point::GridPoint;
 use crate::trip::pace::Pace;
 
-/// Rows as lines with aligned columns, the first row as heads; below them why points have no answer.
+/// Rows as lines with aligned columns, the first row as heads; below them why points have no
+/// answer.
 pub(crate) fn table<A>(rows: &[Vec<String>], points: &[GridPoint<A>]) -> Vec<String> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {

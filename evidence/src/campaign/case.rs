@@ -1,10 +1,10 @@
 //! One case, drawn from the seed of the campaign and its number; nothing else decides it.
 //!
-//! Dampers are of a yaw damper's size, and one in five of 1.5 kN with a stroke of its own, by scaling
-//! force and stroke. Sensors are those of a laboratory: 0.02 to 0.1 % of the range as white noise,
-//! 14 to 18 bit, 0.3 to 2 µm, 500 or 1000 samples per second, a thermometer in three of ten. In half
-//! of the cases without an effect, and in a third of the others, the force has coloured noise
-//! of half to twice the white one, with a correlation of 0.9 to 0.98 over a millisecond.
+//! Dampers are of a yaw damper's size, and one in five of 1.5 kN with a stroke of its own, by
+//! scaling force and stroke. Sensors are those of a laboratory: 0.02 to 0.1 % of the range as white
+//! noise, 14 to 18 bit, 0.3 to 2 µm, 500 or 1000 samples per second, a thermometer in three of ten.
+//! In half of the cases without an effect, and in a third of the others, the force has coloured
+//! noise of half to twice the white one, with a correlation of 0.9 to 0.98 over a millisecond.
 
 use super::plan::{HIDDEN, Kind, shuffled};
 use firmware_core::damper::Nominal;

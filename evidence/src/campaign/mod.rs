@@ -16,14 +16,15 @@
 //! | [`table`], [`page`] | the merged table, as numbers and as text |
 //! | [`wilson`] | intervals of rates |
 //!
-//! Who knows what: `identify` gets records, and in some cases a datasheet that is wrong; nothing else.
+//! Who knows what: `identify` gets records, and in some cases a datasheet that is wrong; nothing
+//! else.
 //!
 //! **The weak spot.** Effects of the catalogue come from the damper of the core, at steps of 100 µs
 //! instead of 1 ms, and the same core fits them: what its laws share with nature is not tested by
 //! that. Cases in which nothing is missing and those outside the catalogue come from an integration
-//! of its own ([`virtual_bench::series_model`]), and the full hydraulic damper ([`virtual_bench::hydraulic`]) carries
-//! effects that nobody wrote into the model. Rates for effects of the catalogue are thus upper bounds
-//! of what real records will give.
+//! of its own ([`virtual_bench::series_model`]), and the full hydraulic damper
+//! ([`virtual_bench::hydraulic`]) carries effects that nobody wrote into the model. Rates for
+//! effects of the catalogue are thus upper bounds of what real records will give.
 
 pub mod case;
 pub mod page;

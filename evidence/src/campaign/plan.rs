@@ -1,7 +1,7 @@
 //! Which kinds of cases there are, how many of each, and in which order they come.
 //!
-//! [`deck`] holds one whole campaign. It is shuffled by the seed, so that the first hundred cases of a
-//! campaign are a fair sample of all; beyond its length it is dealt again.
+//! [`deck`] holds one whole campaign. It is shuffled by the seed, so that the first hundred cases
+//! of a campaign are a fair sample of all; beyond its length it is dealt again.
 
 use firmware_core::damper::effects::CATALOGUE;
 use virtual_bench::bench_visit::random::Random;

@@ -17,7 +17,7 @@ const HALF_INTERVAL: f64 = 1.96;
 const UNMOVED: f64 = 0.5;
 const UNMOVED_SHARE: f64 = 0.01;
 
-/// A case as it stands in the file.
+/// The result of a case, as its file holds it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseResult {
     /// Number of the case.
@@ -69,11 +69,11 @@ pub struct CaseResult {
 pub struct Named {
     /// Its name.
     pub name: String,
-    /// What the records cannot tell from it.
+    /// Effects that the records cannot distinguish from it.
     pub alternatives: Vec<String>,
     /// Probability of such a finding by chance.
     pub p_value: f64,
-    /// Share of squared error that it takes away on pieces left out.
+    /// Share of the squared error that it removes on held-out pieces.
     pub holdout_gain: f64,
 }
 
@@ -99,8 +99,8 @@ pub struct CaseErrors {
     pub after_n: f64,
     /// The true damper on the same tests; none where no damper of the core is true.
     pub truth_n: Option<f64>,
-    /// The true damper on the tests that were fitted: more than the noise where the bench itself, its
-    /// filters and its sampling rate bend the record.
+    /// The true damper on the tests that were fitted: more than the noise where the bench itself,
+    /// its filters and its sampling rate bend the record.
     #[serde(default)]
     pub train_truth_n: Option<f64>,
     /// rms of the measured force held out.

@@ -43,9 +43,9 @@ impl Campaign {
             .map_err(|why| EvidenceError::NotSerialised(why.to_string()))
     }
 
-    /// Runs the cases of a shard that its file in `folder` does not hold yet. `progress` gets each case
-    /// when it is done, the number of cases done now and the number to do. Once `stop` is set no
-    /// further case begins.
+    /// Runs the cases of a shard that its file in `folder` does not hold yet. `progress` gets each
+    /// case when it is done, the number of cases done now and the number to do. Once `stop` is set
+    /// no further case begins.
     ///
     /// # Errors
     /// A file that cannot be read or written, or that belongs to another campaign.

@@ -4,10 +4,10 @@
 //! size = rms over all training tests of (force without noise - nominal damper refitted to it) / rms of the noise
 //! ```
 //!
-//! What the nominal damper can absorb does not count, and neither does a triangle whose force without noise
-//! is flat but for rounding. The search over strengths fits from the true
-//! numbers and simulates in longer steps; the size that is told is that in steps as short as they
-//! should be, after the same many-start fit with which `identify` begins.
+//! What the nominal damper can absorb does not count, and neither does a triangle whose force
+//! without noise is flat but for rounding. The search over strengths fits from the true numbers and
+//! simulates in longer steps; the size that is stated is that in steps as short as they should be,
+//! after the same many-start fit with which `identify` begins.
 
 use super::case::Case;
 use identification::{Control, Effort, GreyBox, TestSet, fit, nominal_fit, vector_of};
@@ -41,8 +41,8 @@ pub struct Sized {
 /// Finds the least strength between two at which a specimen has the size that its case wants; the
 /// strongest where that is too weak. `None` where even the weakest cannot be simulated.
 ///
-/// A size may fall again beyond some strength (a valve that does nothing but relieve, a delay of half
-/// a period), so the search climbs from below.
+/// A size may fall again beyond some strength (a valve that does nothing but relieve, a delay of
+/// half a period), so the search climbs from below.
 pub fn sized(
     case: &Case,
     make: &dyn Fn(f64) -> Option<Box<dyn Specimen>>,
@@ -188,40 +188,5 @@ fn silent(sensors: &Sensors) -> Sensors {
         coloured: None,
         temperature_noise_k: sensors.temperature_noise_k.map(|_| 0.0),
         ..*sensors
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::plan::Kind;
-    use super::super::specimen::mount;
-    use super::*;
-    use firmware_core::damper::effects::CATALOGUE;
-
-    #[test]
-    fn sizes_reach_their_multiple() {
-        for (name, size) in [("seal_friction", 3.0), ("asymmetric_damping", 10.0)] {
-            let effect = CATALOGUE.iter().position(|info| info.name == name).unwrap();
-            let case = Case::of_kind(Kind::Effect { effect, size }, 5, 0, true);
-            let mounted = mount(&case).unwrap();
-            // By a way of its own: noisy records, of which the noise is taken away in squares.
-            let tests = TestSet::new(records(&case, &*mounted.specimen, &case.sensors).unwrap().0);
-            let fit = nominal_fit(&tests, None, Control::QUIET).unwrap().fit;
-            let square = fit.total_n2() / tests.counted_samples() as f64;
-            let noise_n = case.noise_n();
-            let found = (square - noise_n * noise_n).sqrt() / noise_n;
-            println!("{name}: {size} wanted, {found:.3} found, {:?}", mounted.sizes);
-            assert!(mounted.sizes[0].reached, "{:?}", mounted.sizes);
-            assert!((found / size - 1.0).abs() < 0.1, "{name}: {found} {:?}", mounted.sizes);
-        }
-    }
-
-    #[test]
-    fn what_cannot_be_reached_is_said() {
-        // A spring in series is a lower Ke: nothing is ever left of it.
-        let effect = CATALOGUE.iter().position(|info| info.name == "fixture_compliance").unwrap();
-        let case = Case::of_kind(Kind::Effect { effect, size: 10.0 }, 5, 1, true);
-        let sizes = mount(&case).unwrap().sizes;
-        assert!(!sizes[0].reached && sizes[0].size < 1.0, "{sizes:?}");
     }
 }

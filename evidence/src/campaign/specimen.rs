@@ -132,3 +132,40 @@ fn hydraulic(which: usize, random: &mut Random) -> Result<HydraulicDamper, Evide
     damper.friction.breakaway_n = damper.friction.breakaway_n.max(1.1 * damper.friction.coulomb_n);
     Ok(damper)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::size::records;
+    use super::*;
+    use firmware_core::damper::effects::CATALOGUE;
+    use identification::start::nominal_fit;
+    use identification::tests_at_hand::TestsAtHand;
+
+    #[test]
+    fn sizes_reach_their_multiple() {
+        for (name, size) in [("seal_friction", 3.0), ("asymmetric_damping", 10.0)] {
+            let effect = CATALOGUE.iter().position(|info| info.name == name).unwrap();
+            let case = Case::of_kind(Kind::Effect { effect, size }, 5, 0, true);
+            let mounted = mount(&case).unwrap();
+            // By a way of its own: noisy records, of which the noise is removed in squares.
+            let tests =
+                TestsAtHand::new(records(&case, &*mounted.specimen, &case.sensors).unwrap().0);
+            let fit = nominal_fit(&tests, None).unwrap().fit;
+            let square = fit.total_n2() / tests.counted_samples() as f64;
+            let noise_n = case.noise_n();
+            let found = (square - noise_n * noise_n).sqrt() / noise_n;
+            println!("{name}: {size} wanted, {found:.3} found, {:?}", mounted.sizes);
+            assert!(mounted.sizes[0].reached, "{:?}", mounted.sizes);
+            assert!((found / size - 1.0).abs() < 0.1, "{name}: {found} {:?}", mounted.sizes);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_reached_is_said() {
+        // A spring in series is a lower Ke: nothing is ever left of it.
+        let effect = CATALOGUE.iter().position(|info| info.name == "fixture_compliance").unwrap();
+        let case = Case::of_kind(Kind::Effect { effect, size: 10.0 }, 5, 1, true);
+        let sizes = mount(&case).unwrap().sizes;
+        assert!(!sizes[0].reached && sizes[0].size < 1.0, "{sizes:?}");
+    }
+}

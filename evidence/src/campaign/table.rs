@@ -1,8 +1,9 @@
 //! The merged table of a campaign: how often `identify` is right, where, and how far off it is.
 //!
-//! A name is right if it is the truth or has it among the alternatives that `identify` computed from
-//! the records. Effects whose size could not be reached are counted apart and by no target; cases
-//! that failed count as wrong. The table has no times in it, so the same cases give the same bytes.
+//! A name is right if it is the truth or has it among the alternatives that `identify` computed
+//! from the records. Effects whose size could not be reached are counted apart and by no target;
+//! cases that failed count as wrong. The table has no times in it, so the same cases give the same
+//! bytes.
 
 use super::plan::HIDDEN;
 use super::score::CaseResult;
@@ -80,8 +81,8 @@ pub struct Table {
     pub aims: Vec<Aim>,
     /// Truth by truth and size by size, the worst first.
     pub rows: Vec<Row>,
-    /// What was said (the first name, `(nothing)` or `(unexplained)`) for each truth of at least three
-    /// times the noise.
+    /// What was said (the first name, `(nothing)` or `(unexplained)`) for each truth of at least
+    /// three times the noise.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
     /// Names that cases gave together, and how often: computed groups.
     pub groups: BTreeMap<String, usize>,

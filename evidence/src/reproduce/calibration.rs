@@ -6,16 +6,17 @@
 //! | its conicity of large motions | 170 km/h at 2a = 8 mm | with its dampers hanging the vehicle is left to its wheels |
 //! | relief force | 250 km/h at Ke = 12.5 MN/m, 2a = 0.2 mm | the cycle is as large as the relieved damper lets it |
 //!
-//! One after the other, twice, since each moves the others a little. A number stays inside the range that the
-//! reduced model found possible; where the speed is not met inside, it stands at the end, and that is told.
-//! Three numbers on three speeds: calibration, and no test of anything.
+//! One after the other, twice, since each moves the others a little. A number stays inside the
+//! range that the reduced model found possible; where the speed is not met inside, it stands at the
+//! end, and that is stated. Three numbers on three speeds: calibration, and no test of anything.
 
+use super::basis::Basis;
 use super::locomotive::Locomotive;
 use super::null_models::CALIBRATED_ON;
 use crate::error::EvidenceError;
 use scenario::setting::Setting;
 use serde::Serialize;
-use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use vehicle_studies::critical_speed::ascent::Ascent;
 use vehicle_studies::critical_speed::{Critical, Procedure};
 
@@ -69,13 +70,14 @@ pub struct Calibrated {
     pub at_end_of_range: bool,
 }
 
-/// Finds the numbers; `see` is told of every try.
+/// Finds the numbers; `see` gets every value that is tried, with its speed. Once `stop` is set,
+/// what was found before is returned.
 ///
 /// # Errors
-/// What the scenario cannot run with.
+/// A scenario that cannot run, or whose files change in the meantime.
 pub fn calibrate(
-    scenario: &Path,
-    procedure: &Procedure,
+    basis: &Basis<'_>,
+    stop: &AtomicBool,
     see: &dyn Fn(&str, f64, Option<f64>),
 ) -> Result<Vec<Calibrated>, EvidenceError> {
     let mut found: Vec<Calibrated> = Vec::new();
@@ -86,7 +88,11 @@ pub fn calibrate(
                 .filter(|other| other.key != unknown.key)
                 .map(|other| Setting::to(other.key, other.value))
                 .collect();
-            let calibrated = one(scenario, procedure, unknown, &others, see)?;
+            let calibrated = match one(basis, unknown, &others, stop, see) {
+                Err(EvidenceError::Stopped) => return Ok(found),
+                other => other?,
+            };
+            basis.refuse_changed()?;
             if round == 0 {
                 found.push(calibrated);
             } else {
@@ -98,20 +104,26 @@ pub fn calibrate(
 }
 
 fn one(
-    scenario: &Path,
-    procedure: &Procedure,
+    basis: &Basis<'_>,
     unknown: &Unknown,
     others: &[Setting],
+    stop: &AtomicBool,
     see: &dyn Fn(&str, f64, Option<f64>),
 ) -> Result<Calibrated, EvidenceError> {
     let (ke_n_per_m, clearance_2a_m, aim_kmh) = CALIBRATED_ON[unknown.fixed_on];
-    let near =
-        Procedure { from_kmh: aim_kmh - NEAR_KMH, to_kmh: aim_kmh + NEAR_KMH, ..procedure.clone() };
+    let near = Procedure {
+        from_kmh: aim_kmh - NEAR_KMH,
+        to_kmh: aim_kmh + NEAR_KMH,
+        ..basis.procedure.clone()
+    };
     // How far off the aim, and the speed; beyond the range of speeds the error is that of its end.
     let tried = |value: f64| -> Result<(f64, Option<f64>), EvidenceError> {
+        if stop.load(Ordering::Relaxed) {
+            return Err(EvidenceError::Stopped);
+        }
         let mut changes = others.to_vec();
         changes.push(Setting::to(unknown.key, value));
-        let locomotive = Locomotive::load(scenario, &changes)?;
+        let locomotive = Locomotive::load(basis.scenario, &changes)?;
         let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
         let ascent = Ascent::of(&equipped, &near)?;
         see(unknown.key, value, ascent.mean_kmh);
@@ -122,7 +134,7 @@ fn one(
         Ok((mean_kmh - aim_kmh, ascent.mean_kmh))
     };
     let [low, high] = unknown.range;
-    let told = |value: f64, reached_kmh: Option<f64>| Calibrated {
+    let calibrated = |value: f64, reached_kmh: Option<f64>| Calibrated {
         key: unknown.key,
         value,
         aim_kmh,
@@ -132,16 +144,16 @@ fn one(
     let ((mut below, at_low), (mut above, at_high)) = (tried(low)?, tried(high)?);
     if below * above > 0.0 {
         let nearer = if below.abs() <= above.abs() { (low, at_low) } else { (high, at_high) };
-        return Ok(told(nearer.0, nearer.1));
+        return Ok(calibrated(nearer.0, nearer.1));
     }
     let (mut left, mut right) = (low, high);
-    let mut best = told(low, at_low);
+    let mut best = calibrated(low, at_low);
     for _ in 0..TRIES {
         // False position, kept off the ends so that it does not creep.
         let share = (below / (below - above)).clamp(0.1, 0.9);
         let value = left + share * (right - left);
         let (off, kmh) = tried(value)?;
-        best = told(value, kmh);
+        best = calibrated(value, kmh);
         if off.abs() <= RESOLUTION_KMH {
             break;
         }

@@ -1,10 +1,11 @@
-//! Figures 5 and 12 to 17: accelerations, spectra and ride indices over speed, stiffness and clearance.
+//! Figures 5 and 12 to 17: accelerations, spectra and ride indices over speed, stiffness and
+//! clearance.
 //!
-//! Ride index is the Sperling index of GB 5599-85 at the worse end of the floor. A yaw damper lies level
-//! and reaches vertical motion at second order only, so that the study's change of the vertical index
-//! is not expected here; what comes out is told.
+//! Ride index is the Sperling index of GB 5599-85 at the worse end of the floor. A yaw damper lies
+//! level and reaches vertical motion at second order only, so that the study's change of the
+//! vertical index is not expected here; the result is reported.
 
-use super::Basis;
+use super::basis::Basis;
 use super::locomotive::KE_N_PER_M;
 use super::row::{Figure, Role, Row};
 use super::running::{SPEED_KMH, run_with};
@@ -24,15 +25,16 @@ const STIFFNESS_N_PER_M: [f64; 5] = [3e6, 6e6, 9e6, 12e6, 15e6];
 const STIFFNESS_AT_2A_M: f64 = 1e-3;
 /// Clearance of figures 15 to 17 (m), at the good stiffness.
 const CLEARANCES_2A_M: [f64; 9] = [0.5e-3, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3];
-/// Clearance at which the study's dampers just do not touch, and the range over which ride gets worse (m).
+/// Clearance at which the study's dampers just do not touch, and the range over which ride gets
+/// worse (m).
 const WORST_2A_M: f64 = 6e-3;
 const FROM_2A_M: f64 = 1e-3;
 /// A clearance in which no damper ever touches (m).
 const NO_DAMPER_2A_M: f64 = 1.0;
 /// Peaks of the bogie's lateral spectrum in the study (Hz).
 const BOGIE_PEAKS_HZ: [f64; 2] = [3.2, 3.8];
-/// Mean errors of the study's own model against its field test (%): lateral and vertical acceleration,
-/// lateral and vertical ride index.
+/// Mean errors of the study's own model against its field test (%): lateral and vertical
+/// acceleration, lateral and vertical ride index.
 const FIELD_TEST: [(&str, f64); 4] = [
     ("study_against_field_test_lateral_acceleration", 10.12),
     ("study_against_field_test_vertical_acceleration", 14.83),

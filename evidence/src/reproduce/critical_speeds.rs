@@ -1,10 +1,10 @@
 //! Figures 10a and 10b: critical speed over effective stiffness and over clearance.
 //!
-//! The procedure is the study's (3 mm on wheelset 4, irregular track), with what it leaves open stated: the
-//! irregularity ends after 300 m, and what still moves by the threshold 14 s later hunts. The speed below
-//! which no hunting stays bounds it without seed and threshold.
+//! The procedure is the study's (3 mm on wheelset 4, irregular track), with what it leaves open
+//! stated: the irregularity ends after 300 m, and what still moves by the threshold 14 s later
+//! hunts. The speed below which no hunting stays bounds it without seed and threshold.
 
-use super::Basis;
+use super::basis::Basis;
 use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M, Locomotive};
 use super::null_models::{constant_kmh, line_kmh};
 use super::row::{Figure, Role, Row};
@@ -20,8 +20,8 @@ const STIFFNESS_N_PER_M: [f64; 6] = [3e6, 6e6, 9e6, 12e6, KE_N_PER_M, 15e6];
 /// Clearance 2a at the good stiffness (m).
 const CLEARANCES_2A_M: [f64; 8] = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3];
 
-/// A critical speed of the study: stiffness (N/m), clearance 2a (m), speed (km/h), how far a model without the
-/// maker's data can be expected to be (km/h), what ours could know.
+/// A critical speed of the study: stiffness (N/m), clearance 2a (m), speed (km/h), how far a model
+/// without the maker's data can be expected to be (km/h), what ours could know.
 type Published = (f64, f64, f64, f64, Role);
 
 /// Critical speeds that the study's text gives.

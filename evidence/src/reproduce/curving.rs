@@ -1,10 +1,11 @@
 //! Figures 18 and 19: the curve of 400 m with 0.12 m of cant at 80 km/h.
 //!
-//! Derailment coefficient is Y/Q of the outer wheel of wheelset 1, percentile 99.85; lateral shift force the
-//! sum of guiding forces of wheelset 1, filtered as EN 14363 does; wear power that of all patches. What the
-//! study calls a Bode plot of the shift force is drawn as amplitude density in decibels.
+//! Derailment coefficient is Y/Q of the outer wheel of wheelset 1, percentile 99.85; lateral shift
+//! force the sum of guiding forces of wheelset 1, filtered as EN 14363 does; wear power that of all
+//! patches. What the study calls a Bode plot of the shift force is drawn as amplitude density in
+//! decibels.
 
-use super::Basis;
+use super::basis::Basis;
 use super::locomotive::{KE_N_PER_M, dampers};
 use super::row::{Figure, Row};
 use crate::error::EvidenceError;
@@ -17,7 +18,7 @@ use std::slice;
 use vehicle_studies::curve::{self, Curve};
 use vehicle_studies::trip::Equipped;
 
-/// The study's curve, beside its straight track.
+/// The study's curve, next to its straight track.
 const SCENARIO: &str = "ss9-curve-400m.toml";
 /// Stiffness of figure 18 (N/m), at this clearance (m).
 const STIFFNESS_N_PER_M: [f64; 5] = [3e6, 6e6, 9e6, 12e6, 15e6];

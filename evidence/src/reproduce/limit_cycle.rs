@@ -1,9 +1,9 @@
 //! Figures 9 and 11: the lateral excursion of wheelset 4 behind the rough beginning of a track.
 //!
-//! The study says: it comes to rest from 160 to 240 km/h, swings with constant amplitude abruptly at 250 km/h,
-//! and grows with the dampers suspended at a = 4 mm.
+//! The study says: it comes to rest from 160 to 240 km/h, swings with constant amplitude abruptly
+//! at 250 km/h, and grows with the dampers suspended at a = 4 mm.
 
-use super::Basis;
+use super::basis::Basis;
 use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M};
 use super::row::{Figure, Role, Row};
 use crate::error::EvidenceError;
@@ -23,7 +23,8 @@ use vehicle_studies::trip::{Equipped, lateral_m};
 /// Speeds of figure 9 (km/h).
 const SPEEDS_KMH: [f64; 13] =
     [160.0, 170.0, 180.0, 190.0, 200.0, 210.0, 220.0, 230.0, 240.0, 250.0, 260.0, 270.0, 280.0];
-/// Speed of which the study says that the wheelset comes to rest, highest, and that it hunts (km/h).
+/// Speed of which the study says that the wheelset comes to rest, highest, and that it hunts
+/// (km/h).
 const QUIET_KMH: f64 = 240.0;
 const HUNTS_KMH: f64 = 250.0;
 /// Clearance 2a of figure 11 (m).
@@ -168,7 +169,8 @@ fn rows_of(
     let mut hunts =
         Row::new(figure, "share_of_tracks_that_leave_it_hunting", at(), "1", Some(share))
             .note(format!("{hunting} of {} tracks", runs.len()));
-    // What the figure says in words, as a number. The edge of figure 9 is what relief was calibrated on.
+    // What the figure says in words, as a number. The edge of figure 9 is what relief was
+    // calibrated on.
     if figure == "9" {
         let said = f64::from(u8::from(kmh >= HUNTS_KMH));
         let role =

@@ -4,6 +4,7 @@ use crate::error::EvidenceError;
 use firmware_core::damper::{Damper, Nominal};
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
+use std::collections::BTreeMap;
 use std::path::Path;
 use vehicle_studies::StudyError;
 use vehicle_studies::trip::Equipped;
@@ -30,6 +31,8 @@ pub struct Locomotive {
     pub title: String,
     /// What one should know about the vehicle's numbers.
     pub about: Vec<String>,
+    /// Hash of the content of every file that was read, by what the file is for.
+    pub inputs: BTreeMap<String, String>,
 }
 
 impl Locomotive {
@@ -45,7 +48,8 @@ impl Locomotive {
         let first = equipped.dampers.first().map(|damper| *damper.nominal());
         let no_damper = || EvidenceError::NoYawDamper(scenario.to_owned());
         let nominal = first.ok_or_else(no_damper)?;
-        Ok(Self { equipped, nominal, title: run.title, about: run.about })
+        let (title, about, inputs) = (run.title, run.about, run.inputs);
+        Ok(Self { equipped, nominal, title, about, inputs })
     }
 
     /// With yaw dampers of this stiffness and clearance.

@@ -1,9 +1,10 @@
-//! The study of 2014 on the yaw dampers of an SS9, figure by figure: what it says beside what comes out here.
+//! The study of 2014 on the yaw dampers of an SS9, figure by figure: what it says compared with
+//! what comes out here.
 //!
-//! "A locomotive's dynamic response to in-service parameter variations of its hydraulic yaw damper",
-//! Nonlinear Dynamics (2014). Its appendix with the parameters is not public: the vehicle here is an
-//! analogue, and three numbers of it that are public nowhere are calibrated, each on one critical speed
-//! ([`calibration`]). [`row`] says which number has which role.
+//! "A locomotive's dynamic response to in-service parameter variations of its hydraulic yaw
+//! damper", Nonlinear Dynamics (2014). Its appendix with the parameters is not public: the vehicle
+//! here is an analogue, and three numbers of it that are public nowhere are calibrated, each on one
+//! critical speed ([`calibration`]). [`row`] says which number has which role.
 //!
 //! | module | of the study |
 //! | --- | --- |
@@ -16,6 +17,7 @@
 //! | [`curving`] | figures 18 and 19: the curve of 400 m |
 //! | [`spread`] | what the inputs that are neither known nor fitted do to critical speeds |
 
+mod basis;
 pub mod calibration;
 pub mod comfort;
 pub mod critical_speeds;
@@ -31,21 +33,9 @@ pub mod spread;
 pub mod working_point;
 
 use crate::error::EvidenceError;
-use locomotive::Locomotive;
-use row::Figure;
-use std::path::Path;
-use vehicle_studies::critical_speed::Procedure;
+pub use basis::Basis;
 
-/// What a figure is made from.
-#[derive(Debug, Clone)]
-pub struct Basis<'a> {
-    /// The scenario.
-    pub scenario: &'a Path,
-    /// The locomotive of the scenario.
-    pub locomotive: &'a Locomotive,
-    /// How stability is asked for.
-    pub procedure: &'a Procedure,
-}
+use row::Figure;
 
 /// A figure that can be made.
 #[derive(Debug, Clone, Copy)]
@@ -61,9 +51,13 @@ impl Recipe {
     /// Makes it.
     ///
     /// # Errors
-    /// The vehicle does not run steadily, or cannot be changed so.
+    /// The vehicle does not run steadily, or cannot be changed so; the files of the scenario have
+    /// changed since the basis was read.
     pub fn make(&self, basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
-        (self.make)(basis).map_err(|why| EvidenceError::InFigure(self.number, Box::new(why)))
+        let figure = (self.make)(basis)
+            .map_err(|why| EvidenceError::InFigure(self.number, Box::new(why)))?;
+        basis.refuse_changed()?;
+        Ok(figure)
     }
 }
 

@@ -1,13 +1,14 @@
 //! What a critical speed would be without any model of a locomotive.
 //!
-//! An error says little alone: over the study's range a constant is right within a quarter. Two null models
-//! stand beside ours, both made from nothing but the speeds that ours was calibrated on: their mean, and
-//! straight lines through them, over stiffness at the small clearance and over clearance at the
-//! good stiffness.
+//! An error says little alone: over the study's range a constant is right within a quarter. Two
+//! null models are compared with ours, both made from nothing but the speeds that ours was
+//! calibrated on: their mean, and straight lines through them, over stiffness at the small
+//! clearance and over clearance at the good stiffness.
 
 use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M};
 
-/// Critical speeds that the model is calibrated on: stiffness (N/m), clearance 2a (m), speed (km/h).
+/// Critical speeds that the model is calibrated on: stiffness (N/m), clearance 2a (m), speed
+/// (km/h).
 pub const CALIBRATED_ON: [(f64, f64, f64); 3] =
     [(3e6, CLEARANCE_2A_M, 212.0), (KE_N_PER_M, CLEARANCE_2A_M, 250.0), (KE_N_PER_M, 8e-3, 170.0)];
 

@@ -1,14 +1,16 @@
-//! Figure 6 and conclusion (4): from a physical damper over its estimated parameters to the locomotive.
+//! Figure 6 and conclusion (4): from a physical damper over its estimated parameters to the
+//! locomotive.
 //!
-//! The study does not put its full damper model into the vehicle: it estimates Ce, Ke, 2a and relief from it and
-//! gives these to the locomotive. Here a hydraulic damper of the class visits a virtual bench at several oil
-//! temperatures and shares of free air, the nominal damper is fitted to the records as `identify` does it, and
-//! critical speeds follow. The study says that neither matters much in normal running.
+//! The study does not put its full damper model into the vehicle: it estimates Ce, Ke, 2a and
+//! relief from it and gives these to the locomotive. Here a hydraulic damper of the class visits a
+//! virtual bench at several oil temperatures and shares of free air, the nominal damper is fitted
+//! to the records as `identify` does it, and critical speeds follow. The study says that neither
+//! matters much in normal running.
 //!
-//! Limits: the physical damper is illustrative, no maker's; with every fit stands how much of the force it
-//! leaves.
+//! Limits: the physical damper is illustrative, no maker's; with every fit stands how much of the
+//! force it leaves.
 
-use super::Basis;
+use super::basis::Basis;
 use super::row::{Figure, Row};
 use crate::error::EvidenceError;
 use firmware_core::damper::Nominal;
@@ -22,8 +24,8 @@ use virtual_bench::bench_visit::sensors::Sensors;
 use virtual_bench::bench_visit::{RawRecord, measurements, protocol, record_from};
 use virtual_bench::hydraulic::HydraulicDamper;
 
-/// Oil temperature (degrees Celsius) and share of free air at one bar: from cold to hot at the usual share, then
-/// over the share at the usual temperature.
+/// Oil temperature (degrees Celsius) and share of free air at one bar: from cold to hot at the
+/// usual share, then over the share at the usual temperature.
 const OIL: [(f64, f64); 6] =
     [(0.0, 0.005), (20.0, 0.005), (40.0, 0.005), (60.0, 0.005), (40.0, 0.015), (40.0, 0.03)];
 /// Sampling of the virtual bench (Hz).

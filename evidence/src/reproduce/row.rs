@@ -1,4 +1,4 @@
-//! One number of the study beside ours.
+//! One number of the study compared with ours.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ pub struct Figure {
     pub remarks: Vec<String>,
 }
 
-/// A number of the study beside ours. What does not apply is null.
+/// A number of the study and ours. What does not apply is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// Figure of the study.

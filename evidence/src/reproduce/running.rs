@@ -1,9 +1,10 @@
-//! Figures 4 and 8: accelerations from wheel to carbody, and the forces of the front bogie's dampers.
+//! Figures 4 and 8: accelerations from wheel to carbody, and the forces of the front bogie's
+//! dampers.
 //!
-//! The study's working point of a damper, 3.5 Hz and 3.46 mm at 160 km/h, is a known gap: what was tried to
-//! close it is in [`working_point`](super::working_point).
+//! The study's working point of a damper, 3.5 Hz and 3.46 mm at 160 km/h, is a known gap: what was
+//! tried to close it is in [`working_point`](super::working_point).
 
-use super::Basis;
+use super::basis::Basis;
 use super::locomotive::dampers;
 use super::row::{Figure, Role, Row};
 use crate::error::EvidenceError;

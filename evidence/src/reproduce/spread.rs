@@ -1,11 +1,11 @@
 //! What inputs do to critical speeds that are neither known nor fitted.
 //!
-//! Bogie yaw inertia, wheelbase and primary lateral stiffness of the SS9 are in no public source; the
-//! analogue's stand in their place. Each is moved by as much as it may be off, one at a time, everything
-//! else, the calibrated numbers too, as it was. A calibration made anew would take up part of it. Two tracks
-//! are enough for a difference: the seeds spread by less than the inputs.
+//! Bogie yaw inertia, wheelbase and primary lateral stiffness of the SS9 are in no public source;
+//! the analogue's stand in their place. Each is moved by as much as it may be off, one at a time,
+//! everything else, the calibrated numbers too, as it was. A calibration made anew would take up
+//! part of it. Two tracks are enough for a difference: the seeds spread by less than the inputs.
 
-use super::Basis;
+use super::basis::Basis;
 use super::critical_speeds::PUBLISHED;
 use super::locomotive::Locomotive;
 use super::row::{Figure, Row};

@@ -1,10 +1,11 @@
-//! A gap and what was tried to close it: the damper's working point and the missing 3.8 Hz peak at 160 km/h.
+//! A gap and what was tried to close it: the damper's working point and the missing 3.8 Hz peak at
+//! 160 km/h.
 //!
-//! The study names 3.46 mm at 3.5 Hz; the reduced model gave about half the stroke at 1.7 or 2.1 Hz, as
-//! frequency is defined. Each thing that the full model adds, or that the study leaves open, is changed
-//! alone, and what is then left of the gap stands beside it.
+//! The study names 3.46 mm at 3.5 Hz; the reduced model gave about half the stroke at 1.7 or 2.1
+//! Hz, as frequency is defined. Each thing that the full model adds, or that the study leaves open,
+//! is changed alone, with the gap that remains.
 
-use super::Basis;
+use super::basis::Basis;
 use super::row::{Figure, Row};
 use super::running::{
     Channel, SPEED_KMH, WORKING_2A_M, WORKING_KE_N_PER_M, WORKING_POINT, run_with, signals,
@@ -27,7 +28,8 @@ const SEGMENT_S: f64 = 8.192;
 /// Where the bogie's peaks are looked for (Hz).
 const BOGIE_HZ: [f64; 2] = [2.5, 5.0];
 
-/// What the study has for the stroke (mm), twice for its frequency, and for the bogie's second peak (Hz).
+/// What the study has for the stroke (mm), twice for its frequency, and for the bogie's second peak
+/// (Hz).
 const STUDY: [f64; 4] = [1e3 * WORKING_POINT.0, WORKING_POINT.1, WORKING_POINT.1, 3.8];
 
 /// One thing that is changed.
@@ -198,7 +200,8 @@ fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<[Row; 4], EvidenceError
     let row = |quantity, unit, ours: Option<f64>, study: f64| {
         let row = Row::new("8", quantity, at(), unit, ours);
         let left = ours.map(|ours| format!("; {:+.2} {unit} left", ours - study));
-        // The study's number and the error to it stand once, at figure 8; here is what is left of the gap.
+        // The study's number and the error to it stand once, at figure 8; here is what is left of
+        // the gap.
         row.note(format!("{}{}", change.name, left.unwrap_or_default()))
     };
     let stroke_mm = mean(&|signals| Some(1e3 * working_point_of(&front(signals)?.extension_m)?.0));

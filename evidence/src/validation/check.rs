@@ -1,6 +1,7 @@
-//! One number of ours beside one that is known, and what may lie between them.
+//! One number of ours, the known number, and the tolerance between them.
 
 use report::Plot;
+use report::significant;
 use serde::Serialize;
 
 /// A comparison. A value that is not a number passes nothing.
@@ -25,6 +26,24 @@ pub struct Check {
 }
 
 impl Check {
+    /// The range that passes, in words.
+    pub(super) fn allowed(&self) -> String {
+        let number = |value: f64| significant(value, 5);
+        match (self.lowest, self.highest) {
+            (Some(low), Some(high)) => {
+                let (below, above) = (self.expected - low, high - self.expected);
+                if (below - above).abs() <= 1e-6 * (below + above) {
+                    format!("±{}", significant(above, 2))
+                } else {
+                    format!("{} to {}", number(low), number(high))
+                }
+            }
+            (Some(low), None) => format!("at least {}", number(low)),
+            (None, Some(high)) => format!("at most {}", number(high)),
+            (None, None) => String::new(),
+        }
+    }
+
     /// Ours within `tolerance` of what is known.
     pub fn near(quantity: &str, at: &str, [expected, ours]: [f64; 2], tolerance: f64) -> Self {
         let limits = [Some(expected - tolerance), Some(expected + tolerance)];
@@ -105,6 +124,11 @@ pub struct Reference {
 }
 
 impl Reference {
+    /// `passes`, or `MISSES` where any comparison misses.
+    pub(super) fn verdict(&self) -> &'static str {
+        if self.passes() { "passes" } else { "MISSES" }
+    }
+
     /// Whether there is something to compare, and all of it passes.
     pub fn passes(&self) -> bool {
         !self.checks.is_empty() && self.checks.iter().all(|check| check.passes)

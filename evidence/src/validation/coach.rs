@@ -1,10 +1,10 @@
 //! The Manchester coach (Vehicle 1 of the benchmark): how it stands, and its eigenfrequencies.
 //!
-//! At rest every stage of springs gives way by the weight above it over its stiffness. With the wheelsets
-//! held, springs join carbody, bogies and ground only, and left and right, front and rear separate:
-//! bounce is two masses on springs, pitch three coordinates, sway four. Their small matrices are written
-//! out here from masses and springs, apart from the vehicle's code, which differences its accelerations
-//! ([`vehicle_studies::modes`]).
+//! At rest every stage of springs gives way by the weight above it over its stiffness. With the
+//! wheelsets held, springs join carbody, bogies and ground only, and left and right, front and rear
+//! separate: bounce is two masses on springs, pitch three coordinates, sway four. Their small
+//! matrices are written out here from masses and springs, apart from the vehicle's code, which
+//! differences its accelerations ([`vehicle_studies::modes`]).
 
 use super::check::{Check, Reference};
 use super::vehicles;
@@ -158,7 +158,8 @@ fn pitch_hz() -> Vec<f64> {
     )
 }
 
-/// Carbody right and roll, both bogies right and roll. A point z below a centre moves right by `y - z roll`.
+/// Carbody right and roll, both bogies right and roll. A point z below a centre moves right by `y -
+/// z roll`.
 fn sway_hz() -> Vec<f64> {
     let [above_m, below_m, axle_m] = ARMS_M;
     let (across_1, across_2, bar) = (8.0 * 3.884e6, 4.0 * 0.160e6, 2.0 * 961.0e3);
@@ -189,8 +190,9 @@ fn on_its_wheels(vehicle: &Vehicle, table: &ContactTable) -> Result<Vec<Check>, 
     let frequencies: Vec<f64> = values.iter().map(|value| value.im.abs() / TAU).collect();
     let [held_hz, _] = bounce_hz();
     let values = [held_hz, nearest(&frequencies, held_hz)];
-    // A Hertz contact has k = 1.5 N / delta, above 0.5 GN/m under 55 kN; eight of them against springs of
-    // 1.46 MN/m in series lower the frequency by less than 2e-4; a thousandth leaves room for profiles.
+    // A Hertz contact has k = 1.5 N / delta, above 0.5 GN/m under 55 kN; eight of them against
+    // springs of 1.46 MN/m in series lower the frequency by less than 2e-4; a thousandth leaves
+    // room for profiles.
     let bounds = [0.999 * held_hz, held_hz];
     let quantity = "eigenfrequency, on its wheels";
     Ok(vec![Check::between(quantity, "carbody bounce", values, bounds).unit("Hz")])

@@ -1,9 +1,9 @@
 //! Equivalent conicity against the benchmark of UIC 519 / EN 15302.
 //!
-//! The benchmark gives the rolling radius difference of a wheelset over its lateral shift as a table and
-//! the conicity by integration with bounds, row by row. Cases A to I stand for wheels and tracks; E1 to E4
-//! are pairs of like wheels, E5 to E7 pairs of unlike ones, which rest beside the middle. Two shapes with
-//! closed forms stand beside them: a cone, and a cubic by both methods
+//! The benchmark gives the rolling radius difference of a wheelset over its lateral shift as a
+//! table and the conicity by integration with bounds, row by row. Cases A to I stand for wheels and
+//! tracks; E1 to E4 are pairs of like wheels, E5 to E7 pairs of unlike ones, which rest off the
+//! middle. Two shapes with closed forms are compared as well: a cone, and a cubic by both methods
 //! ([`scenario::conicity::RollingRadiusDifference`]).
 
 use super::check::{Check, Reference};
@@ -128,7 +128,8 @@ impl Benchmark {
 fn closed_forms() -> Vec<Check> {
     let cone: Vec<f64> = (-80..=80).map(|step| 2.0 * 0.05 * f64::from(step) * STEP_M).collect();
     let cone = RollingRadiusDifference::new(-8e-3, STEP_M, cone);
-    // Tables in straight pieces: off by h2/8 f'' = 3 b h2 y against 4 b y^3; twice that at the amplitude.
+    // Tables in straight pieces: off by h2/8 f'' = 3 b h2 y against 4 b y^3; twice that at the
+    // amplitude.
     let (b, amplitude_m, fine_m) = (1000.0, 4e-3, 0.01e-3);
     let share = 1.5 * (fine_m / amplitude_m) * (fine_m / amplitude_m);
     let cubic = (-800..=800).map(|step| {

@@ -1,8 +1,9 @@
 //! Cooperrider's bogie: where small motions grow, what they grow into, and where that dies.
 //!
-//! Published: the Hopf point at 68.66 m/s. Computed apart from the vehicle code: eigenvalues, from the
-//! equations of the literature ([`super::kaas_petersen`]), and with them the limit cycle at four speeds. A third
-//! program gave eigenvalues, limit cycles and the fold, where the stable cycle meets the unstable one.
+//! Published: the Hopf point at 68.66 m/s. Computed apart from the vehicle code: eigenvalues, from
+//! the equations of the literature ([`super::kaas_petersen`]), and with them the limit cycle at
+//! four speeds. A third program gave eigenvalues, limit cycles and the fold, where the stable cycle
+//! meets the unstable one.
 
 use super::check::{Check, Reference};
 use super::kaas_petersen::{Parameters, State};
@@ -134,8 +135,8 @@ fn hopf_points(vehicle: &Vehicle) -> Result<Vec<Check>, EvidenceError> {
     ])
 }
 
-/// The pair that is quoted for this bogie and that this set does not give, with what other readings of the
-/// parameters give.
+/// The pair that is quoted for this bogie and that this set does not give, with what other readings
+/// of the parameters give.
 fn not_reproduced(dies: f64) -> String {
     let printed = Parameters::PRINTED;
     let swapped = Parameters { psi: printed.phi, phi: printed.psi, ..printed };
@@ -169,8 +170,8 @@ impl Cycle {
         }
     }
 
-    /// By time steps of the vehicle, from the highest speed down, as a motion at one speed may begin outside
-    /// of the cycle's reach at the next: 60 s to settle at each, 5 s watched.
+    /// By time steps of the vehicle, from the highest speed down, as a motion at one speed may
+    /// begin outside of the cycle's reach at the next: 60 s to settle at each, 5 s watched.
     fn down(vehicle: &Vehicle, substep_s: f64) -> Vec<Self> {
         let track = Track::default();
         let mut state = VehicleState::<1>::default();

@@ -1,12 +1,12 @@
 //! Energy stays where nothing takes it away, and goes where dampers take it.
 //!
-//! An SS9 on wheels without friction is pushed. Its potential energy is built here from the data of the
-//! elements, apart from the code of the step:
+//! An SS9 on wheels without friction is pushed. Its potential energy is built here from the data of
+//! the elements, apart from the code of the step:
 //! ```text
 //! U = sum of k d^2/2 (springs, torsions, rails) + bump stops - m g z + sum of 2/5 k delta^2.5 (contacts)
 //! ```
-//! Without dampers it has to stay; with dampers it only falls, and what has left is the work that they
-//! took.
+//! Without dampers it has to stay; with dampers it only falls, and what has left is the work that
+//! they took.
 
 use super::check::{Check, Reference};
 use super::locomotive::{Dampers, Locomotive, SPEED_M_PER_S, SUBSTEP_S};
@@ -46,7 +46,8 @@ pub fn reference() -> Result<Reference, EvidenceError> {
     let undamped = "20 s without dampers";
     let damped = "5 s with dampers";
     let rail_hz = without.rail_hz();
-    // The leapfrog's energy swings about the true one by (w h / 2)^2 of what is in a mode of frequency w.
+    // The leapfrog's energy swings about the true one by (w h / 2)^2 of what is in a mode of
+    // frequency w.
     let swing = rail_hz * std::f64::consts::TAU * SUBSTEP_S / 2.0;
     let swing_j = swing * swing * push_j;
     let checks = vec![
@@ -175,7 +176,8 @@ impl Pushed {
         let (mut linear_j, mut last_w) = (0.0, 0.0);
         let mut found = Vec::new();
         for step in 0..libm::round(seconds / SUBSTEP_S) as u32 {
-            // What a step sees at the time of its positions, on copies: the run itself is not touched.
+            // What a step sees at the time of its positions, on copies: the run itself is not
+            // touched.
             let looks = step % STEPS_PER_LOOK == 0;
             if self.damped || looks {
                 let (mut seen, mut meter) = (state.clone(), metered.clone());

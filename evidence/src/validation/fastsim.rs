@@ -1,10 +1,10 @@
 //! FASTSIM against its closed form, against CONTACT's own FASTSIM and against the full theory.
 //!
-//! Pure longitudinal creepage has a closed form: a strip of half length `l` sticks from its leading edge
-//! with the traction `s (l - x)`, `s = xi / L1`, until it meets the parabolic bound
-//! `P (l^2 - x^2) / a^2`, `P = 2 mu N / (pi a b)`; so the last `d = s a^2 / P` of it slide. The strips are then
-//! summed with a far finer rule. Creepage with spin has none; there CONTACT's two grids are followed to a
-//! cell of no length.
+//! Pure longitudinal creepage has a closed form: a strip of half length `l` sticks from its leading
+//! edge with the traction `s (l - x)`, `s = xi / L1`, until it meets the parabolic bound `P (l^2 -
+//! x^2) / a^2`, `P = 2 mu N / (pi a b)`; so the last `d = s a^2 / P` of it slide. The strips are
+//! then summed with a far finer rule. Creepage with spin has none; there CONTACT's two grids are
+//! followed to a cell of no length.
 
 use super::check::{Check, Reference};
 use super::columns;
@@ -167,7 +167,8 @@ fn flexibilities_mm3_per_n(patch: &Patch) -> [f64; 3] {
     [8.0 * a / (3.0 * g * c11), 8.0 * a / (3.0 * g * c22), third].map(|l| 1e9 * l)
 }
 
-/// Flexibility of the traction curve, printed by CONTACT with four digits; the other two are blended there.
+/// Flexibility of the traction curve, printed by CONTACT with four digits; the other two are
+/// blended there.
 fn flexibility() -> Check {
     const HALF_A_DIGIT: f64 = 0.5e-8;
     let [first, ..] = flexibilities_mm3_per_n(&eurosprinter());

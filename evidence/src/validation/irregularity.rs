@@ -4,9 +4,9 @@
 //! Sv = Sa = 5.7613e-3 / (W^2 (W^2 + 0.6798))               cm2/(rad/m)
 //! Sc = Sg = 2.3045e-2 / ((W^2 + 0.6798) (W^2 + 0.1918))    cm2/(rad/m)
 //! ```
-//! one-sided, `W` in rad/m. A long track is made, its density found by Welch's method and summed band by
-//! band; what a band should hold is the integral of the equations by Simpson's rule, apart from the closed
-//! integrals that the generator works with. Those are held to the same rule.
+//! one-sided, `W` in rad/m. A long track is made, its density found by Welch's method and summed
+//! band by band; what a band should hold is the integral of the equations by Simpson's rule, apart
+//! from the closed integrals that the generator works with. Those are held to the same rule.
 
 use super::check::{Check, Reference};
 use crate::error::EvidenceError;

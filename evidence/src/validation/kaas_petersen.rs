@@ -1,7 +1,7 @@
 //! Cooperrider's bogie from the equations of the literature, apart from the vehicle code.
 //!
-//! Seven coordinates: lateral shift and yaw of both wheelsets, lateral shift, yaw and roll of the frame
-//! (Kaas-Petersen, Acta Mechanica 61, 1986, 89-107):
+//! Seven coordinates: lateral shift and yaw of both wheelsets, lateral shift, yaw and roll of the
+//! frame (Kaas-Petersen, Acta Mechanica 61, 1986, 89-107):
 //! ```text
 //! mw q1'' = -A1 - 2 Fy1 - FT(q1)        Iw q2'' = -A2 - 2 a Fx1         (q3, q4: the rear wheelset)
 //! mf q5'' = A1 + A3 - A5                If q6'' = b (A1 - A3) + A2 + A4 - A6
@@ -11,15 +11,16 @@
 //! A6 = k6 q6 + D6 q6'                   A7 = 2 D1 d2^2 q7' + 2 k5 d2^2 q7 + 4 k3 d1^2 q7
 //! xx = a q2'/v + lambda q1/r0           xy = q1'/v - q2
 //! ```
-//! Creep by Vermeulen and Johnson with `xr^2 = (xx/Psi)^2 + (xy/Phi)^2`; a flange of stiffness `k0` beyond
-//! `delta`.
+//! Creep by Vermeulen and Johnson with `xr^2 = (xx/Psi)^2 + (xy/Phi)^2`; a flange of stiffness `k0`
+//! beyond `delta`.
 
 use nalgebra::{Complex, SMatrix, SVector};
 
 /// Positions, then velocities.
 pub type State = SVector<f64, 14>;
 
-/// The parameters that are printed differently in different places; the others stand in the equations.
+/// The parameters that are printed differently in different places; the others stand in the
+/// equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
     /// `G pi a b` (N).
@@ -90,15 +91,15 @@ impl Parameters {
 
     /// The least damped eigenvalue of running in the middle (1/s).
     ///
-    /// Creep at zero creepage is linear with the slope `G pi a b / Psi` and `/ Phi`: small creepages see
-    /// `1 - u/3` of it, so the matrix is taken from two widths.
+    /// Creep at zero creepage is linear with the slope `G pi a b / Psi` and `/ Phi`: small
+    /// creepages see `1 - u/3` of it, so the matrix is taken from two widths.
     pub fn least_damped(&self, speed_m_per_s: f64) -> Complex<f64> {
         let matrix = |width: f64| {
             let mut matrix = SMatrix::<f64, 14, 14>::zeros();
             for (index, mut column) in matrix.column_iter_mut().enumerate() {
                 let mut state = State::zeros();
                 state[index] = width;
-                // Odd in the state: one side tells all.
+                // Odd in the state: one side is enough.
                 column.copy_from(&(self.rates(&state, speed_m_per_s) / width));
             }
             matrix

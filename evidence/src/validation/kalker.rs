@@ -1,9 +1,10 @@
 //! Kalker's creep coefficients against his table and his asymptotes.
 //!
 //! `C11`, `C22`, `C23` over the axis ratio of the contact ellipse and Poisson's ratio: table E.3 of
-//! "Three-Dimensional Elastic Bodies in Rolling Contact" (1990), copied here a second time and apart from
-//! the one that runs, so that a slip in either shows. Between the ratios the values are linear, between
-//! Poisson's ratios `1/C` is quadratic; slender ellipses, up to a ratio of 0.101, follow the asymptotes.
+//! "Three-Dimensional Elastic Bodies in Rolling Contact" (1990), copied here a second time and
+//! apart from the one that runs, so that a slip in either shows. Between the ratios the values are
+//! linear, between Poisson's ratios `1/C` is quadratic; slender ellipses, up to a ratio of 0.101,
+//! follow the asymptotes.
 
 use super::check::{Check, Reference};
 use super::columns;
@@ -123,7 +124,8 @@ fn tabulated(rows: &[Row]) -> Vec<Check> {
     checks
 }
 
-/// Steel: `1/C` on the parabola through the three tabulated values, by Newton's divided differences.
+/// Steel: `1/C` on the parabola through the three tabulated values, by Newton's divided
+/// differences.
 fn between_poisson_ratios(rows: &[Row]) -> Vec<Check> {
     let mut checks = Vec::new();
     for row in rows.iter().filter(|row| row.ratio > 0.101) {

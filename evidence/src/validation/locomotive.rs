@@ -1,4 +1,5 @@
-//! The SS9 with four new yaw dampers, stepped without the host: for references that look at every step.
+//! The SS9 with four new yaw dampers, stepped without the host: for references that look at every
+//! step.
 
 use super::vehicles;
 use crate::error::EvidenceError;

@@ -1,14 +1,14 @@
 //! Manchester contact benchmark: one wheelset, shifted and yawed, both wheels on their rails.
 //!
-//! S1002 on UIC60 at 1:40, gauge 1435 mm, back-to-back 1360 mm, rolling radius 460 mm, friction 0.3,
-//! 2 m/s; the wheelset is moved by 0 to 10 mm and yawed by 0 to 24 mrad, with the roll and the spin that
-//! go with it, and each wheel carries 10 kN. CONTACT gives position, angle and creepages of the contact and
-//! all forces. Ours are what a run uses: the contact table of one wheel and its law of creep
-//! ([`firmware_core::wheel_rail::wheel`]), FASTSIM on a fine grid.
+//! S1002 on UIC60 at 1:40, gauge 1435 mm, back-to-back 1360 mm, rolling radius 460 mm, friction
+//! 0.3, 2 m/s; the wheelset is moved by 0 to 10 mm and yawed by 0 to 24 mrad, with the roll and the
+//! spin that go with it, and each wheel carries 10 kN. CONTACT gives position, angle and creepages
+//! of the contact and all forces. Ours are what a run uses: the contact table of one wheel and its
+//! law of creep ([`firmware_core::wheel_rail::wheel`]), FASTSIM on a fine grid.
 //!
-//! Three definitions are brought together. CONTACT divides by the rolling speed `(V + |W| r)/2`, ours by
-//! `V`; it tells what the rail does against the wheel and what the rail feels; and its axes are those
-//! of the track, ours those of a wheel.
+//! Three definitions are brought together. CONTACT divides by the rolling speed `(V + |W| r)/2`,
+//! ours by `V`; it tells what the rail does against the wheel and what the rail feels; and its axes
+//! are those of the track, ours those of a wheel.
 
 use super::check::{Check, Reference};
 use super::{columns, fastsim};

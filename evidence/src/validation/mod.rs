@@ -1,9 +1,10 @@
-//! Ours against what is known: published numbers, closed forms, and numbers that were computed twice.
+//! Ours against what is known: published numbers, closed forms, and numbers that were computed
+//! twice.
 //!
-//! One file per reference. Each computes its numbers when it is asked, sets them beside the known ones as
-//! [`Check`]s with tolerances that its [`Reference`] derives, and says what is left out. Nothing here is
-//! tuned to pass; the same functions are the tests (`tests/validation.rs`) and the page of
-//! `yawbench reproduce --validation` ([`page`]).
+//! One file per reference. Each computes its numbers when it is asked, compares them with the known
+//! ones as [`Check`]s with tolerances that its [`Reference`] derives, and says what is left out.
+//! Nothing here is tuned to pass; the same functions are the tests (`tests/validation.rs`) and the
+//! page of `yawbench reproduce --validation` ([`page`]).
 //!
 //! | file | known from |
 //! | --- | --- |
@@ -34,8 +35,13 @@ mod vehicles;
 pub use check::{Check, Reference};
 
 use crate::error::EvidenceError;
+use files::Identity;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Hash over the sources of the crates that compute the references, made by the build script.
+const PROGRAM: &str = env!("VALIDATION_SOURCES");
 
 /// Computes one reference.
 pub type Compute = fn() -> Result<Reference, EvidenceError>;
@@ -54,21 +60,36 @@ pub const REFERENCES: [Compute; 10] = [
     symmetry::reference,
 ];
 
-/// Computes all of them, side by side; `progress` is told the title of each that is done, how many are, and
-/// of how many.
+/// Computes all of them in parallel. `progress` gets the title of each when it is done, the number
+/// done and the number of all. Once `stop` is set no further reference begins.
 ///
 /// # Errors
-/// A reference that could not be computed at all.
+/// A reference that cannot be computed.
 pub fn all(
+    stop: &AtomicBool,
     progress: &(dyn Fn(&str, usize, usize) + Sync),
 ) -> Result<Vec<Reference>, EvidenceError> {
     let done = AtomicUsize::new(0);
-    let one = |compute: &Compute| {
-        let reference = compute()?;
-        progress(reference.title, done.fetch_add(1, Ordering::Relaxed) + 1, REFERENCES.len());
-        Ok(reference)
+    let one = |compute: &Compute| -> Option<Result<Reference, EvidenceError>> {
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        let computed = compute();
+        if let Ok(reference) = &computed {
+            progress(reference.title, done.fetch_add(1, Ordering::Relaxed) + 1, REFERENCES.len());
+        }
+        Some(computed)
     };
-    REFERENCES.par_iter().map(one).collect()
+    REFERENCES.par_iter().filter_map(one).collect()
+}
+
+/// The identity of all of them: they depend on the program alone.
+///
+/// # Errors
+/// None: the question always serialises.
+pub fn identity() -> Result<Identity, EvidenceError> {
+    Identity::new(&"validation", BTreeMap::new(), PROGRAM)
+        .map_err(|why| EvidenceError::NotSerialised(why.to_string()))
 }
 
 /// The columns of a table in CSV, by the words of its head.

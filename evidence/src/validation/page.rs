@@ -1,7 +1,7 @@
 //! The page: for every reference what it is, what the tolerance means, a table, and plots.
 
 use super::{Check, Reference, text};
-use report::{Cell, Plot, Report, Section, Table, Tile, significant};
+use report::{Cell, Plot, Report, Section, Table, Tile};
 
 /// Quantities that are compared at more places show the tightest one.
 const SHOWN: usize = 8;
@@ -41,7 +41,7 @@ fn overview_table(references: &[Reference]) -> Table {
         let used = reference.checks.iter().filter(|check| two_sided(check)).map(Check::used);
         let row: [Cell; 4] = [
             reference.title.into(),
-            verdict(reference).into(),
+            reference.verdict().into(),
             (reference.checks.len() as u64).into(),
             (100.0 * used.fold(0.0, f64::max)).into(),
         ];
@@ -49,7 +49,8 @@ fn overview_table(references: &[Reference]) -> Table {
     }))
 }
 
-/// Whether being far from the known value is worse on both sides, or on the only one that has a bound.
+/// Whether being far from the known value is worse on both sides, or on the only one that has a
+/// bound.
 fn two_sided(check: &Check) -> bool {
     check.highest.is_some()
 }
@@ -112,34 +113,11 @@ fn table(reference: &Reference) -> Table {
             (count as u64).into(),
             check.expected.into(),
             check.ours.into(),
-            allowed(check).into(),
+            check.allowed().into(),
             check.unit.into(),
             used.into(),
             if check.passes { "passes" } else { "MISSES" }.into(),
         ];
         row
     }))
-}
-
-/// What may lie between, in words.
-pub(super) fn allowed(check: &Check) -> String {
-    let number = |value: f64| significant(value, 5);
-    match (check.lowest, check.highest) {
-        (Some(low), Some(high)) => {
-            let (below, above) = (check.expected - low, high - check.expected);
-            if (below - above).abs() <= 1e-6 * (below + above) {
-                format!("±{}", significant(above, 2))
-            } else {
-                format!("{} to {}", number(low), number(high))
-            }
-        }
-        (Some(low), None) => format!("at least {}", number(low)),
-        (None, Some(high)) => format!("at most {}", number(high)),
-        (None, None) => String::new(),
-    }
-}
-
-/// A word for a whole reference.
-pub(super) fn verdict(reference: &Reference) -> &'static str {
-    if reference.passes() { "passes" } else { "MISSES" }
 }

@@ -1,9 +1,9 @@
 //! Sperling index on pure sines, and EN 12299's weightings against published factors.
 //!
-//! A sine of amplitude `A` on a line of the window's Fourier series has the index
-//! `3.57 (A^3 F(f) / f)^(1/10)` ([`vehicle_studies::ride::sperling`]); `F` is written out here once more. The weightings
-//! Wb and Wd ([`vehicle_studies::ride::weighting`]) are tabulated as factors in third octaves, at nominal frequencies in
-//! ISO 2631-1 and at true ones in ISO 8041-1.
+//! A sine of amplitude `A` on a line of the window's Fourier series has the index `3.57 (A^3 F(f) /
+//! f)^(1/10)` ([`vehicle_studies::ride::sperling`]); `F` is written out here once more. The
+//! weightings Wb and Wd ([`vehicle_studies::ride::weighting`]) are tabulated as factors in third
+//! octaves, at nominal frequencies in ISO 2631-1 and at true ones in ISO 8041-1.
 
 use super::check::{Check, Reference};
 use crate::error::EvidenceError;
@@ -17,8 +17,8 @@ const RATE_HZ: f64 = 1000.0;
 /// Amplitude of the sines (m/s2).
 const AMPLITUDE: f64 = 0.3;
 
-/// ISO 2631-1:1997, table 3: nominal third octave (Hz), and Wd in thousandths. At 10 Hz the table has 212, a
-/// misprint that its neighbours and its formula show; it is left out.
+/// ISO 2631-1:1997, table 3: nominal third octave (Hz), and Wd in thousandths. At 10 Hz the table
+/// has 212, a misprint that its neighbours and its formula show; it is left out.
 const WD: [(f64, f64); 30] = [
     (0.1, 62.4),
     (0.125, 97.3),

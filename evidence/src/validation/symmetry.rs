@@ -1,9 +1,9 @@
 //! A mirrored run is the mirror image.
 //!
 //! Left and right of a vehicle are alike, so a run with everything on the other side (curve, cant,
-//! alignment, cross level, a push at the start, the points of springs and dampers) has to be the mirror
-//! image: lateral, roll and yaw change their sign, left and right wheels change places, and nothing else
-//! differs, not even the last bit.
+//! alignment, cross level, a push at the start, the points of springs and dampers) has to be the
+//! mirror image: lateral, roll and yaw change their sign, left and right wheels change places, and
+//! nothing else differs, not even the last bit.
 
 use super::check::{Check, Reference};
 use super::locomotive::{Locomotive, SUBSTEP_S};

@@ -1,15 +1,15 @@
 //! The comparisons as a table of plain text.
 
 use super::Reference;
-use super::page::{allowed, verdict};
 use report::significant;
 use std::fmt::Write;
 
-/// One line per quantity: how many comparisons, the tightest, and whether all pass; then what misses.
+/// One line per quantity: how many comparisons, the tightest, and whether all pass; then what
+/// misses.
 pub fn text(references: &[Reference]) -> String {
     let mut out = String::new();
     for reference in references {
-        line(&mut out, format_args!("{} - {}", verdict(reference), reference.title));
+        line(&mut out, format_args!("{} - {}", reference.verdict(), reference.title));
         for (check, count) in reference.tightest() {
             line(
                 &mut out,
@@ -20,7 +20,7 @@ pub fn text(references: &[Reference]) -> String {
                     check.at,
                     significant(check.ours, 5),
                     significant(check.expected, 5),
-                    format!("{} {}", allowed(check), check.unit),
+                    format!("{} {}", check.allowed(), check.unit),
                     100.0 * check.used()
                 ),
             );
@@ -50,7 +50,7 @@ pub fn misses(references: &[Reference]) -> impl Iterator<Item = String> {
                 significant(check.ours, 6),
                 check.unit,
                 significant(check.expected, 6),
-                allowed(check)
+                check.allowed()
             )
         })
     })

@@ -1,5 +1,5 @@
-//! The vehicles that references are about, from the scenarios' own files, kept in the program: a page of
-//! validation has to come out the same wherever it is asked for.
+//! The vehicles that references are about, from the scenarios' own files, kept in the program: a
+//! page of validation has to come out the same wherever it is asked for.
 
 use crate::error::EvidenceError;
 use firmware_core::vehicle::Vehicle;

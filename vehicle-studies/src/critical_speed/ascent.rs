@@ -1,8 +1,8 @@
 //! From which speed on does irregular track throw the vehicle into a hunting that stays?
 //!
-//! At every speed anew: one wheelset 3 mm beside the middle, 300 m of class-6 track, then perfect track;
-//! hunting is what moves by more than the threshold after 14 s of it. With the irregularity kept on
-//! there is no clear threshold: it moves the wheelsets by as much as a small limit cycle.
+//! At every speed anew: one wheelset 3 mm off the middle, 300 m of class-6 track, then perfect
+//! track; hunting is what moves by more than the threshold after 14 s of it. With the irregularity
+//! kept on there is no clear threshold: it moves the wheelsets by as much as a small limit cycle.
 
 use super::bracket::{Critical, first_unstable};
 use super::hunting::{Hunting, after};
@@ -119,14 +119,14 @@ fn settled(
     Ok(after(&trip, &mut state, [duration_s, procedure.watched_s]))
 }
 
-/// The wheelset that starts beside the middle of the track, the last of a vehicle with fewer.
+/// The wheelset that starts off the middle of the track, the last of a vehicle with fewer.
 pub fn offset_wheelset(equipped: &Equipped, procedure: &Procedure) -> Option<BodyId> {
     let number = procedure.offset_wheelset.min(equipped.vehicle.axles.len());
     number.checked_sub(1).and_then(|number| equipped.wheelset(number))
 }
 
-/// A trip at one speed (km/h) with that wheelset beside the middle, its state, and how long it takes over
-/// the rough beginning and the perfect track behind it (s).
+/// A trip at one speed (km/h) with that wheelset off the middle, its state, and how long it
+/// takes over the rough beginning and the perfect track behind it (s).
 ///
 /// # Errors
 /// The vehicle does not run steadily.

@@ -62,8 +62,8 @@ impl std::fmt::Display for Critical {
     }
 }
 
-/// The first speed of a climb at which `unstable` holds, met within a resolution by halving the last
-/// step. Speeds in km/h.
+/// The first speed of a climb at which `unstable` holds, met within a resolution by halving the
+/// last step. Speeds in km/h.
 ///
 /// ```
 /// use vehicle_studies::critical_speed::{Critical, first_unstable};

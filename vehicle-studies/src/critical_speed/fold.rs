@@ -1,14 +1,14 @@
 //! Below which speed does no hunting stay, however it began?
 //!
 //! The vehicle is set swinging at the highest speed by a burst of sinusoidal alignment, several
-//! wavelengths of which are tried; the largest motion that stays is followed downward, a few seconds
-//! at each speed, from the state that the one before has left, until it dies. The last step is halved. No
-//! seed and no track enter: with a clear limit cycle this is its saddle-node, the lower end of the range of
-//! speeds at which quiet running and hunting exist side by side.
+//! wavelengths of which are tried; the largest motion that stays is followed downward, a few
+//! seconds at each speed, from the state that the one before has left, until it dies. The last step
+//! is halved. No seed and no track enter: with a clear limit cycle this is its saddle-node, the
+//! lower end of the range of speeds at which quiet running and hunting exist side by side.
 //!
-//! Just below its end a motion dies slowly, and the time at each speed may not see it: a tenth of a km/h
-//! for Cooperrider's bogie. A cycle that the burst does not reach is not found; the answer then is that of
-//! the cycle that was.
+//! Just below its end a motion dies slowly, and the time at each speed may not see it: a tenth of a
+//! km/h for Cooperrider's bogie. A cycle that the burst does not reach is not found; the answer
+//! then is that of the cycle that was.
 
 use super::bracket::Critical;
 use super::hunting::{Hunting, after};
@@ -90,7 +90,7 @@ fn held(equipped: &Equipped, procedure: &Procedure, kmh: f64, state: &mut LineSt
     after(&trip, state, [procedure.hold_s, procedure.watched_s])
 }
 
-/// The largest motion that a burst leaves at the highest speed, and the state in it.
+/// The largest motion that remains after a burst at the highest speed, and its state.
 fn swinging(
     equipped: &Equipped,
     procedure: &Procedure,

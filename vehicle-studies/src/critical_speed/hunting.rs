@@ -23,8 +23,8 @@ impl Hunting {
     /// Off the track.
     pub const DERAILED: Self = Self { amplitude_m: None, frequency_hz: None };
 
-    /// The motion of a wheelset that stayed on the track, from its lateral position at every control
-    /// cycle (m).
+    /// The motion of a wheelset that stayed on the track, from its lateral position at every
+    /// control cycle (m).
     pub fn of(lateral_m: &[f64]) -> Self {
         let amplitude_m = greatest(lateral_m);
         let dead_band_m = DEAD_BAND * amplitude_m;

@@ -1,9 +1,10 @@
 //! From which speed on does a small motion grow, with the dampers as they are at one stroke?
 //!
-//! Eigenvalues about steady running ([`crate::modes`]) with every damper as stiffness and damping of one
-//! stroke and of the frequency of the mode that is asked for ([`crate::describing_function`]); the
-//! frequency is that of the least damped mode, found by repetition. At zero stroke a clearance would mean
-//! that there is no damper: a stroke has to be given.
+//! Eigenvalues about steady running ([`crate::modes`]) with every damper as stiffness and damping
+//! of one stroke and of the frequency of the mode that is asked for
+//! ([`crate::describing_function`]); the frequency is that of the least damped mode, found by
+//! repetition. At zero stroke a clearance would mean that there is no damper: a stroke has to be
+//! given.
 
 use super::bracket::{Critical, first_unstable};
 use super::procedure::Procedure;
@@ -44,7 +45,8 @@ pub struct Mode {
 pub struct AtSpeed {
     /// Speed (km/h).
     pub kmh: f64,
-    /// The modes in the range of hunting, the least damped first; none where there is no steady running.
+    /// The modes in the range of hunting, the least damped first; none where there is no steady
+    /// running.
     pub modes: Vec<Mode>,
 }
 
@@ -62,8 +64,8 @@ pub struct LinearSpeed {
 }
 
 impl LinearSpeed {
-    /// At each of some strokes (m, positive); once for a vehicle without dampers, to which a stroke means
-    /// nothing.
+    /// At each of some strokes (m, positive); once for a vehicle without dampers, to which a stroke
+    /// means nothing.
     pub fn at_strokes(equipped: &Equipped, procedure: &Procedure, strokes_m: &[f64]) -> Vec<Self> {
         let none = equipped.dampers.is_empty() && !strokes_m.is_empty();
         let strokes_m = if none { &[0.0] } else { strokes_m };
@@ -85,7 +87,7 @@ impl LinearSpeed {
         let critical = first_unstable([from_kmh, to_kmh], 2.0 * step_kmh, resolution_kmh, |kmh| {
             let mode = least_damped(equipped, kmh / 3.6, stroke_m);
             let grows = mode.filter(|mode| mode.growth_per_s > 0.0);
-            // The last one found is that of the speed that is told.
+            // The last one found is that of the speed that is reported.
             growing = grows.or(growing);
             grows.is_some()
         });
@@ -102,7 +104,8 @@ impl LinearSpeed {
     }
 }
 
-/// The least damped mode at a speed, the dampers at a stroke; none where there is no steady running.
+/// The least damped mode at a speed, the dampers at a stroke; none where there is no steady
+/// running.
 pub fn least_damped(equipped: &Equipped, speed_m_per_s: f64, stroke_m: f64) -> Option<Mode> {
     modes_at(equipped, speed_m_per_s, stroke_m)?.first().copied()
 }

@@ -7,10 +7,10 @@
 //! | [`fold`] | below which speed does no hunting motion stay, however it began? |
 //! | [`linear`] | from which speed on does a small motion grow, with the dampers as they are at one stroke? |
 //!
-//! The first depends on the track and on a threshold and is what the study calls critical speed; seeds
-//! give its range. The second depends on neither and bounds it from below; between the two a vehicle runs
-//! quietly or hunts, as it comes. The third says little with clearance and relief, and is told for several
-//! strokes.
+//! The first depends on the track and on a threshold and is what the study calls critical speed;
+//! seeds give its range. The second depends on neither and bounds it from below; between the two a
+//! vehicle runs quietly or hunts, as it comes. The third says little with clearance and relief, and
+//! is stated for several strokes.
 
 mod answer;
 pub mod ascent;

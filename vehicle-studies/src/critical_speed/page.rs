@@ -1,5 +1,5 @@
-//! The report of a study of critical speeds: what was found, over what was varied, and the hunting motions
-//! behind it.
+//! The report of a study of critical speeds: what was found, over what was varied, and the hunting
+//! motions behind it.
 
 use super::answer::Point;
 use super::ascent::Ascent;

@@ -26,7 +26,7 @@ pub struct Procedure {
     pub step_kmh: f64,
     /// How closely a critical speed is met (km/h).
     pub resolution_kmh: f64,
-    /// Wheelset that starts beside the middle of the track, from 1 at the front.
+    /// Wheelset that starts off the middle of the track, from 1 at the front.
     pub offset_wheelset: usize,
     /// How far it does (m).
     pub offset_m: f64,

@@ -3,8 +3,8 @@
 //! ```text
 //! rms over 100 m of sum of Y, f0 +- 2 Hz   >   half of k1 (10 kN + P0/3)        for any wheelset
 //! ```
-//! f0 is the highest line of the force's spectrum between 1 and 10 Hz. The irregularity stays: the force is
-//! what a measuring wheelset would see, and no limit cycle has to be there. k1 = 1.
+//! f0 is the highest line of the force's spectrum between 1 and 10 Hz. The irregularity stays: the
+//! force is what a measuring wheelset would see, and no limit cycle has to be there. k1 = 1.
 //!
 //! Limits: straight track, and 400 m of it behind a run-in.
 
@@ -29,7 +29,8 @@ pub(super) fn rough(procedure: &Procedure, seed: u64) -> OwnedTrack {
     OwnedTrack { layout: Layout::tangent(), samples }
 }
 
-/// The greatest rms over its limit of any wheelset at a speed; above one it is unstable. None off the track.
+/// The greatest rms over its limit of any wheelset at a speed; above one it is unstable. None off
+/// the track.
 ///
 /// # Errors
 /// No steady running, or a signal that cannot be filtered.

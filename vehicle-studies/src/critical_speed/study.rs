@@ -16,7 +16,7 @@ use scenario::conicity::RollingRadiusDifference;
 use scenario::run::Run;
 use serde::Serialize;
 
-/// Amplitude at which equivalent conicity is told (m).
+/// Amplitude at which equivalent conicity is stated (m).
 const CONICITY_AT_M: f64 = 3e-3;
 /// Lateral reach of the rolling radius difference that it is found from (m).
 const REACH_M: f64 = 6e-3;

@@ -84,7 +84,7 @@ pub(super) fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String>
         lines.push(format!(
             "hunts from: the first speed at which a wheelset moves by more than {} mm in the last {} s, \
              after {} m of class-6 track (wavelengths {} to {} m) and {} s of perfect track; wheelset {} \
-             starts {} mm beside the middle; mean over seeds {seeds}",
+             starts {} mm off the middle; mean over seeds {seeds}",
             1e3 * procedure.threshold_m,
             procedure.watched_s,
             procedure.rough_m,

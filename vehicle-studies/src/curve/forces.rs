@@ -1,15 +1,15 @@
 //! What one track does to one wheelset in one section.
 //!
-//! EN 14363: the sum of the guiding forces and Y/Q pass a low-pass of 20 Hz (four poles) and a sliding
-//! mean over 2 m ([`signal::guiding_force`]), are read every 0.5 m, and their percentiles 0.15 and 99.85 count;
-//! the median is the quasi-static value. Y/Q is the quotient of the low-passed forces, the load not
-//! below 1 % of the static one.
+//! EN 14363: the sum of the guiding forces and Y/Q pass a low-pass of 20 Hz (four poles) and a
+//! sliding mean over 2 m ([`signal::guiding_force`]), are read every 0.5 m, and their percentiles
+//! 0.15 and 99.85 count; the median is the quasi-static value. Y/Q is the quotient of the
+//! low-passed forces, the load not below 1 % of the static one.
 //!
-//! Stability: around the frequency `f0` of the highest line of the force between 1 and 10 Hz, 2 Hz to either
-//! side, the rms over 100 m, every 10 m; the greatest counts.
+//! Stability: around the frequency `f0` of the highest line of the force between 1 and 10 Hz, 2 Hz
+//! to either side, the rms over 100 m, every 10 m; the greatest counts.
 //!
-//! GB/T 5599-2019: Q/P, unloading `(Q0 - Q)/Q0` and lateral axle force after a low-pass of 40 Hz, without a
-//! mean, by their percentile 99.85; the filter is this study's.
+//! GB/T 5599-2019: Q/P, unloading `(Q0 - Q)/Q0` and lateral axle force after a low-pass of 40 Hz,
+//! without a mean, by their percentile 99.85; the filter is this study's.
 //!
 //! Filters are causal; their delay (1 m, and 2.61/(2 pi f) of the low-pass) is taken off.
 

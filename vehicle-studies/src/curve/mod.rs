@@ -8,9 +8,9 @@
 //! | [`limits`] | Prud'homme's limit and the others |
 //! | [`assessment`] | [`Curve::of`]: all of it for one vehicle over the tracks of several seeds |
 //!
-//! The layout is that of the scenario, which needs a `[track.curve]`; so is the irregularity, with the
-//! study's seeds where it is random. The straight lead-in is the run-in. A wheelset is judged by where
-//! it stands itself, not the vehicle.
+//! The layout is that of the scenario, which needs a `[track.curve]`; so is the irregularity, with
+//! the study's seeds where it is random. The straight lead-in is the run-in. A wheelset is judged
+//! by where it stands itself, not the vehicle.
 
 mod answer;
 mod assessment;

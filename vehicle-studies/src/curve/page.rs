@@ -1,4 +1,5 @@
-//! The report of a study of curving: forces with their limits over what was varied, wheelsets, spectra.
+//! The report of a study of curving: forces with their limits over what was varied, wheelsets,
+//! spectra.
 
 use super::answer::{CurveAnswer, Point};
 use super::assessment::{Curve, SectionCurve};

@@ -9,8 +9,8 @@ use crate::over_seeds::OverSeeds;
 use crate::text_table::{pace, table};
 use scenario::setting::Setting;
 
-/// The points as a table for a terminal, and under which conditions they hold. A single point is told
-/// wheelset by wheelset as well.
+/// The points as a table for a terminal, and under which conditions they hold. A single point is
+/// listed wheelset by wheelset as well.
 pub(super) fn text(points: &[Point], procedure: &Procedure) -> String {
     let mut rows = vec![heads(points)];
     rows.extend(points.iter().flat_map(cells));

@@ -3,9 +3,9 @@
 //! ```text
 //! N_MV = 6 sqrt(a_y95^2 + a_z95^2)      95th percentiles of Wd- and Wb-weighted rms over 5 s, m/s2
 //! ```
-//! (EN 12299, mean comfort on the floor; its longitudinal share is zero here.) The Sperling index is the
-//! mean over a track's windows, then over tracks. Peaks are the greatest after a low-pass of 40 Hz.
-//! Spectra are Welch's with segments of 8.192 s, averaged over tracks.
+//! (EN 12299, mean comfort on the floor; its longitudinal share is zero here.) The Sperling index
+//! is the mean over a track's windows, then over tracks. Peaks are the greatest after a low-pass of
+//! 40 Hz. Spectra are Welch's with segments of 8.192 s, averaged over tracks.
 
 use super::procedure::Procedure;
 use super::shake::{Group, PlaceShaken, Shaken};

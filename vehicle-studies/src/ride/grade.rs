@@ -1,7 +1,7 @@
 //! Grades of ride quality, and where they end.
 //!
-//! GB 5599-85 for coaches, TB/T 2360-93 for locomotives (Sperling index, peak acceleration); EN 12299 for
-//! mean comfort, after its scale.
+//! GB 5599-85 for coaches, TB/T 2360-93 for locomotives (Sperling index, peak acceleration); EN
+//! 12299 for mean comfort, after its scale.
 
 use serde::{Deserialize, Serialize};
 

@@ -8,8 +8,8 @@
 //! | [`assessment`] | [`Ride::of`]: all of it for one vehicle over the tracks of several seeds |
 //!
 //! The track is straight, with the irregularity of the scenario: random by its wavelengths with the
-//! study's seeds, or measured; a scenario without any is refused. The vehicle has no longitudinal motion, so
-//! mean comfort is that of two directions.
+//! study's seeds, or measured; a scenario without any is refused. The vehicle has no longitudinal
+//! motion, so mean comfort is that of two directions.
 
 mod answer;
 mod assessment;

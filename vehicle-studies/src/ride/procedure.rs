@@ -6,7 +6,7 @@ use serde::Serialize;
 /// A way to ask.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Procedure {
-    /// Whose grades are told.
+    /// Whose grades are reported.
     pub kind: Kind,
     /// Seeds of the tracks.
     pub seeds: Vec<u64>,

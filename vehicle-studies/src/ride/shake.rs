@@ -14,7 +14,7 @@ use signal::statistics;
 const BLOCK_S: f64 = 5.0;
 /// Segments of spectra (s).
 const SEGMENT_S: f64 = 8.192;
-/// Where peaks of spectra are looked for (Hz), and how many are told.
+/// Where peaks of spectra are looked for (Hz), and how many are reported.
 const PEAKS: ([f64; 2], usize) = ([0.5, 20.0], 3);
 /// Low-pass of peak accelerations (Hz).
 const PEAK_CORNER_HZ: f64 = 40.0;
@@ -63,7 +63,8 @@ impl Shaken {
 }
 
 impl Shake {
-    /// Of a whole trip, the run-in up to the sample `from` included, so that filters have settled there.
+    /// Of a whole trip, the run-in up to the sample `from` included, so that filters have settled
+    /// there.
     fn of(
         values: &[f64],
         from: usize,

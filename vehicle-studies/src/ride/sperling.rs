@@ -8,10 +8,10 @@
 //! vertical   F = 0.325 f^2 (0.5 to 5.9 Hz)   400/f^2 (5.9 to 20 Hz)   1 above
 //! lateral    F = 0.8 f^2   (0.5 to 5.4 Hz)   650/f^2 (5.4 to 26 Hz)   1 above
 //! ```
-//! (GB/T 5599-2019, annex E). The older 7.08 with `A` in g is the same number, 7.08/9.81^0.3. The two
-//! editions differ in the window: 18 to 20 s then, 5 s now. A line's amplitude falls as windows grow, so
-//! the index of random vibration falls as `T^(-1/20)`: 20 s give 7 % less than 5 s. No taper is applied,
-//! as the standards name none; a tone between two lines reads up to 6 % low.
+//! (GB/T 5599-2019, annex E). The older 7.08 with `A` in g is the same number, 7.08/9.81^0.3. The
+//! two editions differ in the window: 18 to 20 s then, 5 s now. A line's amplitude falls as windows
+//! grow, so the index of random vibration falls as `T^(-1/20)`: 20 s give 7 % less than 5 s. No
+//! taper is applied, as the standards name none; a tone between two lines reads up to 6 % low.
 
 use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};

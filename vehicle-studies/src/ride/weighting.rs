@@ -5,9 +5,9 @@
 //! (1 + s/w3) / (1 + s/(Q4 w4) + (s/w4)^2)                           acceleration to velocity
 //! (w5/w6)^2 (1 + s/(Q5 w5) + (s/w5)^2) / (1 + s/(Q6 w6) + (s/w6)^2)   step upward
 //! ```
-//! with `Q1 = 1/sqrt 2` and the numbers of ISO 8041-1 (the same as in BS 6841, ISO 2631-1 and -4, and
-//! EN 12299). Applied as frequency responses ([`signal::response`]), so that no digital filter has to
-//! stand for them.
+//! with `Q1 = 1/sqrt 2` and the numbers of ISO 8041-1 (the same as in BS 6841, ISO 2631-1 and -4,
+//! and EN 12299). Applied as frequency responses ([`signal::response`]), so that no digital filter
+//! has to stand for them.
 
 use realfft::num_complex::Complex;
 use signal::SignalError;
@@ -76,8 +76,8 @@ impl Weighting {
 mod tests {
     use super::*;
 
-    /// ISO 2631-1:1997, table 3: nominal frequency (Hz), Wk, Wd, in thousandths. Wd at 10 Hz stands there as
-    /// 212; the formula, and the table's own neighbours, give 202.
+    /// ISO 2631-1:1997, table 3: nominal frequency (Hz), Wk, Wd, in thousandths. Wd at 10 Hz stands
+    /// there as 212; the formula, and the table's own neighbours, give 202.
     const ISO_2631_1: [(f64, f64, f64); 31] = [
         (0.1, 31.2, 62.4),
         (0.125, 48.6, 97.3),

@@ -1,12 +1,12 @@
 //! A vehicle under way: on one track at one speed, every damper modelled, seen cycle by cycle.
 //!
-//! Studies run the very line that drives a rig ([`firmware_core::line`]), in virtual time. A damper that
-//! the scenario puts on a rig is modelled in its place, with the wear that was to be injected in
-//! software: `2a` adds up, compliances add up. With a clearance of a metre (`damper.clearance_2a_m = 1.0`)
-//! a damper never touches: that is a trip with dampers taken off.
+//! Studies run the very line that drives a rig ([`firmware_core::line`]), in virtual time. A damper
+//! that the scenario puts on a rig is modelled in its place, with the wear that was to be injected
+//! in software: `2a` adds up, compliances add up. With a clearance of a metre
+//! (`damper.clearance_2a_m = 1.0`) a damper never touches: that is a trip with dampers taken off.
 //!
-//! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on, [`pace`] is how fast
-//! trips are.
+//! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on, [`pace`] is
+//! how fast trips are.
 
 pub mod pace;
 pub mod signals;
@@ -33,8 +33,8 @@ pub const START_M: f64 = 15.0;
 /// Most substeps of a cycle.
 const SUBSTEPS_MAX: u32 = 64;
 
-/// A vehicle with its dampers and its contact: what neither speed nor track changes. Copies of it, with
-/// other dampers perhaps, count their trips together.
+/// A vehicle with its dampers and its contact: what neither speed nor track changes. Copies of it,
+/// with other dampers perhaps, count their trips together.
 #[derive(Debug, Clone)]
 pub struct Equipped {
     /// The vehicle.
@@ -156,7 +156,8 @@ impl<'a> Trip<'a> {
         Self { line, odometer: &equipped.odometer }
     }
 
-    /// Steady running at the beginning of the track, some wheelsets moved to the right by so much (m).
+    /// Steady running at the beginning of the track, some wheelsets moved to the right by so much
+    /// (m).
     ///
     /// # Errors
     /// No steady running was found.
@@ -172,8 +173,8 @@ impl<'a> Trip<'a> {
         Ok(line.start(start.state))
     }
 
-    /// Runs on for a time; `see` is shown every cycle. Gives false where the vehicle has left the track,
-    /// and stands there.
+    /// Runs on for a time; `see` is shown every cycle. Gives false where the vehicle has left the
+    /// track, and stands there.
     pub fn go(
         &self,
         state: &mut LineState,

@@ -1,7 +1,7 @@
-//! How fast trips are: time of vehicles beside time of cores.
+//! How fast trips are simulated: time of vehicles over time of cores.
 //!
-//! Every trip counts itself, on whatever core it runs. Only the cycles count, with what is recorded of
-//! them; steady running, tracks and what is made of signals do not.
+//! Every trip counts itself, on whatever core it runs. Only the cycles count, with what is recorded
+//! of them; steady running, tracks and what is made of signals do not.
 
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,7 +17,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Of many; none where there is nothing to tell.
+    /// The sum of many; none where no time is recorded.
     ///
     /// ```
     /// use vehicle_studies::trip::pace::Pace;

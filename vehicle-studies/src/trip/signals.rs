@@ -1,21 +1,21 @@
-//! What a trip leaves behind at 1 kHz: accelerations, wheelset positions, wheel forces, dampers.
+//! The signals of a trip at 1 kHz: accelerations, wheelset positions, wheel forces, dampers.
 //!
 //! ```text
 //! a_y = y'' + x psi'' - z phi''        a_z = z'' - x theta''        at a point x forward, z down
 //! Y = -(lateral force on the wheelset)      Q = -(vertical force on it)
 //! T gamma = -(Fx xi + Fy eta)               P = -V (Fx xi + Fy eta + Mz omega)
 //! ```
-//! Axes: x forward, y right, z down. Accelerations are those against the track's own frame, which in a
-//! curve has the curve's: what `v^2/R` and cant do to an accelerometer is not in them, nor is the share
-//! of gravity that it shows as the body rolls.
+//! Axes: x forward, y right, z down. Accelerations are those against the track's own frame, which
+//! in a curve has the curve's: what `v^2/R` and cant do to an accelerometer is not in them, nor is
+//! the share of gravity that it shows as the body rolls.
 //!
 //! The floor is watched on the vehicle's centre line above the centre of each bogie, where cabs and
 //! locomotive practice for the Sperling index put the accelerometers, and above the middle of the
 //! carbody; its height is given. Bodies are known by their names, as in a run's summary: `carbody`,
 //! and bogies by what begins with `bogie`.
 //!
-//! Limits: accelerations, wheels and dampers are those of the last evaluation, one substep (at most half
-//! a millisecond) before the positions beside them.
+//! Limits: accelerations, wheels and dampers are those of the last evaluation, one substep (at most
+//! half a millisecond) before the positions of the same sample.
 
 use super::Trip;
 use firmware_core::line::LineState;
@@ -125,8 +125,8 @@ pub struct WheelsetSignal {
     pub wheels: [WheelSignal; 2],
 }
 
-/// A wheel over time. Two patches are summed up in forces and powers; creepages are those of the patch
-/// with the greater load.
+/// A wheel over time. Two patches are summed up in forces and powers; creepages are those of the
+/// patch with the greater load.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WheelSignal {
     /// Guiding force on the rail, outward (N).
@@ -147,8 +147,8 @@ pub struct WheelSignal {
     pub spin_per_m: Vec<f64>,
     /// Power lost in the patches, spin included (W).
     pub wear_w: Vec<f64>,
-    /// The wear number T gamma, spin left out (N); below zero where spin alone drives the wheel sideways
-    /// against its creepage.
+    /// The wear number T gamma, spin left out (N); below zero where spin alone drives the wheel
+    /// sideways against its creepage.
     pub t_gamma_n: Vec<f64>,
 }
 

@@ -46,7 +46,8 @@ fn wheels_carry_the_vehicle_and_lose_what_their_creepages_say() {
     assert!((carried_n / (mass_kg * GRAVITY_M_PER_S2) - 1.0).abs() < 2e-3, "{carried_n}");
     for wheel in wheels() {
         for at in (0..found.len()).step_by(97) {
-            // On gentle straight track the tread carries alone: one patch, so that sums and creepages belong together.
+            // On gentle straight track the tread carries alone: one patch, so that sums and
+            // creepages belong together.
             let t_gamma_n = -wheel.creep_longitudinal_n[at] * wheel.longitudinal_creepage[at]
                 - wheel.creep_lateral_n[at] * wheel.lateral_creepage[at];
             assert!((t_gamma_n - wheel.t_gamma_n[at]).abs() < 1e-9, "{t_gamma_n}");

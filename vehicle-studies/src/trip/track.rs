@@ -1,8 +1,9 @@
 //! Tracks of studies.
 //!
-//! Stability studies run on some irregular track that sets the vehicle off, and perfect track behind it
-//! on which it either comes to rest or does not. Studies of ride and curving run on the irregularity of
-//! the scenario from end to end: random with seeds of their own, or the measured one.
+//! Stability studies run on some irregular track that sets the vehicle off, and perfect track
+//! behind it on which it either comes to rest or does not. Studies of ride and curving run on the
+//! irregularity of the scenario from end to end: random with seeds of their own, or the measured
+//! one.
 
 use firmware_core::track::Layout;
 use scenario::irregularity::{Band, aar6};
@@ -64,7 +65,8 @@ impl Roughness {
         }
     }
 
-    /// A track for every seed, or the one there is: in a layout, random irregularity up to a distance (m).
+    /// A track for every seed, or the one there is: in a layout, random irregularity up to a
+    /// distance (m).
     pub fn tracks(&self, run: &Run, layout: &Layout, end_m: f64) -> Vec<OwnedTrack> {
         let (Some([shortest, longest]), Some(scale)) = (self.wavelengths_m, self.scale) else {
             return vec![OwnedTrack { layout: layout.clone(), samples: run.track.samples.clone() }];

@@ -1,0 +1,7 @@
+//! Studies as a command asks them.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+mod changed_files;
+mod no_dampers;
+mod support;
