@@ -138,8 +138,7 @@ mod tests {
     use super::super::size::records;
     use super::*;
     use firmware_core::damper::effects::CATALOGUE;
-    use identification::start::nominal_fit;
-    use identification::tests_at_hand::TestsAtHand;
+    use identification::{Control, TestSet, nominal_fit};
 
     #[test]
     fn sizes_reach_their_multiple() {
@@ -148,9 +147,8 @@ mod tests {
             let case = Case::of_kind(Kind::Effect { effect, size }, 5, 0, true);
             let mounted = mount(&case).unwrap();
             // By a way of its own: noisy records, of which the noise is removed in squares.
-            let tests =
-                TestsAtHand::new(records(&case, &*mounted.specimen, &case.sensors).unwrap().0);
-            let fit = nominal_fit(&tests, None).unwrap().fit;
+            let tests = TestSet::new(records(&case, &*mounted.specimen, &case.sensors).unwrap().0);
+            let fit = nominal_fit(&tests, None, Control::QUIET).unwrap().fit;
             let square = fit.total_n2() / tests.counted_samples() as f64;
             let noise_n = case.noise_n();
             let found = (square - noise_n * noise_n).sqrt() / noise_n;
