@@ -6,9 +6,9 @@
 //!
 //! An FD frame with bit-rate switch has a slow and a fast part. Slow: 17 bits from start of frame
 //! to BRS and 13 from the CRC delimiter to the interframe space. Fast: ESI, 4 bits of length, the
-//! data, 4 bits of stuff count, CRC (17 bits up to 16 bytes, else 21) and its fixed stuff bits (6 or
-//! 7). Dynamic stuff bits, at most one per 4 bits from start of frame to the last data bit, count
-//! where they fall: 4 slow ones, the rest fast.
+//! data, 4 bits of stuff count, CRC (17 bits up to 16 bytes, else 21) and its fixed stuff bits (6
+//! or 7). Dynamic stuff bits, at most one per 4 bits from start of frame to the last data bit,
+//! count where they fall: 4 slow ones, the rest fast.
 //!
 //! Real frames are shorter (about a tenth on average); error frames and retransmissions come on
 //! top. So the cyclic pair should stay below half of the bus.
@@ -64,7 +64,8 @@ impl BusPlan {
         f64::from(self.rigs) * self.rate_hz * pair_s
     }
 
-    /// Worst-case share of sync, heartbeats, telemetry and residuals at their usual rates; faults not counted.
+    /// Worst-case share of sync, heartbeats, telemetry and residuals at their usual rates; faults
+    /// not counted.
     pub fn background_load(&self) -> f64 {
         let node = Node::ALL[0];
         let share = |message: MessageId| {

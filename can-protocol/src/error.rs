@@ -13,7 +13,7 @@ pub enum Error {
     MaxDeltaRange {
         /// The number given.
         value: u8,
-        /// The largest step that can still be told from an old frame.
+        /// The largest step that an old frame cannot imitate.
         upper: u8,
     },
     /// The id is none of this protocol, or not of the message asked for.
@@ -48,6 +48,26 @@ pub enum Error {
         /// The code found.
         code: u32,
     },
+}
+
+impl Error {
+    /// Whether the user's input is at fault, a number in a file or on the command line; false where
+    /// a frame on the bus is.
+    ///
+    /// ```
+    /// use can_protocol::{Error, Node};
+    /// assert!(Node::new(7).unwrap_err().is_bad_input());
+    /// assert!(!Error::UnknownId { id: 0x123 }.is_bad_input());
+    /// ```
+    pub const fn is_bad_input(&self) -> bool {
+        match self {
+            Self::NodeRange { .. } | Self::MaxDeltaRange { .. } => true,
+            Self::UnknownId { .. }
+            | Self::Length { .. }
+            | Self::Checksum { .. }
+            | Self::ReservedCode { .. } => false,
+        }
+    }
 }
 
 impl fmt::Display for Error {

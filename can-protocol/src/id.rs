@@ -1,8 +1,8 @@
-//! Who is on the bus and which id says what.
+//! The nodes on the bus and the ids of their messages.
 //!
 //! Ids are ordered by urgency, since the lower id wins: sync, commands, measurements, faults,
-//! telemetry, residuals, heartbeats. The `DataID` that enters a frame's CRC is `0x5000 + id`, so that a frame
-//! sent under a wrong id fails its check.
+//! telemetry, residuals, heartbeats. The `DataID` that enters a frame's CRC is `0x5000 + id`, so
+//! that a frame sent under a wrong id fails its check.
 use crate::{Error, Profile};
 use core::fmt;
 
@@ -74,7 +74,7 @@ impl fmt::Display for Sender {
     }
 }
 
-/// A message of the protocol, as its frame id tells.
+/// A message of the protocol, as its frame id states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MessageId {
     /// `0x080`: period, pace and time, from the host to all rigs.

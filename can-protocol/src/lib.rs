@@ -4,8 +4,8 @@
 //!
 //! One **host** computes a vehicle; up to four **rigs** (nodes 1 to 4) carry one damper each. Once
 //! per cycle the host sends every rig a [`Command`] (where the damper's eyes should be) and every
-//! rig answers with a [`Measurement`] (the force it felt). Five slow messages go beside them:
-//! [`Sync`], [`Heartbeat`], [`Fault`], [`Telemetry`] and [`Residual`].
+//! rig answers with a [`Measurement`] (the force that it measured). Five slow messages accompany
+//! them: [`Sync`], [`Heartbeat`], [`Fault`], [`Telemetry`] and [`Residual`].
 //!
 //! | id | message | sender | bytes | when |
 //! | --- | --- | --- | --- | --- |
@@ -25,8 +25,8 @@
 //!
 //! **Signals** are little-endian and fixed-point: `value = code x lsb`, rounded half to even. A
 //! value beyond the range *saturates*, encoding says so ([`Saturated`]), and nothing wraps. The
-//! most negative code means *invalid*: `None` here. Values are SI, as the names say; the displacement
-//! is positive in extension from mid-stroke, the force positive in tension.
+//! most negative code means *invalid*: `None` here. Values are SI, as the names say; the
+//! displacement is positive in extension from mid-stroke, the force positive in tension.
 //!
 //! | signal | classical | FD |
 //! | --- | --- | --- |
@@ -52,7 +52,7 @@
 //! **Bus load** is known before a run: [`BusPlan`] computes it from worst-case frame lengths, warns
 //! above 50 % and refuses above 80 %.
 //!
-//! `yawbench.dbc` beside this crate is the same contract for everyone else; it is generated from
+//! `yawbench.dbc` in this crate is the same contract for other tools; it is generated from
 //! the constants here and checked against the codec by two independent DBC implementations.
 //!
 //! # Example

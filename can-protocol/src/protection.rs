@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn no_payload_passes_under_another_id() {
-        // Both CRCs are linear: if one payload tells two ids apart, every payload does.
+        // Both CRCs are linear: if one payload distinguishes two ids, every payload does.
         for first in MessageId::all().filter(|id| crc_field(*id).is_some()) {
             let payload = [0; 16];
             let payload = &payload[..first.payload_len()];

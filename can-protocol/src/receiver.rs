@@ -158,7 +158,7 @@ pub struct Counts {
     pub lost_frames: u64,
 }
 
-/// What came of one frame.
+/// The result of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reception<M> {
     /// The status.

@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_or_is_reserved_is_told() {
+    fn what_does_not_fit_or_is_reserved_is_reported() {
         let (frame, saturated) = Residual { rms_n: Some(1e6), ..RESIDUAL }.encode();
         assert_eq!(saturated, Saturated::FORCE);
         assert_eq!(Residual::decode(0x502, frame.data()).unwrap().rms_n, Some(838_860.7));

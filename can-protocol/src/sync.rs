@@ -1,8 +1,8 @@
 //! The sync: how long a cycle is, who waits for whom, and what time the host has.
 //!
-//! A cycle has two lengths: `period_us` in the model, and that times `slow_down` on the wall. A real
-//! rig cannot slow down its oil: it must refuse a sync whose `slow_down` is not 1 or whose pace is
-//! lock-step. An emulated rig advances `period_us` per cycle in any case.
+//! A cycle has two lengths: `period_us` in the model, and that times `slow_down` in real time. A
+//! real rig cannot slow down its oil: it must refuse a sync whose `slow_down` is not 1 or whose
+//! pace is lock-step. An emulated rig advances `period_us` per cycle in any case.
 use crate::signal::{Field, Word};
 use crate::wire_enum::wire_enum;
 use crate::{Error, Frame, MessageId, Profile, protection};
@@ -23,7 +23,7 @@ pub struct Sync {
     pub pace: Pace,
     /// Length of a cycle in the model, µs.
     pub period_us: NonZeroU16,
-    /// How many times longer a cycle is on the wall; 1 for real time.
+    /// How many times longer a cycle takes in real time; 1 for a run in real time.
     pub slow_down: NonZeroU8,
     /// The host's clock, µs; the low 24 bits travel (16.8 s).
     pub time_us: u32,
@@ -49,7 +49,7 @@ impl Sync {
     pub const PACE: Field = Field::new(14, 2);
     /// Model period in µs.
     pub const PERIOD: Field = Field::new(16, 16);
-    /// Wall time over model time.
+    /// Real time over model time.
     pub const SLOW_DOWN: Field = Field::new(32, 8);
     /// Time in µs.
     pub const TIME: Field = Field::new(40, 24);

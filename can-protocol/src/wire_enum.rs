@@ -1,8 +1,8 @@
 //! Closed lists of codes: the enums that travel as a number.
 //!
-//! [`wire_enum!`] writes an enum from one table of variant, code and name, so that code, name and the
-//! way back cannot disagree. A code that is not in the table is reserved: reading it is an error
-//! ([`Word::code`](crate::signal::Word::code)).
+//! [`wire_enum!`] writes an enum from one table of variant, code and name, so that code, name and
+//! the way back cannot disagree. A code that is not in the table is reserved: reading it is an
+//! error ([`Word::code`](crate::signal::Word::code)).
 
 /// An enum that travels as a code.
 pub(crate) trait WireEnum: Sized {

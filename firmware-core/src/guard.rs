@@ -1,9 +1,9 @@
 //! What stands between a received force and the vehicle, and what a rig gets when that breaks off.
 //!
-//! In the loop nothing is an error: a force that is missing, late or bad is an input state. The guard
-//! holds the last good force, counts, and trips after a fixed number of cycles without a good one.
-//! After that the rig gets a safe stop: bring the commanded motion to rest within a deceleration, then
-//! hold the position.
+//! In the loop nothing is an error: a force that is missing, late or bad is an input state. The
+//! guard holds the last good force, counts, and trips after a fixed number of cycles without a good
+//! one. After that the rig gets a safe stop: bring the commanded motion to rest within a
+//! deceleration, then hold the position.
 
 /// What arrived for a slot since the last cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -51,8 +51,8 @@ impl<const L: usize> Lanes<L> {
         self.0.get(lane).copied().unwrap_or(0.0)
     }
 
-    /// Adds to one lane. A lane that does not exist is an error of the caller: a debug build stops, a
-    /// release build ignores it.
+    /// Adds to one lane. A lane that does not exist is an error of the caller: a debug build stops,
+    /// a release build ignores it.
     #[inline(always)]
     pub fn add_lane(&mut self, lane: usize, value: f64) {
         debug_assert!(lane < L, "lane {lane} of {L}");

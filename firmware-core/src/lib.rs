@@ -1,23 +1,39 @@
 //! A locomotive, its wheels on a real track, and its dampers, in fixed steps.
 //!
-//! `no_std`, no heap, no unsafe, no panic path, bounded work, and the same bits on every processor:
-//! all of it runs on a Linux host and on a microcontroller. The line that a control cycle follows is
-//! in [`mod@line`]; it joins
+//! `no_std`, no heap, no unsafe code, no panic path, bounded work, and the same bits on every
+//! processor: all of it runs on a Linux host and on a microcontroller.
 //!
-//! - [`vehicle`]: bodies and force elements from data, stepped by leapfrog,
-//! - [`wheel_rail`]: contact tables, Hertz, Kalker, the creep laws,
-//! - [`track`]: curvature, cant, irregularity,
-//! - [`damper`]: the series damper with its effects,
-//! - [`guard`]: what a received force must pass,
-//! - [`compensation`]: what is done to the displacement on its way to a rig.
+//! Read in this order:
 //!
-//! Parameters are `&self`, memory is `&mut state`; every state can be copied as a snapshot. Axes: x
-//! forward, y right, z down. SI units; the unit stands at the end of a name.
+//! 1. [`mod@line`]: one control cycle as one straight line. It joins everything below.
+//! 2. [`guard`]: what a received force must pass, and the safe stop.
+//! 3. [`vehicle`]: bodies and force elements from data, stepped by leapfrog.
+//! 4. [`damper`]: the series damper, and [`damper::effects`], one file each, for what a nominal
+//!    damper lacks.
+//! 5. [`wheel_rail`]: contact tables, Hertz, Kalker, the creep laws, one file each.
+//! 6. [`track`]: curvature, cant, irregularity.
+//! 7. [`compensation`]: what is done to the displacement on its way to a rig.
+//! 8. [`lanes`] and [`fnv`], on which the rest stands: one number per vehicle of a batch, and a hash.
+//!
+//! The layers, each using only those to its right:
+//!
+//! ```text
+//! line -> vehicle -> wheel_rail, track -> lanes
+//!      -> guard, compensation, damper
+//! ```
+//!
+//! Parameters are `&self`, memory is `&mut state`; every state can be copied as a snapshot. Whatever
+//! can be wrong with parameters is an [`Error`] when they are built. What happens in a step is a
+//! state: a lost force, a derailment, a model that diverges. A debug build checks with assertions
+//! what the code itself guarantees, such as slots, lanes and indices.
+//!
+//! Axes: x forward, y right, z down. SI units; the unit is the end of a name.
 #![no_std]
 #![forbid(unsafe_code)]
 
 pub mod compensation;
 pub mod damper;
+mod error;
 pub mod fnv;
 pub mod guard;
 pub mod lanes;
@@ -25,3 +41,5 @@ pub mod line;
 pub mod track;
 pub mod vehicle;
 pub mod wheel_rail;
+
+pub use error::Error;

@@ -4,8 +4,8 @@
 //! received forces -> guard -> vehicle step (modelled dampers inside) -> compensation -> commands
 //! ```
 //! The step of a cycle takes the forces that were received since the last one and holds them over
-//! the cycle; modelled dampers act at every substep. Forces are applied in slot order. What goes out
-//! is each rig's displacement and velocity at the end of the cycle.
+//! the cycle; modelled dampers act at every substep. Forces are applied in slot order. What goes
+//! out is each rig's displacement and velocity at the end of the cycle.
 
 use crate::compensation::{VirtualWear, VirtualWearState};
 use crate::damper::{Damper, DamperState, Motion};
@@ -72,8 +72,8 @@ pub struct LineState {
     pub slots: [SlotState; DAMPER_SLOTS],
     /// Cycles done.
     pub cycle: u64,
-    /// Whether a guard has tripped or the model has blown up: the vehicle stands, rigs are brought to
-    /// rest.
+    /// Whether a guard has tripped or the model has blown up: the vehicle stands, rigs are brought
+    /// to rest.
     pub safe: bool,
 }
 
@@ -87,7 +87,7 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// What the step relies on and whoever configures the line provides.
+    /// What the step relies on and the configuration provides.
     fn assert_configured(&self) {
         debug_assert!(self.substeps > 0, "a cycle has at least one substep");
         debug_assert!(

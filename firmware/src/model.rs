@@ -1,8 +1,8 @@
 //! Every entry point of `firmware-core`.
 //!
 //! A value whose address has gone through `black_box` holds whatever its type allows: any number of
-//! bodies, any creep law, any effect, NaN anywhere. So one call stands for all of them, and an effect
-//! or a law that is added later is covered without a line here.
+//! bodies, any creep law, any effect, NaN anywhere. So one call stands for all of them, and an
+//! effect or a law that is added later is covered without a line here.
 //!
 //! Nothing is inlined into its caller, so that the map of the image shows what each costs.
 

@@ -104,10 +104,10 @@ fn cantools_and_the_codec_read_each_other() {
     let _ = input.write_all((lines.join("\n") + "\n").as_bytes());
     drop(input);
     let output = script.wait_with_output().expect("output");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "cantools disagrees (seed {SEED}): {told}");
+    let report = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "cantools disagrees (seed {SEED}): {report}");
     let made = String::from_utf8(output.stdout).expect("utf-8");
     assert_eq!(made.lines().count(), MADE * MessageId::all().count());
     made.lines().for_each(check);
-    eprintln!("{} {} frames read back", told.trim(), made.lines().count());
+    eprintln!("{} {} frames read back", report.trim(), made.lines().count());
 }

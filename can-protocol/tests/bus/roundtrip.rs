@@ -7,7 +7,7 @@ use can_protocol::{
 };
 use proptest::prelude::*;
 
-/// Whether `read` is what `signal` makes of `sent`, and the flag tells.
+/// Whether `read` is what `signal` makes of `sent`, and the flag reports it.
 fn same(signal: FixedPoint, sent: Option<f64>, read: Option<f64>, saturated: bool) -> bool {
     let half_lsb = 0.5 / signal.lsb_per_unit();
     let limit = signal.max_value();
@@ -44,9 +44,9 @@ fn check(profile: Profile, sent: &Message) {
             let (f, x) = (Saturated::FORCE, Saturated::DISPLACEMENT);
             assert!(same(layout.force, sent.force_n, read.force_n, has(f)));
             assert!(same(layout.displacement, sent.displacement_m, read.displacement_m, has(x)));
-            let told = read.flags.contains(MeasurementFlags::SATURATED);
+            let flagged = read.flags.contains(MeasurementFlags::SATURATED);
             assert_eq!(
-                told,
+                flagged,
                 !saturated.is_empty() || sent.flags.contains(MeasurementFlags::SATURATED)
             );
             let bare = |message| can_protocol::Measurement {

@@ -1,13 +1,13 @@
 //! Wear in software: clearance and softness in series with a healthy damper on a rig.
 //!
-//! A clearance `2a` in series passes motion only while its flanks touch: the rig follows the vehicle
-//! at distance `a` behind, through the reversal too, until the measured force has fallen to zero; then
-//! it rests while the gap is crossed, and is taken along again at the other flank. (A plain backlash
-//! would rest at every reversal and carry force through an open gap.) Zero force means less than
-//! [`VirtualWear::contact_force_n`], which stands above the noise of the load cell.
+//! A clearance `2a` in series passes motion only while its flanks touch: the rig follows the
+//! vehicle at distance `a` behind, through the reversal too, until the measured force has fallen to
+//! zero; then it rests while the gap is crossed, and is taken along again at the other flank. (A
+//! plain backlash would rest at every reversal and carry force through an open gap.) Zero force
+//! means less than [`VirtualWear::contact_force_n`], which stands above the noise of the load cell.
 //!
-//! A soft mounting takes its share `F c` of the displacement, with the force of the last cycle. That is
-//! a feedback with the gain `Ke c`: it needs `Ke c` well below one.
+//! A soft mounting takes its share `F c` of the displacement, with the force of the last cycle.
+//! That is a feedback with the gain `Ke c`: it needs `Ke c` well below one.
 
 /// Parameters of the wear.
 #[derive(Debug, Clone, Copy, PartialEq)]

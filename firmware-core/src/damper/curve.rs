@@ -33,15 +33,15 @@ impl Curve {
     /// Zero everywhere.
     pub const ZERO: Self = Self { knots: Vec::new(), slope_before: 0.0, slope_after: 0.0 };
 
-    /// Without a knot yet. A function, and not [`Self::ZERO`] with other slopes, which would copy the
-    /// room for all knots.
+    /// Without a knot yet. A function, and not [`Self::ZERO`] with other slopes, which would copy
+    /// the room for all knots.
     #[inline]
     pub(super) fn straight(slope_before: f64, slope_after: f64) -> Self {
         Self { knots: Vec::new(), slope_before, slope_after }
     }
 
-    /// The same ends without a knot, to be filled. Slopes that are constants would have the compiler clear the
-    /// room for all knots.
+    /// The same ends without a knot, to be filled. Slopes that are constants would have the
+    /// compiler clear the room for all knots.
     #[inline]
     pub(super) fn without_knots(&self) -> Self {
         Self::straight(self.slope_before, self.slope_after)
@@ -99,8 +99,8 @@ impl Curve {
         sum
     }
 
-    /// Writes the sum of two curves into a third. No curve is copied: in a step that would cost more than
-    /// the sum.
+    /// Writes the sum of two curves into a third. No curve is copied: in a step that would cost
+    /// more than the sum.
     pub(super) fn plus_into(&self, other: &Self, sum: &mut Self) {
         sum.clear(self.slope_before + other.slope_before, self.slope_after + other.slope_after);
         for (x, a, b) in merged(self, other) {
@@ -266,8 +266,8 @@ struct Reader<'a> {
     curve: &'a Curve,
     /// The first knot that was not reached yet.
     next: usize,
-    /// The straight line towards it, once it was needed: of two curves that are merged, one often has no
-    /// knot for a long time.
+    /// The straight line towards it, once it was needed: of two curves that are merged, one often
+    /// has no knot for a long time.
     line: Option<Line>,
 }
 
@@ -279,8 +279,8 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Through the one of two neighbours that is nearer to zero; `ends` are the slopes beyond the first and
-    /// the last knot.
+    /// Through the one of two neighbours that is nearer to zero; `ends` are the slopes beyond the
+    /// first and the last knot.
     #[inline]
     pub(super) fn between(left: Option<Knot>, right: Option<Knot>, ends: (f64, f64)) -> Self {
         match (left, right) {

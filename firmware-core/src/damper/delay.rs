@@ -1,4 +1,4 @@
-//! What a late sensor has not yet told: the force over the last delay.
+//! What a late sensor has not yet reported: the force over the last delay.
 //!
 //! ```text
 //! F_read(t) = F(t - t_d)        0 before the start

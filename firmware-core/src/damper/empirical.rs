@@ -1,17 +1,18 @@
-//! A map over one coordinate, fitted to what a damper model leaves over: empirical, and no physics.
+//! A map over one coordinate, fitted to the residual of a damper model: empirical, and no physics.
 //!
 //! ```text
 //! F = F_damper + m_s(q)        q: displacement, dashpot velocity, chain force, time since reversal
 //! ```
 //!
 //! m is straight between its knots and constant beyond the first and the last: it never
-//! extrapolates. It has two branches, s: one while the eyes move apart, one while they move together.
-//! The sense of motion turns when the eyes move the other way faster than `reversal_m_per_s`, so that
-//! noise at the ends of a stroke turns nothing. The map is added to the force that comes out, after
-//! every effect and the sensor, so the damper within feels nothing of it.
+//! extrapolates. It has two branches, s: one while the eyes move apart, one while they move
+//! together. The sense of motion turns when the eyes move the other way faster than
+//! `reversal_m_per_s`, so that noise at the ends of a stroke turns nothing. The map is added to the
+//! force that comes out, after every effect and the sensor, so the damper within feels nothing of
+//! it.
 //!
-//! Limits: it holds only inside the range of the records it was fitted to, and it keeps no balance of
-//! energy. It is no effect and stands in no catalogue: nobody knows what it is.
+//! Limits: it holds only inside the range of the records it was fitted to, and it keeps no balance
+//! of energy. It is no effect and is not in the catalogue: its cause is unknown.
 
 use heapless::Vec;
 
@@ -97,7 +98,7 @@ impl DamperState {
     }
 }
 
-/// A force over one coordinate, beside the whole damper.
+/// A force over one coordinate, parallel to the whole damper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EmpiricalMap {
     coordinate: MapCoordinate,
@@ -106,12 +107,12 @@ pub struct EmpiricalMap {
 }
 
 impl EmpiricalMap {
-    /// A map through knots in rising order. The motion turns when the eyes move the other way faster
-    /// than `reversal_m_per_s`.
+    /// A map through knots in rising order. The motion turns when the eyes move the other way
+    /// faster than `reversal_m_per_s`.
     ///
     /// # Errors
-    /// [`DamperError::MapKnots`], [`DamperError::MapNotRising`], or [`DamperError::Parameter`] for a
-    /// number that is not finite and a speed below zero.
+    /// [`DamperError::MapKnots`], [`DamperError::MapNotRising`], or [`DamperError::Parameter`] for
+    /// a number that is not finite and a speed below zero.
     ///
     /// ```
     /// use firmware_core::damper::{EmpiricalMap, MapCoordinate, MapKnot};
@@ -171,8 +172,8 @@ impl EmpiricalMap {
         self.reversal_m_per_s
     }
 
-    /// The knot at or below a place, and how far the place is towards the next one, from 0 to 1; beyond
-    /// an end, the end.
+    /// The knot at or below a place, and how far the place is towards the next one, from 0 to 1;
+    /// beyond an end, the end.
     #[inline]
     pub fn place(&self, at: f64) -> (usize, f64) {
         let next = self.knots.iter().position(|knot| knot.at > at).unwrap_or(self.knots.len());

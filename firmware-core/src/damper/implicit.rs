@@ -15,9 +15,9 @@
 //! ```
 //!
 //! which falls with slope -1 or steeper: one root, bracketed by any guess and its answer. Newton's
-//! step from the slope of the last segment finds it at once while no knot is crossed, false position
-//! (Illinois) otherwise. Second order, and for a fast creep d1 is F1 times its compliance with no
-//! memory left: L-stable. Knots of the law stay exact.
+//! step from the slope of the last segment finds it at once while no knot is crossed, false
+//! position (Illinois) otherwise. Second order, and for a fast creep d1 is F1 times its compliance
+//! with no memory left: L-stable. Knots of the law stay exact.
 
 use super::chain::{Arrival, Drive};
 use super::segment::Segment;
@@ -81,8 +81,8 @@ impl Creep {
     }
 }
 
-/// Moves a chain whose attachment creeps through one step. `chain` is the step without creep, under a
-/// drive; `guess_n` is any force near the end's.
+/// Moves a chain whose attachment creeps through one step. `chain` is the step without creep, under
+/// a drive; `guess_n` is any force near the end's.
 ///
 /// # Errors
 /// What `chain` has none of its own for.

@@ -64,8 +64,8 @@ impl Law {
         }
     }
 
-    /// Joins the parts under the given factors, in place; `nominal` is their body without any. Bounded by
-    /// the number of knots.
+    /// Joins the parts under the given factors, in place; `nominal` is their body without any.
+    /// Bounded by the number of knots.
     pub(super) fn join(&mut self, parts: &Parts, nominal: &Body, factors: &Factors) {
         let changed;
         let body = if factors.change_body() {

@@ -1,26 +1,26 @@
 //! The yaw damper: a chain in series, driven by the motion between its eyes.
 //!
 //! ```text
-//! eye --[ attachment e = c(F): clearance, stiffness, rubber ]--[ body F = f(v_d), v_d = x_d' ]-- eye
-//!                                        parts beside the body (seal friction) sit inside the attachment
+//! eye --[ attachment e = c(F): clearance, stiffness, rubber ]--[ body F = f(v_d), v_d = x_d' ]--
+//!        parts parallel to the body (seal friction) sit inside the attachment                 eye
 //! ```
 //!
 //! Displacement is positive in extension from mid-stroke, force positive in tension, dissipated
-//! work positive. The nominal damper has five numbers ([`Nominal`]); what it lacks are
-//! [`effects`], one file each, on the same path. One [`Damper::advance`] serves the vehicle, the rig
-//! emulator and the fit of measured records, so that no fit absorbs an integration error.
+//! work positive. The nominal damper has five numbers ([`Nominal`]); what it lacks are [`effects`],
+//! one file each, on the same path. One [`Damper::advance`] serves the vehicle, the rig emulator
+//! and the fit of measured records, so that no fit absorbs an integration error.
 //!
 //! How a step is solved:
 //! - Attachment and body are joined into one rising piecewise-linear law (`law`), which is
 //!   followed exactly from knot to knot (`series`): clearance, relief, sticking, hard caps.
-//! - Factors from slow states (position, temperature, wear) are frozen in each step, at mid-step or,
-//!   where the chain answers faster than the step, towards its end (`series::weight_of_step`). Of the
-//!   law under them a piece of a step usually needs one segment (`piece`).
+//! - Factors from slow states (position, temperature, wear) are frozen in each step, at mid-step
+//!   or, where the chain answers faster than the step, towards its end (`series::weight_of_step`).
+//!   Of the law under them a piece of a step usually needs one segment (`piece`).
 //! - Attachments with a fast memory (rubber) are solved together with the chain by a bracketed,
 //!   second-order, L-stable step (`implicit`).
 //! - A step is cut where an effect switches (a void opens, a gap closes) and where a late sensor
 //!   will look (`step`).
-//! - Parts beside the whole damper and the sensor act on the result; an `empirical` map, where
+//! - Parts parallel to the whole damper and the sensor act on the result; an `empirical` map, where
 //!   there is one, comes on top.
 //!
 //! Work is bounded in every case, there is no heap and no way to panic.
@@ -130,8 +130,8 @@ pub struct Done {
     pub motion: Motion,
     /// Mean acceleration between the eyes over the whole step, m/s2.
     pub acceleration_m_per_s2: f64,
-    /// Velocity between the eyes at the end of the piece on the parabola of the whole step, m/s; for
-    /// a caller without velocities the mean one.
+    /// Velocity between the eyes at the end of the piece on the parabola of the whole step, m/s;
+    /// for a caller without velocities the mean one.
     pub end_velocity_m_per_s: f64,
     /// Force in the chain at its beginning, N.
     pub start_force_n: f64,
@@ -186,9 +186,9 @@ impl DamperState {
         self
     }
 
-    /// Takes the measured temperature of the oil, degrees Celsius, for the steps from here on. `None`,
-    /// or no number, says that it is not measured: effects of temperature then reckon with the heat
-    /// that the damper turns out.
+    /// Takes the measured temperature of the oil, degrees Celsius, for the steps from here on.
+    /// `None`, or no number, says that it is not measured: effects of temperature then reckon with
+    /// the heat that the damper turns out.
     ///
     /// ```
     /// use firmware_core::damper::DamperState;
@@ -252,7 +252,8 @@ struct InStep {
     switches: bool,
 }
 
-/// A damper: nominal parameters, effects, the laws that follow from them, and a map where it has one.
+/// A damper: nominal parameters, effects, the laws that follow from them, and a map where it has
+/// one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Damper {
     nominal: Nominal,
@@ -320,7 +321,7 @@ impl Damper {
         })
     }
 
-    /// The same damper with an empirical map beside it.
+    /// The same damper with an empirical map added to its force.
     #[must_use]
     pub fn with_empirical(self, map: EmpiricalMap) -> Self {
         Self { empirical: Some(map), ..self }
@@ -356,7 +357,8 @@ impl Damper {
         self.empirical.as_ref()
     }
 
-    /// The force at a constant velocity of the piston at mid-stroke, N, slow factors and map left out.
+    /// The force at a constant velocity of the piston at mid-stroke, N, slow factors and map left
+    /// out.
     ///
     /// ```
     /// use firmware_core::damper::{Damper, Nominal};

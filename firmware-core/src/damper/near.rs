@@ -1,11 +1,12 @@
 //! The one segment of the law around a deflection, under the factors of a step.
 //!
-//! Nearly every step begins and ends on one segment, and slow effects change the law from step to step. So
-//! only the knots of body and attachment on both sides of the deflection are looked at, and none is copied
-//! where the body is no more than scaled. The bits are those of [`super::law::Law::join`].
+//! Nearly every step begins and ends on one segment, and slow effects change the law from step to
+//! step. So only the knots of body and attachment on both sides of the deflection are looked at,
+//! and none is copied where the body is no more than scaled. The bits are those of
+//! [`super::law::Law::join`].
 //!
-//! Limits: nothing where the deflection is on a knot, where the force is capped, or where the piston has a
-//! law of its own at rest. The whole law tells those.
+//! Limits: nothing where the deflection is on a knot, where the force is capped, or where the
+//! piston has a law of its own at rest. The whole law covers those.
 
 use super::curve::{Curve, Knot, Line, Side};
 use super::parts::{Body, Factors, Parts};

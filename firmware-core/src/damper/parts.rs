@@ -1,7 +1,7 @@
 //! The parts of a chain, and what slow states make of them for one step.
 //!
-//! Hydraulic and dry force act side by side on the piston and make its body; body and attachment stand in
-//! series. Joined they are the [law](super::law) of the chain.
+//! Hydraulic and dry force act side by side on the piston and make its body; body and attachment
+//! stand in series. Joined they are the [law](super::law) of the chain.
 
 use super::curve::{Curve, Knot, Side};
 

@@ -1,9 +1,9 @@
 //! A piece of a step, solved.
 //!
-//! Slow effects change the law from step to step, and most pieces begin and end on one segment of it. So
-//! the segment around the beginning is worked out first ([`super::near`]); only a piece that
-//! leaves it, or a piston with a law of its own at rest, has the whole law joined. Both give the same
-//! bits.
+//! Slow effects change the law from step to step, and most pieces begin and end on one segment of
+//! it. So the segment around the beginning is worked out first ([`super::near`]); only a piece that
+//! leaves it, or a piston with a law of its own at rest, has the whole law joined. Both give the
+//! same bits.
 
 use core::convert::Infallible;
 
@@ -31,8 +31,8 @@ pub(super) struct Piece {
 }
 
 impl Damper {
-    /// Solves a piece under the factors of its slow effects: the half clearance that they add, m, and
-    /// where the piece ends.
+    /// Solves a piece under the factors of its slow effects: the half clearance that they add, m,
+    /// and where the piece ends.
     pub(super) fn solve_slow(&self, state: &DamperState, piece: Piece) -> (f64, Arrival) {
         let factors = self.factors(state, &self.instant(state, piece));
         let arrival = if factors == Factors::NONE {
@@ -60,7 +60,8 @@ impl Damper {
         }
     }
 
-    /// The piece on a law that is joined for it. Apart from the rest for the sake of its large frame.
+    /// The piece on a law that is joined for it. Apart from the rest for the sake of its large
+    /// frame.
     #[inline(never)]
     fn solve_joined(&self, factors: &Factors, piece: Piece) -> Arrival {
         let mut joined = Law::empty();

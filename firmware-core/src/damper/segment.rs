@@ -53,8 +53,8 @@ impl Segment {
         }
     }
 
-    /// Everything before the first point or beyond the last one, unless the force is capped there: velocity
-    /// and deflection rise with force by `slope` and `compliance`.
+    /// Everything before the first point or beyond the last one, unless the force is capped there:
+    /// velocity and deflection rise with force by `slope` and `compliance`.
     #[inline]
     pub(super) fn beyond(side: Side, at: Point, slope: f64, compliance: f64) -> Option<Self> {
         if slope.is_infinite() {

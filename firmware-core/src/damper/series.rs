@@ -22,8 +22,8 @@ use super::implicit::backward_euler;
 use super::law::Law;
 use super::segment::Segment;
 
-/// Most pieces of one step before the fallback: a quick stroke of a stiff damper runs through all the
-/// knots of a sampled law.
+/// Most pieces of one step before the fallback: a quick stroke of a stiff damper runs through all
+/// the knots of a sampled law.
 pub(super) const MAX_VISITS: u32 = 64;
 
 /// Most iterations for one crossing time.
@@ -48,8 +48,8 @@ pub(super) fn advance(law: &Law, stand: Stand, drive: Drive, step_s: f64) -> Arr
     across(law, Stand { deflection_m: e, resting }, drive, step_s)
 }
 
-/// The whole step on one segment, or nothing if it leaves the segment. The gains of the segment hold for
-/// `prepared_s`.
+/// The whole step on one segment, or nothing if it leaves the segment. The gains of the segment
+/// hold for `prepared_s`.
 #[inline]
 pub(super) fn within(
     prepared_s: f64,

@@ -5,8 +5,8 @@
 //!   trying pieces of other lengths, which changes nothing;
 //! - where a late sensor will look in a later step.
 //!
-//! Every piece is a whole step of the chain ([`super::piece`]), so creep, slow factors and memories need
-//! not know. A step that is not cut is one piece.
+//! Every piece is a whole step of the chain ([`super::piece`]), so creep, slow factors and memories
+//! need not know. A step that is not cut is one piece.
 
 use super::chain::{Arrival, Drive, Stand};
 use super::delay::DelayLine;

@@ -1,8 +1,8 @@
 //! Curvature and cant along the track, as a bounded list of polynomial sections.
 //!
 //! Curvature is positive in a right-hand curve, cant is the angle by which the right rail is lower.
-//! A transition ramps both linearly (a clothoid) with corners rounded by parabolas, so that the roll
-//! acceleration of the track stays finite. Heading and lateral offset are the integrals of
+//! A transition ramps both linearly (a clothoid) with corners rounded by parabolas, so that the
+//! roll acceleration of the track stays finite. Heading and lateral offset are the integrals of
 //! curvature in the small-angle sense: differences over the length of a vehicle are exact to second
 //! order in (length / radius).
 

@@ -82,8 +82,8 @@ pub(super) struct Place {
     pub(super) irregularity: IrregularitySample,
 }
 
-/// Adds the forces of both wheels to their wheelset, as one sum, so that a mirrored vehicle gets the
-/// mirrored force to the last bit.
+/// Adds the forces of both wheels to their wheelset, as one sum, so that a mirrored vehicle gets
+/// the mirrored force to the last bit.
 #[inline(always)]
 pub(super) fn add_wheels<const L: usize>(
     forces: &mut Pose<L>,

@@ -66,7 +66,7 @@ impl BodyId {
         (index < BODIES_MAX - 1).then_some(Self(index as u8))
     }
 
-    /// Index into an array of `BODIES_MAX`; the mask tells the compiler that it is inside.
+    /// Index into an array of `BODIES_MAX`; the mask proves to the compiler that it is inside.
     #[inline(always)]
     pub fn index(self) -> usize {
         debug_assert!((self.0 as usize) < BODIES_MAX, "body {} of {BODIES_MAX}", self.0);

@@ -1,9 +1,10 @@
 //! Force elements between points of two bodies.
 //!
 //! Small angles throughout: a force acts at the undeformed point, so the moment of a preloaded
-//! spring that has moved sideways or leans with the cant is left out (for the SS9 it would lower the
-//! carbody's roll stiffness by 9 % and shift some 3 % of the wheel load in the 400 m curve). All springs are linear unless they say otherwise, and are counted from the unloaded
-//! position. The force on the first body is given; the second gets its opposite.
+//! spring that has moved sideways or leans with the cant is left out (for the SS9 it would lower
+//! the carbody's roll stiffness by 9 % and shift some 3 % of the wheel load in the 400 m curve).
+//! All springs are linear unless they say otherwise, and are counted from the unloaded position.
+//! The force on the first body is given; the second gets its opposite.
 
 use super::body::{BodyId, Pose, apply_force, point_motion};
 use crate::lanes::Lanes;

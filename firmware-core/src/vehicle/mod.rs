@@ -5,8 +5,8 @@
 //! ```
 //! Every body moves with a frame that runs along the track at its own station at the running speed;
 //! its coordinates are lateral, vertical, roll, pitch, yaw against that frame (x forward, y right,
-//! z down). No vehicle has code of its own: the SS9, a coach and a seven-degree-of-freedom bogie are
-//! lists of the same elements. Small angles, rigid bodies, no longitudinal motion.
+//! z down). No vehicle has code of its own: the SS9, a coach and a seven-degree-of-freedom bogie
+//! are lists of the same elements. Small angles, rigid bodies, no longitudinal motion.
 
 mod axle;
 mod body;

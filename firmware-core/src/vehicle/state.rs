@@ -5,8 +5,8 @@ use super::{AXLES_MAX, DAMPER_SLOTS};
 use crate::lanes::Lanes;
 use crate::wheel_rail::wheel::WheelForce;
 
-/// State of `L` vehicles side by side. Copying it is a snapshot; putting it back restores the run to
-/// the last bit.
+/// State of `L` vehicles side by side. Copying it is a snapshot; putting it back restores the run
+/// to the last bit.
 ///
 /// Velocities are kept half a substep behind the positions (see the step); the accelerations are
 /// those of the last evaluation.

@@ -1,8 +1,8 @@
 //! What the off-line contact solution says about one lateral shift of one wheel on one rail.
 //!
 //! Wheel-local axes, the same for both sides of the track: `outward` from the track centre and
-//! `down`. The wheel's flange is on its inner side, so a positive **shift** (the wheel moved outward
-//! against the rail) brings the flange to the gauge face.
+//! `down`. The wheel's flange is on its inner side, so a positive **shift** (the wheel moved
+//! outward against the rail) brings the flange to the gauge face.
 
 /// Rigid contact of one zone (tread or flange) at one lateral shift.
 #[derive(Debug, Clone, Copy, PartialEq)]

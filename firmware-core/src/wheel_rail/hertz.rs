@@ -35,8 +35,8 @@ pub struct HertzEllipse {
 ///
 /// ```
 /// use firmware_core::wheel_rail::hertz::{ellipse, Material};
-/// // Two equal spheres' worth of curvature: a circle with a = sqrt(R delta). The axis ratio is held
-/// // below 1 - 1e-7, so a circle is met to 5e-8.
+/// // Two equal curvatures give a circle with a = sqrt(R delta). The axis ratio is held below
+/// // 1 - 1e-7, so a circle is met to 5e-8.
 /// let e = ellipse(2.0, 2.0, Material::STEEL);
 /// assert!((e.along_per_sqrt_m / 0.5f64.sqrt() - 1.0).abs() < 1e-7);
 /// ```

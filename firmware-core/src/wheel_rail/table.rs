@@ -117,7 +117,7 @@ impl ZoneTable {
         }
     }
 
-    /// Touching height alone (m): tells whether the zone is in contact at all.
+    /// Touching height alone (m): whether the zone is in contact at all.
     #[inline(always)]
     pub fn touch_m(&self, shift_m: f64) -> f64 {
         let (low, high, fraction) = self.bracket(shift_m);

@@ -3,9 +3,9 @@
 //! Wheel-local axes: x forward, outward from the track centre, down; the left wheel is the mirror
 //! image of the right one. With shift `u` of the wheel outward against the rail, drop `w` of the
 //! wheel against the rail at the tape circle, and roll `phi` (outward side down), the table is read
-//! at `u - phi R` (R: depth of the rail's centre of curvature; turning an arc moves its centre), the
-//! touching height falls by `phi` times the distance of that centre, and the contact angle by `phi`:
-//! exact to first order for arcs. Then, per zone,
+//! at `u - phi R` (R: depth of the rail's centre of curvature; turning an arc moves its centre),
+//! the touching height falls by `phi` times the distance of that centre, and the contact angle by
+//! `phi`: exact to first order for arcs. Then, per zone,
 //! ```text
 //! delta = (w - touch) cos g        N = k delta^1.5
 //! xi  = (V + W r - (psi' + V/R_c) y) / V
@@ -122,8 +122,8 @@ pub struct Wheel {
 }
 
 impl Wheel {
-    /// The force on the wheelset. A wheel on profiles needs a table: without one a debug build stops,
-    /// and in a release build the wheel carries nothing.
+    /// The force on the wheelset. A wheel on profiles needs a table: without one a debug build
+    /// stops, and in a release build the wheel carries nothing.
     #[inline(always)]
     pub fn force(&self, table: Option<&ContactTable>, motion: &WheelMotion) -> WheelForce {
         let mut force = WheelForce::default();

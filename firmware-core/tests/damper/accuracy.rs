@@ -2,8 +2,8 @@
 //!
 //! The nominal damper and blows are held against steps of 1 microsecond; all else, being hundreds
 //! of cases, against steps of 4, which are themselves within 0.015 % of 1 microsecond, as
-//! `reference_has_converged` shows. Single effects run over four motions, pairs over two shorter ones
-//! with relief, clearance, small and large strokes in them.
+//! `reference_has_converged` shows. Single effects run over four motions, pairs over two shorter
+//! ones with relief, clearance, small and large strokes in them.
 
 use crate::reference::{EXCITATIONS, Excitation, Path, Reference, relative_error, simulate};
 use crate::sizes::catalogue_at;
@@ -13,8 +13,8 @@ use firmware_core::damper::{Damper, Effect, Nominal};
 /// The promise of the design: 0.05 % of rms force at 1 ms.
 const PROMISE: f64 = 5e-4;
 
-/// Laws of the attachment that are replaced by straight pieces, and what these may add in motions so
-/// small, or with effects so large, that few pieces are used.
+/// Laws of the attachment that are replaced by straight pieces, and what these may add in motions
+/// so small, or with effects so large, that few pieces are used.
 const SAMPLED: [&str; 2] = ["entrained_air", "stiffening_attachment"];
 const POLYGON: f64 = 5e-3;
 
@@ -32,8 +32,8 @@ const SHORT: [Excitation; 2] = [
     },
 ];
 
-/// The effects of the catalogue that the independent integration knows. One that it does not know is
-/// tested in its own file alone.
+/// The effects of the catalogue that the independent integration knows. One that it does not know
+/// is tested in its own file alone.
 fn known_at(nominal: &Nominal, size: f64) -> Vec<Effect> {
     let mut effects = catalogue_at(nominal, size);
     effects.retain(|effect| Reference::knows(*effect));

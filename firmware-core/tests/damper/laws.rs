@@ -175,7 +175,8 @@ fn clearance_carries_no_force() {
 
 #[test]
 fn held_damper_relaxes_to_its_dry_friction() {
-    // Held after a stroke, the dashpot empties the spring with Ce/Ke = 80 ms; friction keeps a rest.
+    // Held after a stroke, the dashpot empties the spring with Ce/Ke = 80 ms; friction keeps a
+    // rest.
     let friction = SealFriction { coulomb_n: 500.0, breakaway_ratio: 1.2, stribeck_m_per_s: 1e-3 };
     for (effects, rest_n) in [(vec![], 0.0), (vec![friction.into()], 600.0)] {
         let damper = Damper::new(Nominal::NEW, &effects).unwrap();

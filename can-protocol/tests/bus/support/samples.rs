@@ -6,7 +6,7 @@ use can_protocol::{
 use proptest::prelude::*;
 use std::num::{NonZeroU8, NonZeroU16};
 
-/// A signal's value as the DBC tells it.
+/// A signal's value as the DBC states it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Value {
     /// A number in the DBC's unit.

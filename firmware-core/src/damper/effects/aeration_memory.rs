@@ -5,8 +5,8 @@
 //! A' = |x_p'|/L (1 - A) - A/tau        K -> K / (1 + s A)
 //! ```
 //!
-//! A, from 0 after a long rest to 1, is the share of the air that can be stirred into the oil. Within
-//! a step the piston's speed is constant and the memory follows exactly:
+//! A, from 0 after a long rest to 1, is the share of the air that can be stirred into the oil.
+//! Within a step the piston's speed is constant and the memory follows exactly:
 //!
 //! ```text
 //! A_1 = A_e + (A_0 - A_e) exp(-q)        q = |dx_p|/L + h/tau        A_e = |dx_p|/(L q)

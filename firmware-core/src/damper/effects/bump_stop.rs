@@ -1,4 +1,4 @@
-//! End stops of the stroke, beside the whole damper.
+//! End stops of the stroke, parallel to the whole damper.
 //!
 //! ```text
 //! F += max(0, k d + c v)     d = x - x_e > 0        F += min(0, k d + c v)     d = x + x_c < 0
@@ -7,8 +7,8 @@
 //! A spring with damping that begins at a distance from mid-stroke on either side. It pushes back
 //! and never pulls: leaving faster than the spring expands, the damper's eye parts from the stop.
 //!
-//! A stop lies beyond half of what a record reaches: nobody presses one in by more than the way up to it, and
-//! what a fit finds nearer the middle is another thing.
+//! A stop lies beyond half of the travel in a record: no test compresses a stop by more than the
+//! travel up to it, and what a fit places nearer to mid-stroke is another effect.
 //!
 //! Source: general knowledge; the one-sided spring and damper of contact models. Limits: a straight
 //! spring, and the damping acts with its full force from first contact.

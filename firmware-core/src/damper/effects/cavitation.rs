@@ -6,9 +6,10 @@
 //! ```
 //!
 //! The valve that refills the chamber behind the piston keeps up with a velocity V. Moving faster
-//! in the direction s, the piston leaves a void of the length L behind. When it comes back, the void
-//! carries nothing until it is gone, then the oil column takes up the force in a step. Dry friction
-//! and preload stay. While the piston moves in the direction s the other chamber works as ever.
+//! in the direction s, the piston leaves a void of the length L behind. When it comes back, the
+//! void carries nothing until it is gone, then the oil column takes up the force in a step. Dry
+//! friction and preload stay. While the piston moves in the direction s the other chamber works as
+//! ever.
 //!
 //! V carries the side in its sign: positive for a void made in extension, negative for one made in
 //! compression. With |V| above every velocity there is no void.

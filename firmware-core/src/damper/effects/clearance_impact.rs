@@ -1,7 +1,7 @@
 //! The end mass strikes its seat when the clearance closes, and rings.
 //!
 //! ```text
-//! m z'' + 2 zeta wn m z' + K z = 0        wn^2 = K/m        z' += w at each closing        F += K z
+//! m z'' + 2 zeta wn m z' + K z = 0      wn^2 = K/m      z' += w at each closing      F += K z
 //! F(t) = sqrt(K m) / sqrt(1 - zeta^2) w exp(-zeta wn t) sin(wd t)        after one closing
 //! ```
 //!

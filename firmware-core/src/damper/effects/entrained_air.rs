@@ -4,13 +4,14 @@
 //! d(F) = sgn(F) d_max (1 - (1 + |F|/F_a)^(-1/n))        n = 1.4
 //! ```
 //!
-//! Air bubbles of the volume `d_max` times the piston's area are squeezed by the pressure `F/A` against
-//! the pressure `F_a/A` that they have at rest, polytropically with n = 1.4 for a quick change. The
-//! deflection is beside that of Ke and saturates: the loop gets soft toes on both sides of zero, the
-//! flanks stay as they are at high force. Twelve straight pieces to 1.5 times the force scale of the
-//! nominal damper, short where it bends, and straight on beyond: the deflection is off by at most 1 %
-//! of `d_max`. In motions that reach relief that is 0.03 % of the rms force; small ones that never leave
-//! the toe see up to 0.4 %. `F_a` below 1e-4 of the scale counts as 1e-4: the toe is a clearance then.
+//! Air bubbles of the volume `d_max` times the piston's area are squeezed by the pressure `F/A`
+//! against the pressure `F_a/A` that they have at rest, polytropically with n = 1.4 for a quick
+//! change. The deflection adds to that of Ke and saturates: the loop gets soft toes on both sides
+//! of zero, the flanks stay as they are at high force. Twelve straight pieces to 1.5 times the
+//! force scale of the nominal damper, short where it bends, and straight on beyond: the deflection
+//! is off by at most 1 % of `d_max`. In motions that reach relief that is 0.03 % of the rms force;
+//! small ones that never leave the toe see up to 0.4 %. `F_a` below 1e-4 of the scale counts as
+//! 1e-4: the toe is a clearance then.
 //!
 //! Limits: the same air in both chambers, none redissolves (see `aeration_memory`). Source: the
 //! polytropic law of gas in an oil of constant bulk modulus.
@@ -65,8 +66,8 @@ impl DamperEffect for EntrainedAir {
         let scale_n = nominal.scale().force_n;
         let air = Self { air_force_n: self.air_force_n.max(1e-4 * scale_n), ..*self };
         let (pressed_n, last_n) = (air.air_force_n, 1.5 * scale_n);
-        // Evenly in (1 + F/F_a)^-0.36 the deviations are equal (the integral of the root of the bend);
-        // a higher power gives more of them to large forces, where few motions are.
+        // Evenly in (1 + F/F_a)^-0.36 the deviations are equal (the integral of the root of the
+        // bend); a higher power gives more of them to large forces, where few motions are.
         let power = 0.5;
         let spread = -libm::expm1(-power * libm::log1p(last_n / pressed_n));
         let place = |u: f64| {

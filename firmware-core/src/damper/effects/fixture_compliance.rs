@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn no_record_tells_it_from_a_lower_ke() {
+    fn no_record_distinguishes_it_from_a_lower_ke() {
         let fixture = FixtureCompliance { fixture_n_per_m: 50e6 };
         let with = Damper::new(Nominal::NEW, &[fixture.into()]).unwrap();
         let lower = Nominal { ke_n_per_m: 10e6, ..Nominal::NEW };

@@ -4,9 +4,9 @@
 //! F_read = F + b
 //! ```
 //!
-//! The same at every speed, amplitude and frequency. Source: general knowledge of load cells. Limit:
-//! a drift of the zero is not in it; a gain of the load cell is not either, for it equals a scaling
-//! of all nominal forces.
+//! The same at every speed, amplitude and frequency. Source: general knowledge of load cells.
+//! Limit: a drift of the zero is not in it; a gain of the load cell is not either, for it equals a
+//! scaling of all nominal forces.
 
 use super::draw::Draw;
 use super::parameter::effect_parameters;

@@ -4,13 +4,13 @@
 //! F = f(x_p') - F_0 + k x_p        F_0 preload, k rate
 //! ```
 //!
-//! The pressure of the gas stands on the area of the rod and pushes it out: a positive preload is
-//! a force in compression, negative tension, at mid-stroke. Pushing the rod in compresses the gas and
-//! pulling it out relaxes it, so the rate resists displacement and centres the piston like a spring:
-//! a positive rate adds tension in extension. Below zero stands a preload where the record counts
-//! displacement from elsewhere than mid-stroke, or does not say which side is extension. `x_p` is the
-//! position of the piston from mid-stroke, frozen in each step. Inside the attachment: with clearance,
-//! the joint rests on one side.
+//! The pressure of the gas stands on the area of the rod and pushes it out: a positive preload is a
+//! force in compression, negative tension, at mid-stroke. Pushing the rod in compresses the gas and
+//! pulling it out relaxes it, so the rate resists displacement and centres the piston like a
+//! spring: a positive rate adds tension in extension. Below zero stands a preload where the record
+//! counts displacement from elsewhere than mid-stroke, or does not say which side is extension.
+//! `x_p` is the position of the piston from mid-stroke, frozen in each step. Inside the attachment:
+//! with clearance, the joint rests on one side.
 //!
 //! Limits: constant rate, no cooling of the gas. Source: gas law for small changes of volume.
 

@@ -1,10 +1,10 @@
 //! What a nominal damper lacks, one effect per file.
 //!
-//! A new effect is one new file and one line in the list at the end of this file. The file holds the
-//! parameter table, from which `effect_parameters!` makes the struct, and a [`DamperEffect`], which
-//! says how the effect enters the chain and how large it is in tests and campaigns
-//! ([`in_service`](DamperEffect::in_service), [`drawn`](DamperEffect::drawn)). It enters the chain by
-//! one or more of these methods, each with a default that does nothing:
+//! A new effect is one new file and one line in the list at the end of this file. The file holds
+//! the parameter table, from which `effect_parameters!` makes the struct, and a [`DamperEffect`],
+//! which says how the effect enters the chain and how large it is in tests and campaigns
+//! ([`in_service`](DamperEffect::in_service), [`drawn`](DamperEffect::drawn)). It enters the chain
+//! by one or more of these methods, each with a default that does nothing:
 //!
 //! | method | for | when |
 //! | --- | --- | --- |
@@ -13,11 +13,11 @@
 //! | [`creep`](DamperEffect::creep) | a deflection of the attachment with a fast memory | each step, solved with the chain |
 //! | [`margin`](DamperEffect::margin) | a switch (a void opens, a gap closes) | the step is cut where it reaches zero |
 //! | [`remember`](DamperEffect::remember) | the effect's own memory | after each piece of a step |
-//! | [`output`](DamperEffect::output) | parts beside the chain, and the sensor | after each piece, in list order |
+//! | [`output`](DamperEffect::output) | parts parallel to the chain, and the sensor | after each piece, in list order |
 //! | [`delay_s`](DamperEffect::delay_s) | a late reading | after everything else |
 //!
-//! A [`Place::Inboard`] or [`Place::Attachment`] effect that is neither slow, nor creeps, nor switches
-//! is its law alone: in a step it is not asked anything.
+//! A [`Place::Inboard`] or [`Place::Attachment`] effect that is neither slow, nor creeps, nor
+//! switches is its law alone: in a step it is not asked anything.
 //!
 //! The order of the list is the order in which effects act, whatever the order they are given in.
 
@@ -110,7 +110,7 @@ pub trait DamperEffect: Table + Copy {
     const SHOWN_BY: &'static str;
     /// Sampling rate below which a record cannot hold it, Hz.
     const NEEDS_RATE_HZ: f64 = 0.0;
-    /// It tells extension from compression.
+    /// It distinguishes extension from compression.
     const DIRECTIONAL: bool = false;
     /// Start values of a fit in natural sizes, where the typical ones alone would find only one of
     /// several shapes: relaxation times, knees, positions.
@@ -121,12 +121,12 @@ pub trait DamperEffect: Table + Copy {
     /// rubber, has this effect.
     const IN_HYDRAULIC_MODEL: bool;
 
-    /// The effect of a drawn shape at a strength between zero and [`STRONGEST`](Self::STRONGEST), as
-    /// a campaign mounts it.
+    /// The effect of a drawn shape at a strength between zero and [`STRONGEST`](Self::STRONGEST),
+    /// as a campaign mounts it.
     fn drawn(strength: f64, draw: &Draw) -> Self;
 
-    /// The effect at `size` times what is seen in service. Wear, warming and foam are as much faster
-    /// as a test of a second is shorter than service.
+    /// The effect at `size` times what is seen in service. Wear, warming and foam are as much
+    /// faster as a test of a second is shorter than service.
     fn in_service(nominal: &Nominal, size: f64) -> Self;
 
     /// The effect from values in table order.
@@ -161,8 +161,8 @@ pub trait DamperEffect: Table + Copy {
     /// Changes the laws of the parts, once, when the damper is built.
     fn shape(&self, _parts: &mut Parts, _nominal: &Nominal) {}
 
-    /// Multiplies the factors that hold during a step. `at` is the instant that stands for the step,
-    /// and its end when the force is read from the attachment.
+    /// Multiplies the factors that hold during a step. `at` is the instant that stands for the
+    /// step, and its end when the force is read from the attachment.
     fn slow(&self, _at: &Instant, _memory: &Memory, _factors: &mut Factors) {}
 
     /// Creep of the attachment over a step, given the force at its beginning.
@@ -170,9 +170,9 @@ pub trait DamperEffect: Table + Copy {
         Creep::NONE
     }
 
-    /// How far the effect still is from switching at the end of a piece, in any unit. Where it falls
-    /// below zero the step is cut, just on the far side, and [`remember`](Self::remember) switches.
-    /// A margin that dips below zero and comes back within one step is not seen.
+    /// How far the effect still is from switching at the end of a piece, in any unit. Where it
+    /// falls below zero the step is cut, just on the far side, and [`remember`](Self::remember)
+    /// switches. A margin that dips below zero and comes back within one step is not seen.
     fn margin(&self, _memory: &Memory, _done: &Done) -> f64 {
         f64::INFINITY
     }
@@ -206,7 +206,7 @@ pub struct EffectInfo {
     pub shown_by: &'static str,
     /// Sampling rate below which a record cannot hold it, Hz.
     pub needs_rate_hz: f64,
-    /// It tells extension from compression.
+    /// It distinguishes extension from compression.
     pub directional: bool,
     /// Further start values of a fit, in natural sizes; the typical ones come first.
     pub starts: &'static [&'static [f64]],

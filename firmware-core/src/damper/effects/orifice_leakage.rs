@@ -1,20 +1,21 @@
-//! A leak past the piston, inboard: an orifice beside the valve, so that damping falls off at low
-//! speed.
+//! A leak past the piston, inboard: an orifice parallel to the valve, so that damping falls off at
+//! low speed.
 //!
 //! ```text
 //! v = v_nominal(F) + v_l sgn(F) sqrt(|F|/F_s)
 //! ```
 //!
-//! A worn seal or a notch in the piston passes oil beside the valve; both carry the same pressure, so
-//! their flows add. `F_s` is the force scale of the nominal damper (its relief force; without one, the
-//! force at 0.1 m/s), and `v_l` the velocity that the leak alone gives the piston there. At low force
-//! the orifice takes nearly all of the flow and the force falls with the square of the velocity.
+//! A worn seal or a notch in the piston lets oil bypass the valve; both carry the same pressure, so
+//! their flows add. `F_s` is the force scale of the nominal damper (its relief force; without one,
+//! the force at 0.1 m/s), and `v_l` the velocity that the leak alone gives the piston there. At low
+//! force the orifice takes nearly all of the flow and the force falls with the square of the
+//! velocity.
 //!
-//! Eight straight pieces up to `F_s`, denser towards zero, two more to four times `F_s`, then straight
-//! on. The force is off by at most 0.35 % of `F_s`, close to zero force, however large the leak.
-//! A hard cap of the force takes the leak with it. Limits: no dependence on temperature; a leak
-//! through a laminar gap is a lower Ce and cannot be seen. Source: orifice flow as in any text on oil
-//! hydraulics.
+//! Eight straight pieces up to `F_s`, denser towards zero, two more to four times `F_s`, then
+//! straight on. The force is off by at most 0.35 % of `F_s`, close to zero force, however large the
+//! leak. A hard cap of the force takes the leak with it. Limits: no dependence on temperature; a
+//! leak through a laminar gap is a lower Ce and cannot be seen. Source: orifice flow as in any text
+//! on oil hydraulics.
 
 use super::draw::Draw;
 use super::parameter::effect_parameters;

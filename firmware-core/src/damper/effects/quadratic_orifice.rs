@@ -4,13 +4,13 @@
 //! F = Ce v + b v |v|        up to the relief force, which stays; C2 beyond
 //! ```
 //!
-//! The pressure drop of turbulent flow through an orifice goes with the square of the flow, that of a
-//! laminar slot with the flow; a valve has a share of both. The relief opens at the same force and so
-//! at a lower velocity. Ten straight pieces up to the relief, evenly in velocity: the force is off by
-//! at most 0.22 % of the quadratic part at relief, 0.035 % of the relief force at the typical value.
-//! Without a relief ten pieces that widen with the velocity reach to five times the velocity of
-//! [`Nominal::scale`] (0.5 m/s) and go on straight: off by at most 0.6 % of the largest force of a motion
-//! up to there, and by 2.5 % of that of a motion up to 0.1 m/s.
+//! The pressure drop of turbulent flow through an orifice goes with the square of the flow, that of
+//! a laminar slot with the flow; a valve has a share of both. The relief opens at the same force
+//! and so at a lower velocity. Ten straight pieces up to the relief, evenly in velocity: the force
+//! is off by at most 0.22 % of the quadratic part at relief, 0.035 % of the relief force at the
+//! typical value. Without a relief ten pieces that widen with the velocity reach to five times the
+//! velocity of [`Nominal::scale`] (0.5 m/s) and go on straight: off by at most 0.6 % of the largest
+//! force of a motion up to there, and by 2.5 % of that of a motion up to 0.1 m/s.
 //!
 //! Limits: oil that warms keeps the shape; a relief far above all forces of a record makes the
 //! pieces coarse. Source: orifice flow as in any text on oil hydraulics.

@@ -12,8 +12,9 @@
 //! ```
 //!
 //! which needs no case for the open clearance: there F is zero and the rubber springs back slowly.
-//! Limits: no softening with amplitude. Where the attachment stiffens (`stiffening_attachment`), the
-//! quick deflection follows the cubic law at 1 + r times its stiffness and the creep stays linear.
+//! Limits: no softening with amplitude. Where the attachment stiffens (`stiffening_attachment`),
+//! the quick deflection follows the cubic law at 1 + r times its stiffness and the creep stays
+//! linear.
 
 use super::draw::{Draw, decades};
 use super::parameter::effect_parameters;
@@ -124,8 +125,8 @@ mod tests {
 
     #[test]
     fn unloaded_rubber_springs_back_slowly() {
-        // Held until relaxed, then let go by 1 mm: F = 0, and the rest of the deflection creeps back
-        // with tau (1 + r).
+        // Held until relaxed, then let go by 1 mm: F = 0, and the rest of the deflection creeps
+        // back with tau (1 + r).
         let damper = locked(1e-3);
         let mut state = DamperState::rest();
         for _ in 0..1000 {

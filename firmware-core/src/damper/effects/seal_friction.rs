@@ -140,7 +140,8 @@ mod tests {
 
     #[test]
     fn slow_drag_is_a_saw_between_breakaway_and_sliding_force() {
-        // A seal whose friction falls faster than the oil rises: stick-slip with amplitude (r - 1) Fc.
+        // A seal whose friction falls faster than the oil rises: stick-slip with amplitude (r - 1)
+        // Fc.
         let oil = Nominal { ce_n_s_per_m: 1e4, clearance_2a_m: 0.0, ..Nominal::NEW };
         let damper = Damper::new(oil, &[friction(400.0, 1.5, 1e-3).into()]).unwrap();
         let mut state = DamperState::rest();

@@ -4,9 +4,10 @@
 //! dF/dv -> r dF/dv        from the knee force to the next knee of the nominal law, on both sides
 //! ```
 //!
-//! A shim that lifts, or a bleed that closes, below relief: the slope Ce changes from the knee force
-//! to the relief force, which stays. A knee above relief changes the slope C2 for good. Nothing
-//! happens where there is no slope, above a hard cap. Exact: the law stays piecewise linear.
+//! A shim that lifts, or a bleed that closes, below relief: the slope Ce changes from the knee
+//! force to the relief force, which stays. A knee above relief changes the slope C2 for good.
+//! Nothing happens where there is no slope, above a hard cap. Exact: the law stays piecewise
+//! linear.
 //!
 //! Limits: the same stage in extension and compression; stages open and close at the same force.
 //! Source: shim and poppet valves as in any text on oil hydraulics.

@@ -4,12 +4,12 @@
 //! F = Ke d (1 + k d^2)
 //! ```
 //!
-//! Inverted in closed form, d = 2/sqrt(3 k) sinh(asinh(1.5 sqrt(3 k) F/Ke)/3), and replaced by eleven
-//! straight pieces to 1.5 times the force scale of the nominal damper, evenly in deflection, and two
-//! more to six times the scale; beyond, straight on, so that the attachment never becomes rigid. Up
-//! to the scale the force is off by at most 0.7 % of it (0.15 % where the cubic term adds 15 % there),
-//! up to four times the scale by at most 6.5 % of itself. In motions that reach relief that is 0.03 %
-//! of the rms force.
+//! Inverted in closed form, d = 2/sqrt(3 k) sinh(asinh(1.5 sqrt(3 k) F/Ke)/3), and replaced by
+//! eleven straight pieces to 1.5 times the force scale of the nominal damper, evenly in deflection,
+//! and two more to six times the scale; beyond, straight on, so that the attachment never becomes
+//! rigid. Up to the scale the force is off by at most 0.7 % of it (0.15 % where the cubic term adds
+//! 15 % there), up to four times the scale by at most 6.5 % of itself. In motions that reach relief
+//! that is 0.03 % of the rms force.
 //!
 //! Limits: elastic, the same on both sides. Source: the usual cubic law.
 

@@ -4,9 +4,10 @@
 //! K -> K (1 + b x_p + q x_p^2)
 //! ```
 //!
-//! A piston off mid-stroke has a shorter column of oil, stiffer, on one side and a longer one on the
-//! other. The clearance stays, the whole elastic deflection of the attachment is divided by the factor, which is
-//! frozen in each step and held between 0.05 and 20. `x_p` is the position of the piston.
+//! A piston off mid-stroke has a shorter column of oil, stiffer, on one side and a longer one on
+//! the other. The clearance stays, the whole elastic deflection of the attachment is divided by the
+//! factor, which is frozen in each step and held between 0.05 and 20. `x_p` is the position of the
+//! piston.
 //!
 //! Limits: one factor for tension and compression; the creep of rubber is not scaled. Source: the
 //! bulk modulus of a column of oil, K = beta A^2/V.

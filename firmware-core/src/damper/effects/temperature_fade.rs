@@ -5,16 +5,16 @@
 //! ```
 //!
 //! At equal force the piston is quicker by k per kelvin: Ce and the slope beyond relief fall, the
-//! relief force, set by a spring, stays. T is the temperature that was measured, where the caller has
-//! set one; otherwise it follows from the heat that the damper turns out, exactly for a constant power in
-//! each step, starting at 20 degC in surroundings of 20 degC. k is 0.01 to 0.03 1/K for a laminar slot and
-//! below 0.001 1/K for a sharp orifice.
+//! relief force, set by a spring, stays. T is the temperature that was measured, where the caller
+//! has set one; otherwise it follows from the heat that the damper turns out, exactly for a
+//! constant power in each step, starting at 20 degC in surroundings of 20 degC. k is 0.01 to 0.03
+//! 1/K for a laminar slot and below 0.001 1/K for a sharp orifice.
 //!
 //! The typical heat capacity and cooling are 21 kJ/K and 5 W/K for a yaw damper of 18 kN: a time
 //! constant of 70 minutes, 1.4 K in a minute at 490 W. The factor is held between 1e-3 and 1e3, the
-//! temperature below 300 degC. Limits: one temperature for all of the oil; force times velocity of the
-//! piston counts as heat, also what a gas cushion gives back. Source: a heat balance, and the usual
-//! exponential law of viscosity.
+//! temperature below 300 degC. Limits: one temperature for all of the oil; force times velocity of
+//! the piston counts as heat, also what a gas cushion gives back. Source: a heat balance, and the
+//! usual exponential law of viscosity.
 
 use super::draw::{Draw, between, decades};
 use super::parameter::{Scale, effect_parameters};

@@ -1,9 +1,9 @@
 //! The creep force of classical bogie models: prescribed coefficients, constant wheel load.
 //!
-//! `xr^2 = (xi/Psi)^2 + (eta/Phi)^2`, `u = G pi a b xr / (mu N)`, `F = mu N (u - u^2/3 + u^3/27)` up to
-//! `u = 3`, then `mu N`; `Fx = F xi / (Psi xr)`, `Fy = F eta / (Phi xr)` (Vermeulen and Johnson, as used
-//! for the Cooperrider bogie by Kaas-Petersen 1986 and True). Spin is ignored. `mu N` comes from
-//! the patch, so from the prescribed load of a conical wheel.
+//! `xr^2 = (xi/Psi)^2 + (eta/Phi)^2`, `u = G pi a b xr / (mu N)`, `F = mu N (u - u^2/3 + u^3/27)`
+//! up to `u = 3`, then `mu N`; `Fx = F xi / (Psi xr)`, `Fy = F eta / (Phi xr)` (Vermeulen and
+//! Johnson, as used for the Cooperrider bogie by Kaas-Petersen 1986 and True). Spin is ignored. `mu
+//! N` comes from the patch, so from the prescribed load of a conical wheel.
 
 use super::{CreepForce, Creepage, Patch, cubic_saturation};
 

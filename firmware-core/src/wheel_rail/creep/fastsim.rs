@@ -4,7 +4,7 @@
 //! `L3 = pi a sqrt(a/b) / (4 G C23)`. Each strip is followed from its leading edge; the traction
 //! grows by slip over flexibility and is cut at `mu p` with the parabolic pressure
 //! `p = 2N/(pi a b) (1 - x^2/a^2 - y^2/b^2)`. Cost grows with the number of cells and nothing else.
-//! Closed form and CONTACT stand beside it in `evidence/src/validation/fastsim.rs`.
+//! It is compared with the closed form and with CONTACT in `evidence/src/validation/fastsim.rs`.
 
 use super::{CreepForce, Creepage, Patch};
 

@@ -1,8 +1,8 @@
 //! Kalker's linear theory with Shen, Hedrick and Elkins's saturation: the "simplified Kalker" of
 //! the SS9 study.
 //!
-//! `Fx = -G a b C11 xi`, `Fy = -G a b C22 eta - G (a b)^1.5 C23 phi`, `Mz = G (a b)^1.5 C23 eta`; the
-//! force vector is then reduced by `1 - u/3 + u^2/27` with `u = |F| / (mu N)` (Shen, Hedrick,
+//! `Fx = -G a b C11 xi`, `Fy = -G a b C22 eta - G (a b)^1.5 C23 phi`, `Mz = G (a b)^1.5 C23 eta`;
+//! the force vector is then reduced by `1 - u/3 + u^2/27` with `u = |F| / (mu N)` (Shen, Hedrick,
 //! Elkins 1983). Good for small spin, so for tread contact; flange contact with large spin is
 //! better served by `polach` or `fastsim`.
 

@@ -4,7 +4,7 @@
 //! `e = G pi a b C s / (4 mu N)`: `F = (2 mu N / pi) (e / (1 + e^2) + atan e)`, split along the
 //! creepages, plus the lateral force of spin through the moment `K_M`. The reduction factors for
 //! wet rail are one. No spin moment. Written from the published formulae; the listing of the
-//! original was not at hand, so the small-creep limits are tested against Kalker instead.
+//! original was not available, so the small-creep limits are tested against Kalker instead.
 
 use super::{CreepForce, Creepage, Patch};
 

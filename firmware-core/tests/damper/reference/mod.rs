@@ -1,8 +1,8 @@
 //! An independent damper: the equations as they are written in the literature, integrated by Heun's
 //! rule in steps of some microseconds, with the exact motion. It shares no code with the damper
 //! under test: smooth laws are evaluated, not sampled; friction is inverted by Newton's rule, the
-//! rubber is a spring with a Maxwell branch instead of a creep, and what changes slowly is evaluated
-//! all the time.
+//! rubber is a spring with a Maxwell branch instead of a creep, and what changes slowly is
+//! evaluated all the time.
 
 mod body;
 mod joint;
