@@ -1,8 +1,8 @@
 //! What Linux can do so that a cycle is on time, asked for one by one.
 //!
 //! 1. `SCHED_FIFO` with a priority: no ordinary process runs before the loop. Under `PREEMPT_RT`
-//!    the interrupt threads have priority 50; the CAN interrupt belongs above the loop or on its own
-//!    processor.
+//!    the interrupt threads have priority 50; the CAN interrupt belongs above the loop or on its
+//!    own processor.
 //! 2. `mlockall`: no page of the loop is fetched from disk.
 //! 3. The stack is touched once in advance, so that no page of it is missing in the loop.
 //! 4. Affinity: the loop stays on one processor, best an isolated one.

@@ -310,8 +310,8 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
         .expect("the host");
     let mut history = hear(&socket, MEASUREMENT, 500);
     assert_eq!(history.len(), 500, "the run did not start");
-    // Both are suspended: nothing on the bus can be newer than what was heard, and it does not matter
-    // how long the rest takes.
+    // Both are suspended: nothing on the bus can be newer than what was heard, and it does not
+    // matter how long the rest takes.
     suspend(rig.id());
     suspend(host.id());
     let rest = remaining(&socket);

@@ -13,8 +13,8 @@
 //! proportion.
 //!
 //! Every cycle costs the same except for events in the damper. Nothing is allocated, and the loop
-//! does not depend on the watch. Without a fresh measurement the watch waits and then takes a longer
-//! step.
+//! does not depend on the watch. Without a fresh measurement the watch waits and then takes a
+//! longer step.
 
 use can_protocol::Watch as Verdict;
 use firmware_core::damper::{Damper, DamperState, Motion};

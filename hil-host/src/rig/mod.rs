@@ -1,11 +1,11 @@
 //! The rig: the other end of the bus.
 //!
 //! [`RigNode`] is a rig as the bus sees it, around the physics of an [`Emulator`]. The same code
-//! runs in line on the memory bus and in its own process ([`process`]). The same frames get the same
-//! answers, bit for bit.
+//! runs in line on the memory bus and in its own process ([`process`]). The same frames get the
+//! same answers, bit for bit.
 //!
-//! **States.** A rig starts in INIT. It enters the state that the host commands, with one exception:
-//! it enters SAFE by itself.
+//! **States.** A rig starts in INIT. It enters the state that the host commands, with one
+//! exception: it enters SAFE by itself.
 //!
 //! | host commands | the rig |
 //! | --- | --- |
@@ -24,9 +24,9 @@
 //! **Handshake.** Every sync is answered at once with a heartbeat. A sync begins a new session when
 //! no command came since the last sync, or when its time does not continue that of the last one. In
 //! a new session counters may start anywhere, and a lock-step rig that was still coupled to an
-//! earlier host returns to INIT. A sync also sets period, slow-down, pace and profile. It is refused
-//! with a fault and without a heartbeat where it would change those of a coupled rig, or where its
-//! version is unknown.
+//! earlier host returns to INIT. A sync also sets period, slow-down, pace and profile. It is
+//! refused with a fault and without a heartbeat where it would change those of a coupled rig, or
+//! where its version is unknown.
 
 mod account;
 mod actuator;

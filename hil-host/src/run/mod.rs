@@ -9,7 +9,7 @@ mod setup;
 
 pub(crate) use plan::Plan;
 pub(crate) use progress::bar;
-pub(crate) use setup::session;
+pub(crate) use setup::{Terms, session};
 pub use setup::{line, watch_of};
 
 use crate::BenchError;
@@ -22,7 +22,7 @@ use crate::realtime::{self, RealtimeOptions};
 use crate::summary::{Outcome, Summary};
 use files::ResultFolder;
 use plan::BusLoad;
-use recording::{Output, Recording};
+use recording::{Output, Recording, Task};
 use report::Section;
 use scenario::run::Run;
 use setup::{open_buses, pace};
@@ -77,8 +77,9 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
 
     let track = run.track.view();
     let mut pace = pace(options);
-    let on_the_wire = (pace.on_the_wire(), options.slow_down);
-    let session = session(run, &track, &plan.rigs, options.profile, on_the_wire)?;
+    let terms =
+        Terms { profile: options.profile, pace: pace.on_the_wire(), slow_down: options.slow_down };
+    let session = session(run, &track, &plan.rigs, terms)?;
     let mut state = session.start(session.line.start(run.start.state.clone()));
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;
@@ -91,14 +92,14 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         log: (folder.file(LOG), folder.create_file(LOG)?),
         bus_names: plan.buses.iter().map(|bus| bus.interface().to_owned()).collect(),
     };
-    let recording = recording::record(
-        &session,
-        (&mut state, &mut buses),
-        (&mut pace, run.cycles()),
-        &options.realtime,
-        output,
-        stop,
-    )?;
+    let task = Task {
+        session: &session,
+        state: &mut state,
+        buses: &mut buses,
+        pace: &mut pace,
+        cycles: run.cycles(),
+    };
+    let recording = recording::record(task, &options.realtime, output, stop)?;
 
     folder.write(SCENARIO, &run.effective.scenario)?;
     folder.write(VEHICLE, &run.effective.vehicle)?;

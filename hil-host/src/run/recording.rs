@@ -18,6 +18,15 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 /// Batches that may wait for a thread that writes.
 const WAITING: usize = 64;
 
+/// The loop with everything that it changes.
+pub(super) struct Task<'a, 's, B> {
+    pub(super) session: &'a Session<'s>,
+    pub(super) state: &'a mut SessionState,
+    pub(super) buses: &'a mut [B],
+    pub(super) pace: &'a mut Pace,
+    pub(super) cycles: u64,
+}
+
 /// What the loop writes while it runs: opened files and their names for messages.
 #[derive(Debug)]
 pub(super) struct Output {
@@ -39,13 +48,12 @@ pub(super) struct Recording {
 
 /// Runs the loop on this thread and records it.
 pub(super) fn record<B: Bus>(
-    session: &Session<'_>,
-    (state, buses): (&mut SessionState, &mut [B]),
-    (pace, cycles): (&mut Pace, u64),
+    task: Task<'_, '_, B>,
     realtime_options: &RealtimeOptions,
     output: Output,
     stop: &AtomicBool,
 ) -> Result<Recording, BenchError> {
+    let Task { session, state, buses, pace, cycles } = task;
     let now_ns = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos() as u64);
     let Output { record: (record_path, record), log: (log_path, log), bus_names } = output;
     let log = BusLog::begin(log, now_ns, bus_names);
@@ -116,10 +124,9 @@ mod tests {
     use crate::bus::{BusChoice, MemoryBus};
     use crate::record::measured::read_record;
     use crate::rig::RigNode;
-    use crate::run::{Plan, session};
-    use can_protocol::{Pace as WirePace, Profile};
+    use crate::run::{Plan, Terms, session};
+    use can_protocol::Profile;
     use scenario::run::{Overrides, Run};
-    use std::num::NonZeroU8;
     use std::path::Path;
     use std::time::Duration;
 
@@ -131,8 +138,8 @@ mod tests {
         let run = Run::load(&scenario, overrides).unwrap();
         let plan = Plan::new(&run, &BusChoice::Memory).unwrap();
         let track = run.track.view();
-        let pace = (WirePace::LockStep, NonZeroU8::MIN);
-        let session = session(&run, &track, &plan.rigs, Profile::Classical, pace).unwrap();
+        let terms = Terms::in_memory(Profile::Classical);
+        let session = session(&run, &track, &plan.rigs, terms).unwrap();
         let rigs = plan.rigs.iter().map(|rig| RigNode::new(&run.rig, rig.node, session.profile));
         let mut buses = vec![MemoryBus::new(rigs)];
         let mut state = session.start(session.line.start(run.start.state.clone()));
@@ -145,15 +152,14 @@ mod tests {
             log: (PathBuf::from("bus.log"), full),
             bus_names: vec!["memory".to_owned()],
         };
-        let loop_end = record(
-            &session,
-            (&mut state, &mut buses),
-            (&mut Pace::Fast, run.cycles()),
-            &RealtimeOptions::NONE,
-            output,
-            &stop,
-        );
-        let error = loop_end.unwrap_err();
+        let task = Task {
+            session: &session,
+            state: &mut state,
+            buses: &mut buses,
+            pace: &mut Pace::Fast,
+            cycles: run.cycles(),
+        };
+        let error = record(task, &RealtimeOptions::NONE, output, &stop).unwrap_err();
         assert!(!error.is_bad_input() && !error.is_safe_state(), "{error:?}");
         let text = error.to_string();
         assert!(text.starts_with("bus.log: No space left"), "{text}");

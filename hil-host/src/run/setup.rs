@@ -16,14 +16,29 @@ use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use std::num::NonZeroU8;
 
+/// What the rigs are given in the handshake.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Terms {
+    pub(crate) profile: Profile,
+    pub(crate) pace: WirePace,
+    pub(crate) slow_down: NonZeroU8,
+}
+
+impl Terms {
+    /// Those of rigs on the memory bus without a clock.
+    pub(crate) const fn in_memory(profile: Profile) -> Self {
+        Self { profile, pace: WirePace::LockStep, slow_down: NonZeroU8::MIN }
+    }
+}
+
 /// The control session of a scenario with its rigs.
 pub(crate) fn session<'a>(
     run: &'a Run,
     track: &'a Track<'a>,
     rigs: &[RigPlace],
-    profile: Profile,
-    (pace, slow_down): (WirePace, NonZeroU8),
+    terms: Terms,
 ) -> Result<Session<'a>, can_protocol::Error> {
+    let Terms { profile, pace, slow_down } = terms;
     let port = |rig: &RigPlace| {
         let port = Port::new(rig.node, rig.bus, rig.slot, profile)?;
         Ok(match watch_of(run, rig.slot) {
