@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 
 /// Options of `identify`.
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub(crate) struct IdentifyArgs {
     /// The maker's numbers; without them there is no datasheet error.
     #[arg(long, value_name = "FILE")]
