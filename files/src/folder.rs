@@ -1,13 +1,12 @@
 //! Where the files of a result go.
 //!
-//! Nothing of the user's is overwritten or deleted: a file is made only where none is, and replaced or
-//! removed only where the folder's manifest lists it as the program's own. The folder itself may be
-//! named by a symbolic link; links among its entries are not followed.
+//! Nothing of the user's is overwritten or deleted: a file is made only where none is, and replaced
+//! or removed only where the folder's manifest lists it as the program's own. The folder itself may
+//! be named by a symbolic link; links among its entries are not followed.
 
+use crate::error::FolderError;
 use crate::identity::Identity;
 use crate::manifest::{self, Manifest};
-use crate::quote::quoted;
-use std::fmt;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -24,58 +23,9 @@ pub struct ResultFolder {
     by_default: bool,
 }
 
-/// Why a result has no place.
-#[derive(Debug)]
-pub enum FolderError {
-    /// The folder cannot be made: its path, the system's word.
-    NoPlace(PathBuf, io::Error),
-    /// It holds a result: folder, of which command.
-    Holds(PathBuf, String),
-    /// It holds the result of another question: folder, name found, name expected, what differs.
-    Other(PathBuf, String, String, Vec<String>),
-    /// A file is in the way that the program did not write.
-    Occupied(PathBuf),
-    /// The folder's manifest cannot be believed: file, why.
-    Manifest(PathBuf, String),
-    /// A disk that fails: file, the system's word.
-    Disk(PathBuf, io::Error),
-}
-
-impl fmt::Display for FolderError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let shown = |path: &Path| path.display().to_string();
-        match self {
-            Self::NoPlace(path, why) => {
-                let path = shown(path);
-                write!(f, "{}: found no place for a folder ({why}), expected one", quoted(&path))
-            }
-            Self::Holds(path, command) => write!(
-                f,
-                "--out {}: holds a result of `{}`, expected a new folder; --overwrite replaces it",
-                quoted(&shown(path)),
-                quoted(command)
-            ),
-            Self::Other(path, found, expected, changes) => write!(
-                f,
-                "--out {}: holds {found}, expected {expected} or a new folder; changed: {}",
-                quoted(&shown(path)),
-                changes.join(", ")
-            ),
-            Self::Occupied(path) => write!(
-                f,
-                "{}: is there already and was not written by this program, expected another --out",
-                quoted(&shown(path))
-            ),
-            Self::Manifest(path, why) => write!(f, "{}: {why}", quoted(&shown(path))),
-            Self::Disk(path, why) => write!(f, "{}: {why}", quoted(&shown(path))),
-        }
-    }
-}
-
-impl std::error::Error for FolderError {}
-
 impl ResultFolder {
-    /// A folder for a result of its own: `given`, or the next free `runs/<name>-<n>`. Nothing is made.
+    /// A folder for a result of its own: `given`, or the next free `runs/<name>-<n>`. Nothing is
+    /// made.
     ///
     /// # Errors
     /// [`FolderError::Holds`] where `given` holds a result and `overwrite` is false.
@@ -95,9 +45,9 @@ impl ResultFolder {
         Ok(Self { path, command, identity: None, overwrite, by_default })
     }
 
-    /// The folder of a question: `given`, or `runs/<name>`, or the first `runs/<name>-<n>` that holds this
-    /// question or nothing. Where another is taken than `runs/<name>`, the second value says what
-    /// changed. Nothing is made.
+    /// The folder of a question: `given`, or `runs/<name>`, or the first `runs/<name>-<n>` that
+    /// holds this question or nothing. Where another is taken than `runs/<name>`, the second value
+    /// says what changed. Nothing is made.
     ///
     /// # Errors
     /// [`FolderError::Other`] where `given` holds the result of another question.
@@ -177,7 +127,7 @@ impl ResultFolder {
         std::fs::create_dir_all(&self.path)
             .map_err(|why| FolderError::NoPlace(self.path.clone(), why))?;
         for path in new {
-            // Somebody else's files may have come into it by now.
+            // Another process may have put files there by now.
             let _ = std::fs::remove_dir(path);
         }
         Ok(())
@@ -187,7 +137,7 @@ impl ResultFolder {
     /// file that its manifest lists, and no other.
     ///
     /// # Errors
-    /// [`FolderError::NoPlace`]; what somebody else put there since [`check`](Self::check).
+    /// [`FolderError::NoPlace`]; what another process has put there since [`check`](Self::check).
     pub fn create(&mut self) -> Result<(), FolderError> {
         let no_place = |path: &Path, why| FolderError::NoPlace(path.to_owned(), why);
         if self.by_default && self.identity.is_none() {
@@ -234,7 +184,8 @@ impl ResultFolder {
     pub fn create_file(&self, name: &str) -> Result<File, FolderError> {
         self.list(name)?;
         let path = self.file(name);
-        // One of an earlier result under the same identity, a link included: the link goes, not its end.
+        // One of an earlier result under the same identity, a link included: the link goes, not its
+        // end.
         match std::fs::remove_file(&path) {
             Err(why) if why.kind() != io::ErrorKind::NotFound => {
                 return Err(FolderError::Disk(path, why));
@@ -305,7 +256,7 @@ impl ResultFolder {
                 _ => {}
             }
             if folder != self.path {
-                // Not empty where the user has put something beside.
+                // Not empty where the user has put something there too.
                 let _ = std::fs::remove_dir(folder);
             }
         }
@@ -318,17 +269,17 @@ impl ResultFolder {
         self.replace(manifest::NAME, format!("{text}\n").as_bytes())
     }
 
-    /// Writes beside and renames: what a link points to is never written.
+    /// Writes a new file and renames it: what a link points to is never written.
     fn replace(&self, name: &str, content: &[u8]) -> Result<(), FolderError> {
         let path = self.file(name);
-        let beside = self.path.join(format!("{name}.{}.new", std::process::id()));
+        let new = self.path.join(format!("{name}.{}.new", std::process::id()));
         let write = || -> io::Result<()> {
-            let mut file = OpenOptions::new().write(true).create_new(true).open(&beside)?;
+            let mut file = OpenOptions::new().write(true).create_new(true).open(&new)?;
             file.write_all(content)?;
-            std::fs::rename(&beside, &path)
+            std::fs::rename(&new, &path)
         };
         write().map_err(|why| {
-            let _ = std::fs::remove_file(&beside);
+            let _ = std::fs::remove_file(&new);
             FolderError::Disk(path.clone(), why)
         })
     }

@@ -1,9 +1,9 @@
 //! Which question a result answers.
 //!
-//! An answer depends on the question, on the content of every file that was read, and on the program
-//! that computed it. Two results with one identity are the same result; where a folder's identity is
-//! another, [`Identity::changes`] says in which part. Paths are no part of it: a moved file is the same
-//! file.
+//! An answer depends on the question, on the content of every file that was read, and on the
+//! program that computed it. Two results with one identity are the same result; where a folder's
+//! identity is another, [`Identity::changes`] says in which part. Paths are no part of it: a moved
+//! file is the same file.
 
 use firmware_core::fnv;
 use serde::{Deserialize, Serialize};
@@ -55,7 +55,8 @@ impl Identity {
         format!("{:016x}", parts.fold(fnv::START, add))
     }
 
-    /// What makes this identity another than `earlier`, one short phrase each; none if they are one.
+    /// What makes this identity another than `earlier`, one short phrase each; none if they are
+    /// one.
     pub fn changes(&self, earlier: &Self) -> Vec<String> {
         let mut changes = Vec::new();
         differences("", &earlier.question, &self.question, &mut changes);

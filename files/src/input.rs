@@ -1,7 +1,7 @@
 //! Opening and reading what a user names.
 //!
-//! Only regular files are read: a named pipe would wait for ever, a device has no end. A file over its
-//! limit is refused before it is read, one of a known other kind by its first bytes.
+//! Only regular files are read: a named pipe would wait for ever, a device has no end. A file over
+//! its limit is refused before it is read, one of a known other kind by its first bytes.
 
 use crate::kind;
 use crate::quote::quoted;
@@ -101,7 +101,7 @@ impl std::error::Error for InputError {}
 /// It cannot be opened, is no regular file, or is over the limit.
 pub fn open(path: &Path, limit: Limit) -> Result<File, InputError> {
     let unreadable = |why: io::Error| InputError::Unreadable(path.to_owned(), why.to_string());
-    // Opening a named pipe waits for its other end unless it is told not to.
+    // Opening a named pipe waits for its other end without this flag.
     let file =
         File::options().read(true).custom_flags(libc::O_NONBLOCK).open(path).map_err(unreadable)?;
     let about = file.metadata().map_err(unreadable)?;

@@ -3,7 +3,7 @@
 //! Only what stands here is ever replaced or removed. A manifest that names anything outside its
 //! folder is not believed.
 
-use crate::folder::FolderError;
+use crate::error::FolderError;
 use crate::identity::Identity;
 use crate::input::{self, Limit};
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,7 @@
 //! Text of a file inside a message: cut to a length, control characters shown and not sent.
 //!
-//! A cell of a CSV file can hold a terminal sequence or a megabyte. Neither may reach the terminal as
-//! it is.
+//! A cell of a CSV file can hold a terminal sequence or a megabyte. Neither may reach the terminal
+//! as it is.
 
 use std::fmt::{self, Write as _};
 

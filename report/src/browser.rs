@@ -3,7 +3,7 @@
 //! For tests only (feature `browser-test`). The page says itself how it went, by attributes of its
 //! root element: `data-plots` and `data-plots-drawn`, `data-requests` (what the browser fetched
 //! besides the file), `data-page-errors` and `data-ready`. Chromium gets no network either: all
-//! traffic is sent to a port where nobody listens, and all names fail to resolve.
+//! traffic is sent to a port that is not open, and all names fail to resolve.
 //!
 //! ```no_run
 //! # let report_html = std::path::Path::new("report.html");

@@ -57,7 +57,8 @@ impl Report {
         page::render(self)
     }
 
-    /// Writes the page. A reader never sees half a file: it is written beside `path` and renamed.
+    /// Writes the page. A reader never sees half a file: it is written to a file next to `path` and
+    /// renamed.
     ///
     /// # Errors
     /// What does not fit together, or a file that cannot be written: see [`Error`].

@@ -1,12 +1,12 @@
 //! Everything that can be wrong with a report before it is written, and the writing itself.
 
+use files::quoted;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
 /// Why a report was not written. Nothing is left behind in any of these cases.
 #[derive(Debug)]
-#[non_exhaustive]
 pub enum Error {
     /// The columns of one trace differ in length.
     TraceLength {
@@ -59,22 +59,41 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// False in every case: the caller's data do not fit each other, or the disk fails.
+    pub const fn is_bad_input(&self) -> bool {
+        false
+    }
+}
+
+/// A title or name in quotes: escaped and cut, since it may come from a file.
+fn name(text: &str) -> String {
+    format!("\"{}\"", quoted(text))
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TraceLength { plot, trace, x, y } => {
-                write!(f, "plot {plot:?}, trace {trace:?}: {x} x values but {y} y values")
+                let (plot, trace) = (name(plot), name(trace));
+                write!(f, "plot {plot}, trace {trace}: {x} x values but {y} y values")
             }
             Self::MapSize { plot, expected, found } => {
-                write!(f, "plot {plot:?}: the map has {found} values, its axes need {expected}")
+                let plot = name(plot);
+                write!(f, "plot {plot}: the map has {found} values, its axes need {expected}")
             }
             Self::Range { plot, label, from, to } => {
-                write!(f, "plot {plot:?}, {label:?}: {from} to {to} is no range on these axes")
+                let (plot, label) = (name(plot), name(label));
+                write!(f, "plot {plot}, {label}: {from} to {to} is no range on these axes")
             }
             Self::RowLength { table, row, expected, found } => {
-                write!(f, "table {table:?}, row {row}: {found} cells for {expected} columns")
+                let table = name(table);
+                write!(f, "table {table}, row {row}: {found} cells for {expected} columns")
             }
-            Self::Write { path, source } => write!(f, "cannot write {}: {source}", path.display()),
+            Self::Write { path, source } => {
+                let path = path.display().to_string();
+                write!(f, "cannot write {}: {source}", quoted(&path))
+            }
         }
     }
 }

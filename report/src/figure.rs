@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::axis::{axis_id, ends, place, suffix};
 use crate::html::{escape, with_unit};
 use crate::marks::{marks, room_for_limits};
 use crate::number::{decade, round_to_decimals};
@@ -256,11 +257,6 @@ fn axis(axis: &Axis, range: Option<(f64, f64)>) -> Map<String, Value> {
     out
 }
 
-/// Where a value lies on its axis: its logarithm on a log axis.
-pub(crate) fn place(value: f64, log: bool) -> f64 {
-    if log { libm::log10(value) } else { value }
-}
-
 /// The y range of the samples inside a zoom, with a margin; none for an empty one or a log axis.
 fn range_inside(panel: &Panel, zoom: &Zoom) -> Option<(f64, f64)> {
     let inside = panel.traces.iter().flat_map(|t| t.x.iter().zip(&t.y));
@@ -269,20 +265,6 @@ fn range_inside(panel: &Panel, zoom: &Zoom) -> Option<(f64, f64)> {
         .fold((f64::MAX, f64::MIN), |(l, h), (_, &y)| (l.min(y), h.max(y)));
     let margin = 0.06 * (high - low);
     (!panel.y.log && margin > 0.0).then_some((low - margin, high + margin))
-}
-
-/// The two ends of a range.
-pub(crate) fn ends(range: &std::ops::RangeInclusive<f64>) -> (f64, f64) {
-    (*range.start(), *range.end())
-}
-
-/// The name of the axis of a panel: y, y2, y3.
-pub(crate) fn axis_id(letter: &str, index: usize) -> String {
-    format!("{letter}{}", suffix(index))
-}
-
-fn suffix(index: usize) -> String {
-    if index == 0 { String::new() } else { (index + 1).to_string() }
 }
 
 /// `base` with the members of `more`, which win.

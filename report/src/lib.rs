@@ -43,8 +43,9 @@
 //!
 //! Limits: a trace of more than [`MAX_DRAWN`] points is thinned before it is written (its peaks are
 //! kept, and the page says so), and values are rounded to six digits of what is drawn. A report is
-//! for eyes; the numbers themselves belong in a file beside it.
+//! for eyes; the numbers themselves belong in a file of their own.
 
+mod axis;
 #[cfg(feature = "browser-test")]
 pub mod browser;
 mod document;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::figure::{axis_id, ends, place};
+use crate::axis::{axis_id, ends, place};
 use crate::html::escape;
 use crate::plot::{Mark, Panel, Plot, Zoom};
 
@@ -20,7 +20,7 @@ pub(crate) fn marks(plot: &Plot, zoom: Option<&Zoom>) -> (Vec<Value>, Vec<Value>
                     "label": {"text": escape(label), "textposition": "end", "yanchor": "bottom"},
                 })),
                 Mark::At { label, x } => shapes.push(json!({
-                    // The label stands beside its line, on the side that has room.
+                    // The label stands next to its line, on the side that has room.
                     "type": "line", "xref": "x", "x0": x, "x1": x, "yref": over, "y0": 0, "y1": 1,
                     "line": {"color": "#555555", "width": 1.2, "dash": "2px,2px"},
                     "label": {"text": escape(label), "textposition": "end", "textangle": 0,

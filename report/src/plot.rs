@@ -31,7 +31,7 @@ pub(crate) enum Mark {
     Note { text: String, x: f64, y: f64 },
 }
 
-/// A second view of the same data, beside the first.
+/// A second view of the same data, next to the first.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Zoom {
     pub(crate) caption: String,
@@ -141,8 +141,8 @@ impl Plot {
         Self { height_px: Some(height), ..self }
     }
 
-    /// Gives these names the first colours, in this order, drawn or not: what is the same in several
-    /// plots of a report looks the same in all of them.
+    /// Gives these names the first colours, in this order, drawn or not: what is the same in
+    /// several plots of a report looks the same in all of them.
     #[must_use]
     pub fn palette<S: AsRef<str>>(mut self, names: &[S]) -> Self {
         self.palette = names.iter().map(|name| name.as_ref().to_owned()).collect();
@@ -192,8 +192,8 @@ impl Plot {
         self.trace(Trace::new(name, Kind::Bars, edges, heights))
     }
 
-    /// Draws lying bars, one for each name, the first on top: a ranking. Lengths go along x. Names of
-    /// further traces follow below.
+    /// Draws lying bars, one for each name, the first on top: a ranking. Lengths go along x. Names
+    /// of further traces follow below.
     #[must_use]
     pub fn named_bars<S: AsRef<str>>(self, name: &str, names: &[S], lengths: &[f64]) -> Self {
         let names = names.iter().map(|n| n.as_ref().to_owned()).collect();
@@ -237,7 +237,7 @@ impl Plot {
         self.mark(Mark::Note { text: text.to_owned(), x, y })
     }
 
-    /// Adds a second view beside the first: this range of x with every sample in it, y to fit.
+    /// Adds a second view next to the first: this range of x with every sample in it, y to fit.
     #[must_use]
     pub fn zoom(mut self, caption: &str, x: RangeInclusive<f64>) -> Self {
         self.zooms.push(Zoom { caption: caption.to_owned(), x, y: None });

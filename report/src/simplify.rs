@@ -1,10 +1,10 @@
 //! A loop with fewer points and the same shape (Ramer 1972; Douglas and Peucker 1973).
 //!
 //! Between two kept samples the one farthest from their chord is kept too, while it is farther than
-//! the tolerance. Distances are in shares of the spans of x and y, so that one tolerance serves both
-//! axes. Each sample is given once the tolerance at which it would go; then the tolerance is below
-//! what a screen can show or, where that leaves too many points, the smallest that fits. Stretches
-//! of bounded length keep the work linear in the record.
+//! the tolerance. Distances are in shares of the spans of x and y, so that one tolerance serves
+//! both axes. Each sample is given once the tolerance at which it would go; then the tolerance is
+//! below what a screen can show or, where that leaves too many points, the smallest that fits.
+//! Stretches of bounded length keep the work linear in the record.
 
 use std::ops::Range;
 

@@ -1,9 +1,9 @@
 //! Colours, dashes and marks of the traces.
 //!
-//! The hues are told apart with the common kinds of colour blindness (they lean on the palette of
-//! Okabe and Ito), and neighbours differ in lightness, so that grey print still separates them. A
-//! dash helps only where a line is smooth: on a noisy record of thousands of points it is dust, so
-//! dense lines stay solid.
+//! The hues can be distinguished with the common kinds of colour blindness (they lean on the
+//! palette of Okabe and Ito), and neighbours differ in lightness, so that grey print still
+//! separates them. A dash helps only where a line is smooth: on a noisy record of thousands of
+//! points it is dust, so dense lines stay solid.
 
 use serde_json::{Value, json};
 
@@ -55,7 +55,7 @@ pub(crate) fn backdrop() -> Value {
     json!({"color": "#cdd3d8", "dash": "solid", "width": 5})
 }
 
-/// The line between marks: solid, the marks tell traces apart.
+/// The line between marks: solid, the marks distinguish traces.
 pub(crate) fn joint(slot: usize) -> Value {
     json!({"color": colour(slot), "width": 1.5})
 }
@@ -71,7 +71,8 @@ pub(crate) fn marker(slot: usize, points: usize) -> Value {
 pub(crate) fn bar(slot: usize) -> Value {
     json!({
         "color": colour(slot), "opacity": 0.85, "line": {"width": 0.5, "color": "#ffffff"},
-        // Without its own background a pattern is drawn on nothing, and white on nothing is nothing.
+        // Without its own background a pattern is drawn on nothing, and white on nothing is
+        // nothing.
         "pattern": {"shape": PATTERNS[slot % PATTERNS.len()], "fgcolor": "#ffffff",
                     "bgcolor": colour(slot), "size": 6},
     })

@@ -1,8 +1,8 @@
 //! Thinning: which samples of a long record are drawn.
 //!
-//! - A record, where x only rises: of every step of the axis (in decades when it is logarithmic) the
-//!   smallest and the largest sample, at their true places. No peak is lost and none is invented; an
-//!   average or every n-th sample would lower them.
+//! - A record, where x only rises: of every step of the axis (in decades when it is logarithmic)
+//!   the smallest and the largest sample, at their true places. No peak is lost and none is
+//!   invented; an average or every n-th sample would lower them.
 //! - A loop, where x goes back and forth: samples are left out where the line stays within a
 //!   tolerance without them (Ramer, Douglas, Peucker), in shares of the spans of x and y.
 //! - A cloud of marks: the outermost samples of every stretch of the record.

@@ -2,12 +2,13 @@
 //!
 //! ```toml
 //! [compare]
-//! name = "datasheet"                     # the name of the file, or "the other damper", where absent
+//! name = "datasheet"                     # by default the name of the file
 //! damper = { file = "datasheet.toml" }   # keys as in [damper], over a new damper
 //! ```
-//! The other damper takes the place of every damper of the scenario, those of single slots and of an
-//! emulated rig included; wear in software goes with the damper that it stood for. Vehicle, track, speed,
-//! rig and seeds stay. A rig that is not emulated cannot be run again: its slot is modelled instead.
+//! The other damper takes the place of every damper of the scenario, those of single slots and of
+//! an emulated rig included; wear in software goes with the damper that it stood for. Vehicle,
+//! track, speed, rig and seeds stay. A rig that is not emulated cannot be run again: its slot is
+//! modelled instead.
 
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
@@ -43,7 +44,7 @@ pub struct CompareSetup {
     pub(crate) source: Source,
 }
 
-/// What the other damper is called when nobody says.
+/// What the other damper is called by default.
 const NAME: &str = "the other damper";
 
 impl CompareFile {

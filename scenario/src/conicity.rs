@@ -198,7 +198,8 @@ impl RollingRadiusDifference {
         Some(2.0 * ratio * ratio)
     }
 
-    /// Where the wheelset rests: the lowest point of the potential, both ends of it when it is flat.
+    /// Where the wheelset rests: the lowest point of the potential, both ends of it when it is
+    /// flat.
     fn rest(&self) -> Option<Rest> {
         let lowest = self.potential_m2.iter().copied().fold(f64::INFINITY, f64::min);
         let flat = 1e-13 * (self.potential_m2.first()? - lowest).abs();

@@ -1,5 +1,5 @@
-//! Rolling radius differences and conicities against published and closed-form numbers; those of UIC 519 are
-//! in `evidence/src/validation/conicity.rs`.
+//! Rolling radius differences and conicities against published and closed-form numbers; those of
+//! UIC 519 are in `evidence/src/validation/conicity.rs`.
 
 use super::*;
 use crate::contact_geometry::Placement;
@@ -11,10 +11,10 @@ fn millimetres(values: &[f64]) -> impl Iterator<Item = (f64, f64)> {
 
 /// LMA on CN60, published rolling radius differences at 1 to 8 mm (from digitised profiles).
 ///
-/// At the drawn gauge ours agree to 0.06 mm up to 6 mm and fall behind where the throat begins; with
-/// each rail 0.3 mm closer they agree over the whole range: the digitised flange stands about that
-/// much further out than the arcs read off it. The soft minimum adds 0.002 to 0.004 to the conicity
-/// at 1 to 2 mm, where tread and crown nearly conform.
+/// At the drawn gauge ours agree to 0.06 mm up to 6 mm and fall behind where the throat begins;
+/// with each rail 0.3 mm closer they agree over the whole range: the digitised flange stands about
+/// that much further out than the arcs read off it. The soft minimum adds 0.002 to 0.004 to the
+/// conicity at 1 to 2 mm, where tread and crown nearly conform.
 #[test]
 fn lma_on_cn60_has_the_published_rolling_radius_differences() {
     let published_mm = [0.051, 0.105, 0.217, 0.352, 0.509, 0.687, 1.020, 2.264];

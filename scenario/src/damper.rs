@@ -1,15 +1,15 @@
-//! A damper in a file: the nominal parameters, the effects that it has beyond them, and, where somebody
-//! wanted one, an empirical map ([`crate::empirical`]).
+//! A damper in a file: the nominal parameters, the effects that it has beyond them, and, where
+//! the user asked for one, an empirical map ([`crate::empirical`]).
 //!
 //! Values stand in the `[damper]` of a scenario, a slot or a rig, or in a file of their own, a
 //! **model**, that `file` names:
 //! ```toml
 //! [damper]
-//! file = "model.toml"       # beside the file that says so; keys given here lie over it
+//! file = "model.toml"       # relative to this file; keys given here override it
 //! clearance_2a_m = 4.0e-3
 //! ```
-//! A model holds one `[damper]`, so it is a rig file too. What [`DamperFile::to_model`] writes is read
-//! back to the same bits: numbers stand with as many digits as it takes.
+//! A model holds one `[damper]`, so it is a rig file too. What [`DamperFile::to_model`] writes is
+//! read back to the same bits: numbers stand with as many digits as it takes.
 
 use crate::datasheet::C2_SHARE;
 use crate::empirical::EmpiricalFile;
@@ -47,7 +47,7 @@ pub struct DamperFile {
     /// Effects beyond the nominal model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effect: Vec<EffectFile>,
-    /// A map beside all of them that is no physics.
+    /// A map added to all of them that is no physics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub empirical: Option<EmpiricalFile>,
 }
@@ -135,13 +135,13 @@ impl DamperFile {
         inputs: &mut Inputs,
     ) -> Result<Self, ScenarioError> {
         let Some(file) = &self.file else { return Ok(self) };
-        let model = Source::read(&source.beside(file))?;
+        let model = Source::read(&source.sibling(file))?;
         inputs.note(role, model.content_hash());
         Ok(Self { file: None, ..self.over(&Self::model(&model)?) })
     }
 
-    /// Reads a model file: a `[damper]`, and a `name` if it has one. With Ce and no C2 it gets that of
-    /// a datasheet, 0.06 Ce.
+    /// Reads a model file: a `[damper]`, and a `name` if it has one. With Ce and no C2 it gets that
+    /// of a datasheet, 0.06 Ce.
     ///
     /// # Errors
     /// It cannot be read, or is no damper that can be, with file and line.
@@ -157,37 +157,38 @@ impl DamperFile {
         if let (Some(ce), None) = (&damper.ce_n_s_per_m, &damper.c2_n_s_per_m) {
             let note = format!("{C2_SHARE} Ce, by default");
             let c2 = Quantity::plain(C2_SHARE * ce.value);
-            damper.c2_n_s_per_m = Some(c2.told(Provenance::Estimated, Some(note)));
+            damper.c2_n_s_per_m = Some(c2.with_provenance(Provenance::Estimated, Some(note)));
         }
         damper.build(source)?;
         Ok(damper)
     }
 
-    /// The values of a damper. `notes` go beside values by their names, those of effects as
+    /// The values of a damper. `notes` go to values by their names, those of effects as
     /// `effect.parameter`.
     pub fn from_damper(
         damper: &Damper,
         provenance: Provenance,
         notes: &BTreeMap<String, String>,
     ) -> Self {
-        let told =
-            |key: &str, value| Quantity::plain(value).told(provenance, notes.get(key).cloned());
+        let noted = |key: &str, value| {
+            Quantity::plain(value).with_provenance(provenance, notes.get(key).cloned())
+        };
         let nominal = damper.nominal();
         let effect = |effect: &Effect| {
             let (name, values) = (effect.name(), effect.values());
             let rows = effect.parameters().iter().zip(values);
             let entry = |(row, value): (&firmware_core::damper::effects::Parameter, f64)| {
-                (row.name.to_owned(), told(&format!("{name}.{}", row.name), value))
+                (row.name.to_owned(), noted(&format!("{name}.{}", row.name), value))
             };
             EffectFile { name: name.to_owned(), parameters: rows.map(entry).collect() }
         };
         Self {
             file: None,
-            ce_n_s_per_m: Some(told("ce_n_s_per_m", nominal.ce_n_s_per_m)),
-            ke_n_per_m: Some(told("ke_n_per_m", nominal.ke_n_per_m)),
-            clearance_2a_m: Some(told("clearance_2a_m", nominal.clearance_2a_m)),
-            f_relief_n: Some(told("f_relief_n", nominal.f_relief_n)),
-            c2_n_s_per_m: Some(told("c2_n_s_per_m", nominal.c2_n_s_per_m)),
+            ce_n_s_per_m: Some(noted("ce_n_s_per_m", nominal.ce_n_s_per_m)),
+            ke_n_per_m: Some(noted("ke_n_per_m", nominal.ke_n_per_m)),
+            clearance_2a_m: Some(noted("clearance_2a_m", nominal.clearance_2a_m)),
+            f_relief_n: Some(noted("f_relief_n", nominal.f_relief_n)),
+            c2_n_s_per_m: Some(noted("c2_n_s_per_m", nominal.c2_n_s_per_m)),
             effect: damper.effects().iter().map(effect).collect(),
             empirical: damper.empirical().map(EmpiricalFile::from_map),
         }
@@ -426,15 +427,16 @@ mod tests {
     #[test]
     fn a_model_reads_well() {
         let mut file = DamperFile::new_damper();
-        file.ke_n_per_m = Some(Quantity::plain(1.25e7).told(Provenance::Identified, None));
+        file.ke_n_per_m =
+            Some(Quantity::plain(1.25e7).with_provenance(Provenance::Identified, None));
         file.effect.push(EffectFile {
             name: "asymmetric_damping".to_owned(),
             parameters: BTreeMap::new(),
         });
-        let text = file.to_model("A damper.\n\nOf nobody.");
+        let text = file.to_model("A damper.\n\nOf no maker.");
         assert_eq!(
             text,
-            "# A damper.\n#\n# Of nobody.\n[damper]\nce_n_s_per_m = 1000000.0\n\
+            "# A damper.\n#\n# Of no maker.\n[damper]\nce_n_s_per_m = 1000000.0\n\
              ke_n_per_m = { value = 12500000.0, provenance = \"identified\" }\n\
              clearance_2a_m = 0.0002\nf_relief_n = 18000.0\nc2_n_s_per_m = 80000.0\n\n\
              [[damper.effect]]\nname = \"asymmetric_damping\"\n"

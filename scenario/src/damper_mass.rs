@@ -4,10 +4,10 @@
 //! m -> m + m_d/2        I -> I + (m_d/2) (|r|^2 - r_i^2)        at either end, r the mount
 //! ```
 //!
-//! On a bench the mass `m_d` between load cell and damper is read as a force m x''. In a vehicle that
-//! force would need the acceleration that it causes: an algebraic loop. So half of the mass goes to
-//! each end as a mass point fixed to the body there, and the damper of the vehicle step has no such
-//! effect any more. A damper on a rig keeps it: there it is measured.
+//! On a bench the mass `m_d` between load cell and damper is read as a force m x''. In a vehicle
+//! that force would need the acceleration that it causes: an algebraic loop. So half of the mass
+//! goes to each end as a mass point fixed to the body there, and the damper of the vehicle step has
+//! no such effect any more. A damper on a rig keeps it: there it is measured.
 //!
 //! Limits: the centre of gravity of the body stays where it is, and a half on the track is lost.
 
@@ -61,7 +61,7 @@ mod tests {
     use crate::source::Source;
     use std::path::Path;
 
-    /// A scenario beside the others, with something changed.
+    /// A scenario in the folder of the others, with something changed.
     fn run(more: &str) -> Run {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/mass.toml"));
         let text = format!(
@@ -86,7 +86,8 @@ mod tests {
             let close =
                 |a: f64, b: f64| assert!((a - b).abs() < 1e-9 * a.abs().max(1.0), "{a} {b}");
             close(after.mass_kg - before.mass_kg, dampers * 12.0);
-            // Mounted 1.40 m off the centre line, at 0.775 m above the rail, at the bogies' stations.
+            // Mounted 1.40 m off the centre line, at 0.775 m above the rail, at the bogies'
+            // stations.
             let z = 0.775 - before.height_m;
             let x = if name == "carbody" { body(&plain, "bogie_front").station_m } else { 0.0 };
             let expected = [1.4 * 1.4 + z * z, x * x + z * z, x * x + 1.4 * 1.4];

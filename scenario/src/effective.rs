@@ -1,4 +1,4 @@
-//! A run as files of its own: every default written out, nothing left to the program.
+//! A run as files of its own: every default written out, no default is left to the program.
 
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
@@ -8,7 +8,7 @@ use crate::source::Source;
 use crate::vehicle::VehicleFile;
 use crate::wheel_rail::SurfaceFile;
 
-/// A scenario and its vehicle as TOML, to be kept beside each other.
+/// A scenario and its vehicle as TOML, to be kept in one folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Effective {
     /// The scenario; it names the vehicle `vehicle.toml`.
@@ -25,7 +25,7 @@ pub(crate) fn effective(
     vehicle_source: &Source,
 ) -> Result<Effective, ScenarioError> {
     let full = |source: &Source, path: &str| {
-        let path = source.beside(path);
+        let path = source.sibling(path);
         std::path::absolute(&path).unwrap_or(path).display().to_string()
     };
     "vehicle.toml".clone_into(&mut file.vehicle);
@@ -40,7 +40,7 @@ pub(crate) fn effective(
     }
     if let SurfaceFile::Profiles { wheel, rail, .. } = &mut vehicle.wheel_rail.surface {
         for profile in [wheel, rail] {
-            if vehicle_source.beside(profile).is_file() {
+            if vehicle_source.sibling(profile).is_file() {
                 *profile = full(vehicle_source, profile);
             }
         }

@@ -1,4 +1,5 @@
-//! An empirical map in the file of a damper: what `identify --empirical` has put beside its physics.
+//! An empirical map in the file of a damper: what `identify --empirical` has added to its
+//! physics.
 //!
 //! ```toml
 //! [damper.empirical]
@@ -100,8 +101,8 @@ impl EmpiricalFile {
     /// Builds the map.
     ///
     /// # Errors
-    /// Lists of different lengths, too few or too many knots, places that do not rise, a number that
-    /// is not finite, with file and line.
+    /// Lists of different lengths, too few or too many knots, places that do not rise, a number
+    /// that is not finite, with file and line.
     pub fn build(&self, source: &Source) -> Result<EmpiricalMap, ScenarioError> {
         let count = self.at.len();
         for (key, numbers) in self.lists() {

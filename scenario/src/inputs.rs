@@ -1,7 +1,7 @@
 //! Which files a run reads, by what they are for.
 //!
-//! The answer of a study depends on the content of every one of them. A role such as "wheel profile"
-//! names a file, never its path: a file that is moved is the same input.
+//! The answer of a study depends on the content of every one of them. A role such as "wheel
+//! profile" names a file, never its path: a file that is moved is the same input.
 
 use std::collections::BTreeMap;
 

@@ -7,9 +7,10 @@
 //! Sc = Sg = 2.3045e-2 / ((W^2 + 0.6798) (W^2 + 0.1918))       cm2/(rad/m)   cross level, gauge
 //! ```
 //! Each channel is a sum of 600 cosines with random phase, one per band of equal ratio between the
-//! longest and the shortest wavelength; a band's variance is the closed integral of the density,
-//! so the variance is exact whatever the number of bands (`evidence/src/validation/irregularity.rs`). The four channels are independent, from
-//! one seed. Either kind grows out of perfect track, on which the vehicle starts in equilibrium.
+//! longest and the shortest wavelength; a band's variance is the closed integral of the density, so
+//! the variance is exact whatever the number of bands (`evidence/src/validation/irregularity.rs`).
+//! The four channels are independent, from one seed. Either kind grows out of perfect track, on
+//! which the vehicle starts in equilibrium.
 
 use crate::error::{Place, ScenarioError};
 use crate::inputs::Inputs;
@@ -26,7 +27,8 @@ use std::path::Path;
 /// Distance between the samples made here (m).
 pub const SAMPLE_STEP_M: f64 = 0.1;
 
-/// Up to here the track is perfect (m): there the vehicle starts, in equilibrium, on all its wheels.
+/// Up to here the track is perfect (m): there the vehicle starts, in equilibrium, on all its
+/// wheels.
 pub const PERFECT_M: f64 = 30.0;
 
 /// Over this distance behind it, or behind the first sample, the irregularity fades in (m).
@@ -50,7 +52,7 @@ pub enum IrregularityFile {
     /// Measured: a CSV with `distance_m` and any of `vertical_m`, `alignment_m`, `cross_level_m`,
     /// `gauge_m`.
     Csv {
-        /// The file, beside the scenario.
+        /// The file, relative to the scenario.
         path: String,
     },
 }
@@ -81,7 +83,7 @@ impl IrregularityFile {
             return Ok(aar6(&band, from_m, to_m));
         }
         let Self::Csv { path } = self else { return Ok(Samples::default()) };
-        let path = source.beside(path);
+        let path = source.sibling(path);
         let samples = read_csv(&path, inputs)?;
         covers(&path, &samples, from_m + PERFECT_M, to_m)?;
         Ok(samples)
@@ -136,8 +138,8 @@ pub fn aar6(band: &Band, from_m: f64, to_m: f64) -> Samples {
 }
 
 impl Samples {
-    /// Lets the irregularity grow smoothly out of perfect track: a wheel that started on a rail some
-    /// millimetres off would be thrown by its contact.
+    /// Lets the irregularity grow smoothly out of perfect track: a wheel that started on a rail
+    /// some millimetres off would be thrown by its contact.
     fn faded_in(self) -> Self {
         let from_m = self.first_m.max(PERFECT_M);
         self.weighted(|distance_m| {
@@ -196,7 +198,8 @@ pub fn cross_variance_m2(from: f64, to: f64) -> f64 {
 /// Number of cosines per channel.
 const COSINES: usize = 600;
 
-/// An oscillator is set anew from its phase after this many samples, so that rounding does not grow.
+/// An oscillator is set anew from its phase after this many samples, so that rounding does not
+/// grow.
 const ANCHOR_EVERY: usize = 256;
 
 fn channel_values(

@@ -2,11 +2,11 @@
 //!
 //! [`run::Run::load`] reads a scenario with everything it names: the vehicle with the provenance of
 //! its numbers ([`vehicle`], [`wheel_rail`]), the dampers ([`damper`]), the track ([`track`],
-//! [`irregularity`]), the rig ([`rig`]), the damper to compare with ([`compare`]). It solves the wheel
-//! and rail [`profile`]s into the contact table of the step ([`contact_geometry`]) and finds the steady
-//! motion to start from ([`equilibrium`]). [`datasheet::Datasheet`] turns what a maker says about a
-//! damper into its numbers. Whatever does not fit is one clear line with file, line and key
-//! ([`source::ScenarioError`]).
+//! [`irregularity`]), the rig ([`rig`]), the damper to compare with ([`compare`]). It solves the
+//! wheel and rail [`profile`]s into the contact table of the step ([`contact_geometry`]) and finds
+//! the steady motion to start from ([`equilibrium`]). [`datasheet::Datasheet`] turns what a maker
+//! says about a damper into its numbers. Whatever does not fit is one clear line with file, line
+//! and key ([`source::ScenarioError`]).
 
 pub mod compare;
 pub mod conicity;

@@ -2,8 +2,8 @@
 //!
 //! Creep acts like a damper `f/V` between wheel and rail. The step follows velocity forces by the
 //! two-step Adams-Bashforth rule, stable up to a rate of `1/h`; this allows 0.7 of it, so that
-//! wheel loads may swing. The rate is that of one wheel's lateral creep against the rail's effective
-//! mass and the wheelset's, at the static wheel load.
+//! wheel loads may swing. The rate is that of one wheel's lateral creep against the rail's
+//! effective mass and the wheelset's, at the static wheel load.
 
 use firmware_core::vehicle::GRAVITY_M_PER_S2;
 use firmware_core::vehicle::Vehicle;

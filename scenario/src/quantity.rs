@@ -1,6 +1,6 @@
 //! Numbers that say where they come from.
 //!
-//! In a file a quantity is a plain number, or a table with its provenance beside it:
+//! In a file a quantity is a plain number, or a table with its provenance:
 //! ```toml
 //! mass_kg = { value = 65440.0, provenance = "derived", note = "126 t less the rest" }
 //! ```
@@ -61,7 +61,7 @@ impl Quantity {
 
     /// The same number with where it comes from and what there is to say about it.
     #[must_use]
-    pub fn told(self, provenance: Provenance, note: Option<String>) -> Self {
+    pub fn with_provenance(self, provenance: Provenance, note: Option<String>) -> Self {
         Self { provenance: Some(provenance), note, ..self }
     }
 

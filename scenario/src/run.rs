@@ -175,7 +175,7 @@ impl Run {
         if !(2..=64).contains(&substeps) {
             return Err(source.whole_error(format!("substeps = {substeps}, expected 2 to 64")));
         }
-        let vehicle_source = Source::read(&source.beside(&file.vehicle))?;
+        let vehicle_source = Source::read(&source.sibling(&file.vehicle))?;
         inputs.note("vehicle", vehicle_source.content_hash());
         let vehicle_source = vehicle_source.with_vehicle_settings(settings)?;
         let vehicle_file: VehicleFile = vehicle_source.parse_as(Kind::Vehicle)?;

@@ -64,7 +64,7 @@ mod tests {
     use crate::source::Source;
     use std::path::Path;
 
-    /// A scenario beside the others, with something more.
+    /// A scenario in the folder of the others, with something more.
     fn run(more: &str) -> Result<Run, ScenarioError> {
         let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios/compare.toml"));
         let text = format!(

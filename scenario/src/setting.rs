@@ -1,8 +1,9 @@
-//! A number put in the place of one in a scenario, or in its vehicle, by its key; or that number times a factor.
+//! A number put in the place of one in a scenario, or in its vehicle, by its key; or that number
+//! times a factor.
 //!
 //! ```text
 //! damper.ke_n_per_m                            a key of the scenario, there or not
-//! slot.front left.damper.clearance_2a_m        a table of a list by its name or place, or by its number from 0
+//! slot.front left.damper.clearance_2a_m        a table of a list, by name, place or number from 0
 //! vehicle.body.bogie_front.yaw_inertia_kg_m2   a key of the vehicle's file
 //! vehicle.suspension.primary.stiffness_y_n_per_m   all tables of that name
 //! vehicle.body.*.mass_kg                       all tables of a list
@@ -68,8 +69,8 @@ impl Setting {
 }
 
 impl Source {
-    /// The scenario with the settings that are its own. Later errors name a table, for the text is written
-    /// anew and its lines are no one's.
+    /// The scenario with the settings that are its own. Later errors name a table, for the text is
+    /// written anew and its lines are no one's.
     ///
     /// # Errors
     /// A key that leads nowhere.

@@ -93,7 +93,7 @@ impl Source {
     }
 
     /// A path that the file names, relative to its own folder.
-    pub fn beside(&self, path: &str) -> PathBuf {
+    pub fn sibling(&self, path: &str) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(path)
     }
 

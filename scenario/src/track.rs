@@ -14,7 +14,8 @@ pub const RAIL_SPACING_M: f64 = 1.5;
 /// Corners of a transition are rounded over this length (m).
 pub const ROUNDING_M: f64 = 6.0;
 
-/// A track as it stands in a scenario; without a curve it is straight, without irregularity perfect.
+/// A track as it stands in a scenario; without a curve it is straight, without irregularity
+/// perfect.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrackFile {

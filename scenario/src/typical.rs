@@ -1,6 +1,7 @@
 //! What a yaw damper usually has: a number far off is run all the same, with a warning.
 //!
-//! A clearance of 4 m is possible, and takes the damper off; more often it was meant in millimetres.
+//! A clearance of 4 m is possible, and takes the damper off; more often it was meant in
+//! millimetres.
 
 use firmware_core::damper::{Damper, Nominal};
 
@@ -19,8 +20,8 @@ const RANGES: [Range; 5] = [
 /// Largest usual total clearance (m); the study of worn dampers goes to 8 mm.
 const CLEARANCE_MAX_M: f64 = 0.02;
 
-/// What is unusual about a damper, one line each without the place: `clearance_2a_m = 4, usual are 0
-/// to 0.02: is the unit right?`
+/// What is unusual about a damper, one line each without the place:
+/// `clearance_2a_m = 4, usual are 0 to 0.02: is the unit right?`
 ///
 /// ```
 /// use firmware_core::damper::{Damper, Nominal};

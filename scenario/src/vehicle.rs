@@ -2,8 +2,8 @@
 //!
 //! Points are given in vehicle axes: station along the vehicle (forward positive), `lateral_m` to
 //! the right of the centre line, `height_m` above the rail head. An element names its first body
-//! once and its second bodies as a list; it is repeated for each of them at that body's station, and
-//! for both sides when `lateral_m` is not zero and `both_sides` is not switched off.
+//! once and its second bodies as a list; it is repeated for each of them at that body's station,
+//! and for both sides when `lateral_m` is not zero and `both_sides` is not switched off.
 
 use crate::error::ScenarioError;
 use crate::quantity::Quantity;

@@ -7,7 +7,7 @@
 //! on = "rig"
 //! [slot.watch]                       # all of it may be left out: watch = {}
 //! damper = { file = "model.toml" }   # the model; the scenario's [damper] where absent
-//! settle_s = 2.0                     # left out at the start: where the dashpot starts is not known
+//! settle_s = 2.0                     # left out at the start: the dashpot settles
 //! learn_s = 10.0                     # then the usual residual is learnt
 //! window_s = 10.0                    # over which the running rms forgets
 //! limit_ratio = 3.0                  # drift: running rms above so many times the learnt one

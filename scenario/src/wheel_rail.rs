@@ -65,9 +65,9 @@ pub enum CreepFile {
 pub enum SurfaceFile {
     /// Two profiles by name or CSV file.
     Profiles {
-        /// `lma`, `s1002`, `jm3_like` or a CSV file beside this one.
+        /// `lma`, `s1002`, `jm3_like` or a CSV file relative to this one.
         wheel: String,
-        /// `cn60`, `uic60` or a CSV file beside this one.
+        /// `cn60`, `uic60` or a CSV file relative to this one.
         rail: String,
         /// Inclination of the rails.
         rail_cant: Quantity,
@@ -291,7 +291,7 @@ fn from_csv(
         Part::Wheel => ("wheel profile", "lma, s1002, jm3_like"),
         Part::Rail => ("rail profile", "cn60, uic60"),
     };
-    let path = source.beside(path);
+    let path = source.sibling(path);
     if !path.exists() {
         return Err(source.whole_error(format!(
             "profile \"{}\" not found, expected {known} or a CSV file",

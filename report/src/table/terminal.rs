@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell_and_names_are_whole() {
-        let long = "a damper with a name that nobody may clip, however narrow the terminal is";
+        let long = "a damper with a name that is never clipped, however narrow the terminal is";
         let table = Table::new("")
             .number_with_digits("speed", "km/h", 5)
             .text("name")

@@ -14,14 +14,14 @@
 //! smooths jumps narrower than the patch and leaves the radii of the profiles alone.
 //!
 //! Two **zones**, tread and flange, divide the wheel in the throat. Next to the divide each zone is
-//! ground back by a parabola, so that a contact never sits on an artificial edge and the load passes
-//! from one zone to the other through a range of shift where both carry.
+//! ground back by a parabola, so that a contact never sits on an artificial edge and the load
+//! passes from one zone to the other through a range of shift where both carry.
 //!
-//! Roll of the wheel by `phi`, outward side down, turns the rail's centre of curvature about the tape
-//! circle, so it is to first order a shift and a lift. With `rail_radius` the depth of that centre
-//! below the tape circle: slope, position, radius and curvature are those at the shift
-//! `u - phi * rail_radius`, the tangent in track axes is that slope less `phi`, and the touch is that
-//! at the same shift less `phi * (lateral + (rail_radius - radius_deviation) * slope)`.
+//! Roll of the wheel by `phi`, outward side down, turns the rail's centre of curvature about the
+//! tape circle, so it is to first order a shift and a lift. With `rail_radius` the depth of that
+//! centre below the tape circle: slope, position, radius and curvature are those at the shift
+//! `u - phi * rail_radius`, the tangent in track axes is that slope less `phi`, and the touch is
+//! that at the same shift less `phi * (lateral + (rail_radius - radius_deviation) * slope)`.
 //!
 //! Limits: one wheel at a time, no yaw (the longitudinal offset of the contact of a yawed wheel is
 //! left out), rigid rail cant, profiles single-valued from above.

@@ -239,8 +239,9 @@ fn a_small_roll_acts_like_a_shift_on_the_flange() {
 /// exact solution with the wheel turned by 2 mrad.
 #[test]
 fn a_small_roll_acts_like_a_shift() {
-    // Largest misses allowed: position m, radius m, tangent, touch m (two ways). S1002 on UIC60 1:40 has
-    // contacts that jump by 10 mm and more; a roll brings the jump a little earlier or later.
+    // Largest misses allowed: position m, radius m, tangent, touch m (two ways). S1002 on UIC60
+    // 1:40 has contacts that jump by 10 mm and more; a roll brings the jump a little earlier or
+    // later.
     let allowed = [
         [0.1e-3, 5e-6, 0.3e-3, 3e-6, 3e-6],
         [5e-6, 1e-6, 0.2e-3, 3e-6, 3e-6],

@@ -5,9 +5,9 @@
 //! F1 = 2/T integral F(t) e^(-i w t) dt        K* = F1 / X = K e^(i delta)
 //! ```
 //! repeats from cycle to cycle within 1e-4. Ke is the one with the least sum of
-//! `|ln(K*_simulated / K*_table)|^2`: errors of stiffness as shares and errors of phase as angles, where
-//! the table gives them. It is searched on a logarithmic grid from 0.2 to 1000 times the largest
-//! stiffness of the table, then by golden section. The same damper as everywhere gives the
+//! `|ln(K*_simulated / K*_table)|^2`: errors of stiffness as shares and errors of phase as angles,
+//! where the table gives them. It is searched on a logarithmic grid from 0.2 to 1000 times the
+//! largest stiffness of the table, then by golden section. The same damper as everywhere gives the
 //! answer, with its clearance and relief; Maxwell's closed form would be wrong above relief.
 
 use firmware_core::damper::{Damper, DamperState, Motion, Nominal};
@@ -63,7 +63,7 @@ impl Point {
     }
 
     /// The two side by side.
-    pub fn beside(&self, found: &Harmonic) -> String {
+    pub fn compared_with(&self, found: &Harmonic) -> String {
         let phase = self.phase_deg.map_or_else(|| "-".to_owned(), |phase| format!("{phase:.1}"));
         format!(
             "at {} Hz, {} m: {:.4e} N/m and {:.1} deg, the table says {:.4e} N/m and {phase} deg",
@@ -165,7 +165,8 @@ mod tests {
 
     #[test]
     fn the_working_point_of_the_study_has_its_first_harmonic() {
-        // 15 kN relief, 60 kN s/m beyond, 3.5 Hz and 3.46 mm: the table that goes with the reference.
+        // 15 kN relief, 60 kN s/m beyond, 3.5 Hz and 3.46 mm: the table that goes with the
+        // reference.
         for (clearance_2a_m, first_kn, phase_deg) in
             [(0.2e-3, 20.29, 50.4), (1e-3, 19.00, 42.8), (2e-3, 17.07, 33.8), (4e-3, 11.80, 14.4)]
         {

@@ -4,8 +4,8 @@
 //! F = Ce v up to the knee,  F = F_r + C2 (v - F_r / Ce) beyond it        0 <= C2 < Ce
 //! ```
 //! The rows up to the knee are a line through the origin, those beyond it any line; both by least
-//! squares of relative errors, for every place the knee can have between rows. The knee is where the
-//! lines meet, and has to lie between the rows that it parts. One row beyond it takes C2 as
+//! squares of relative errors, for every place the knee can have between rows. The knee is where
+//! the lines meet, and has to lie between the rows that it parts. One row beyond it takes C2 as
 //! 0.06 Ce. Where a single line meets all rows within 2 % rms, or no knee does better, there is
 //! none. Limits: the table is taken as quasi-static; a quadratic orifice becomes a secant.
 
@@ -29,7 +29,7 @@ pub struct TwoLines {
     pub ce_n_s_per_m: f64,
     /// Force at the knee, N; absent without one.
     pub f_relief_n: Option<f64>,
-    /// Slope beyond it, N s/m; absent where the rows do not tell it.
+    /// Slope beyond it, N s/m; absent where the rows do not determine it.
     pub c2_n_s_per_m: Option<f64>,
 }
 
@@ -106,7 +106,8 @@ fn through_origin(rows: &[Row]) -> Option<TwoLines> {
     })
 }
 
-/// Lines beyond a knee: the one through the rows where there are two, and a flat one should that fall.
+/// Lines beyond a knee: the one through the rows where there are two, and a flat one should that
+/// fall.
 fn knees(first: TwoLines, rows: &[Row]) -> Vec<TwoLines> {
     let ce = first.ce_n_s_per_m;
     let knee = |base: f64, slope: f64, known: bool| TwoLines {

@@ -22,9 +22,10 @@
 //! phase_deg = 35.0                # of force before displacement; may be absent
 //! ```
 //!
-//! - **Ce, relief force, C2**: what `[damper]` says; else two of Ce, relief force and relief velocity;
-//!   else two lines with a knee through the force table, as quasi-static ([`knee`]). Ce and the relief
-//!   force rule where all three are given and do not agree. Without any of them the relief never opens.
+//! - **Ce, relief force, C2**: what `[damper]` says; else two of Ce, relief force and relief
+//!   velocity; else two lines with a knee through the force table, as quasi-static ([`knee`]). Ce
+//!   and the relief force rule where all three are given and do not agree. Without any of them the
+//!   relief never opens.
 //! - **Ke**: what `[damper]` says; else the one for which the simulated damper has the dynamic
 //!   table's first harmonics ([`first_harmonic`]); else a stiff one, Ce over 10 ms.
 //!
@@ -45,10 +46,10 @@ use knee::{Row, TwoLines};
 use serde::Deserialize;
 use std::path::Path;
 
-/// Second slope over first where nobody says otherwise.
+/// Second slope over first by default.
 pub const C2_SHARE: f64 = 0.06;
 
-/// Ce over Ke where nobody knows Ke (s): stiff against any motion below 10 Hz.
+/// Ce over Ke where Ke is unknown (s): stiff against any motion below 10 Hz.
 pub const STIFF_S: f64 = 10e-3;
 
 /// Tolerance of a force table that names none.
@@ -289,7 +290,7 @@ impl Direct {
         }
     }
 
-    /// Sets Ke; false when nothing tells it.
+    /// Sets Ke; false when nothing determines it.
     fn stiffness(
         &self,
         nominal: &mut Nominal,
@@ -314,7 +315,7 @@ impl Direct {
                     points.len()
                 ));
                 for (point, found) in points.iter().zip(&fit.found) {
-                    let line = point.beside(found);
+                    let line = point.compared_with(found);
                     if point.differs(found) {
                         warnings.push(line);
                     } else {

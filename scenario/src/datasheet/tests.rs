@@ -70,7 +70,7 @@ fn tables_give_all_but_the_clearance() {
     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
     assert!(found.given.ke && found.given.c2 && found.given.f_relief);
     assert_eq!(found.conversion.len(), 5, "{:?}", found.conversion);
-    // A stated Ce that the table contradicts is taken, and told.
+    // A stated Ce that the table contradicts is taken, with a warning.
     let other = sheet(&format!("[damper]\nce_n_s_per_m = 1.3e6\n{text}")).unwrap();
     assert_eq!(other.nominal.ce_n_s_per_m, 1.3e6);
     assert_eq!(other.warnings[0], "Ce 1.300000e6 N s/m is taken; the tables say 1.000000e6 N s/m");

@@ -1,9 +1,9 @@
 //! Tangent-continuous chains of arcs and lines.
 //!
 //! Along an arc the sine of the slope angle is linear in `outward`. A list of nodes
-//! `(outward, sine)` is therefore a chain of arcs with common tangents: between two nodes the radius
-//! is `delta outward / delta sine`, and equal sines make a straight line. Only one height has to be
-//! given; the others follow.
+//! `(outward, sine)` is therefore a chain of arcs with common tangents: between two nodes the
+//! radius is `delta outward / delta sine`, and equal sines make a straight line. Only one height
+//! has to be given; the others follow.
 
 use super::{Section, Shape};
 

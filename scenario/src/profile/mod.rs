@@ -1,8 +1,8 @@
 //! Wheel and rail profiles as chains of arcs and straight lines.
 //!
-//! One profile is a curve `down(outward)` in axes fixed to the wheel or the rail: `outward` from the
-//! track centre, `down`. A wheel has its tape circle at `outward = 0`, `down = 0` and its flange at
-//! negative `outward`; a rail head has its crown at the origin and is not yet canted.
+//! One profile is a curve `down(outward)` in axes fixed to the wheel or the rail: `outward` from
+//! the track centre, `down`. A wheel has its tape circle at `outward = 0`, `down = 0` and its
+//! flange at negative `outward`; a rail head has its crown at the origin and is not yet canted.
 //!
 //! Every arc obeys `sin(theta) = (outward - centre) / radius` with `tan(theta)` the slope, so the
 //! sine of the slope angle is linear along an arc, and a chain whose neighbours share that sine is
@@ -11,8 +11,9 @@
 //! flange).
 //!
 //! The profiles and where they come from: [`lma`], [`s1002`], [`jm3_like`] for wheels, [`cn60`] and
-//! [`uic60`] for rails, [`Profile::from_csv`] for a user's own. Single-valued in `outward`: vertical
-//! or undercut parts (the back of a flange) are cut off and continue as steep straight lines.
+//! [`uic60`] for rails, [`Profile::from_csv`] for a user's own. Single-valued in `outward`:
+//! vertical or undercut parts (the back of a flange) are cut off and continue as steep straight
+//! lines.
 
 mod chain;
 mod jm3_like;

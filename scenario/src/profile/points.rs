@@ -48,9 +48,9 @@ impl Profile {
     /// Reads a profile from a CSV of points.
     ///
     /// # Errors
-    /// [`ScenarioError::Points`] with the row and what was expected there: a file that cannot be read,
-    /// another header, a cell that is no number, `y` that does not grow, too few points, points too
-    /// far apart, a wheel without its tape circle or with `z` pointing up.
+    /// [`ScenarioError::Points`] with the row and what was expected there: a file that cannot be
+    /// read, another header, a cell that is no number, `y` that does not grow, too few points,
+    /// points too far apart, a wheel without its tape circle or with `z` pointing up.
     pub fn from_csv(path: &Path, part: Part) -> Result<Self, ScenarioError> {
         Self::from_csv_hashed(path, part).map(|(profile, _)| profile)
     }

@@ -1,9 +1,10 @@
 //! A smoothing cubic spline over arc length.
 //!
-//! Minimises `sum h_i (value_i - f(s_i))^2 + lambda integral f''(s)^2 ds` (Reinsch's construction, a
-//! banded solve). A ripple of wavelength `L` keeps `1 / (1 + lambda (2 pi / L)^4)` of its size, so
-//! `lambda = (L / 2 pi)^4` halves it: the parameter is stated as that wavelength. Over arc length a
-//! circle of radius `R` is moved by no more than `lambda / R^3`: 4 nanometres at 14 mm and 3 mm.
+//! Minimises `sum h_i (value_i - f(s_i))^2 + lambda integral f''(s)^2 ds` (Reinsch's construction,
+//! a banded solve). A ripple of wavelength `L` keeps `1 / (1 + lambda (2 pi / L)^4)` of its size,
+//! so `lambda = (L / 2 pi)^4` halves it: the parameter is stated as that wavelength. Over arc
+//! length a circle of radius `R` is moved by no more than `lambda / R^3`: 4 nanometres at 14 mm and
+//! 3 mm.
 
 /// First derivatives at the knots of the smoothed values, and the smoothed values themselves.
 ///
@@ -90,7 +91,7 @@ pub(super) struct Smoothed {
     pub(super) slopes: Vec<f64>,
 }
 
-/// Solves a symmetric positive definite system with two bands beside the diagonal (`L D L^T`).
+/// Solves a symmetric positive definite system with two bands next to the diagonal (`L D L^T`).
 fn solve_banded(
     mut diagonal: Vec<f64>,
     mut first: Vec<f64>,

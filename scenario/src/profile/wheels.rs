@@ -6,9 +6,9 @@ use super::{Profile, Provenance, Section, Shape};
 /// LMA, the Chinese high-speed wheel: 1:40, R450, R90, R14, face at 70 degrees, tip R15/R12.
 ///
 /// Radii and break points from a curvature analysis of a published point cloud whose author did not
-/// name it; that it is LMA is our identification. The joint of R90 and R14 (28.25 mm inside the tape
-/// circle) puts the root within 0.05 mm of that cloud; above the root the cloud is smoothed and the
-/// nominal 70 degrees are used.
+/// name it; that it is LMA is our identification. The joint of R90 and R14 (28.25 mm inside the
+/// tape circle) puts the root within 0.05 mm of that cloud; above the root the cloud is smoothed
+/// and the nominal 70 degrees are used.
 pub fn lma() -> Profile {
     const FACE: f64 = 2.747_477_419;
     const HEIGHT_M: f64 = 28.02e-3;
