@@ -10,7 +10,7 @@ use virtual_bench::bench_visit::random::Random;
 
 /// An effect of a drawn shape, whose strength is still open.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strength {
+pub(super) struct Strength {
     /// The effect.
     pub info: &'static EffectInfo,
     scale: Scale,
@@ -30,7 +30,7 @@ const FARTHEST_M: [f64; 2] = [43.46e-3, 20e-3];
 
 impl Strength {
     /// Draws the shape of an effect for a damper in tests of a scale.
-    pub fn draw(effect: usize, nominal: Nominal, scale: f64, random: &mut Random) -> Self {
+    pub(super) fn draw(effect: usize, nominal: Nominal, scale: f64, random: &mut Random) -> Self {
         let shape = [random.uniform(), random.uniform(), random.uniform()];
         let sign = if random.uniform() < 0.5 { -1.0 } else { 1.0 };
         Self {
@@ -50,7 +50,7 @@ impl Strength {
     }
 
     /// The largest strength that is still a damper.
-    pub fn strongest(&self) -> f64 {
+    pub(super) fn strongest(&self) -> f64 {
         match self.info.name {
             "seal_friction" | "asymmetric_damping" | "gas_preload" => 0.6,
             "orifice_leakage" | "entrained_air" => 3.0,
@@ -69,12 +69,12 @@ impl Strength {
     }
 
     /// The effect at a strength, if there is such a one.
-    pub fn at(&self, k: f64) -> Option<Effect> {
+    pub(super) fn at(&self, k: f64) -> Option<Effect> {
         Effect::from_values(self.info.name, &self.values(k)).ok()
     }
 
     /// The parameters at a strength, in the order of the effect's table.
-    pub fn values(&self, k: f64) -> Vec<f64> {
+    pub(super) fn values(&self, k: f64) -> Vec<f64> {
         let Scale { force_n: force, velocity_m_per_s: speed, displacement_m: stroke, .. } =
             self.scale;
         let [a, b, c] = self.shape;
