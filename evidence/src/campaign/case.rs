@@ -24,7 +24,7 @@ const WRONG: f64 = 0.3;
 
 /// A case.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Case {
+pub(super) struct Case {
     /// Its number in the campaign.
     pub index: usize,
     /// Seed of everything random in it.
@@ -49,13 +49,13 @@ pub struct Case {
 
 impl Case {
     /// The case of a number. `brief` ones have fewer and shorter tests.
-    pub fn draw(campaign_seed: u64, index: usize, brief: bool) -> Self {
+    pub(super) fn draw(campaign_seed: u64, index: usize, brief: bool) -> Self {
         let deck = shuffled(campaign_seed);
         Self::of_kind(deck[index % deck.len()], campaign_seed, index, brief)
     }
 
     /// The same with a kind of one's own.
-    pub fn of_kind(kind: Kind, campaign_seed: u64, index: usize, brief: bool) -> Self {
+    pub(super) fn of_kind(kind: Kind, campaign_seed: u64, index: usize, brief: bool) -> Self {
         let seed = Random::seed_of(Random::seed_of(campaign_seed, 2), index as u64);
         let mut random = Random::new(seed, 0);
         let hydraulic = matches!(kind, Kind::Hydraulic { .. });
@@ -102,7 +102,7 @@ impl Case {
     }
 
     /// Size that its effects shall have, in multiples of the noise.
-    pub fn size(&self) -> f64 {
+    pub(super) fn size(&self) -> f64 {
         match self.kind {
             Kind::Effect { size, .. } | Kind::Pair { size } | Kind::Outside { size, .. } => size,
             Kind::WrongDatasheet { with_effect: true } => 10.0,
@@ -112,7 +112,7 @@ impl Case {
 
     /// rms that the noise of both sensors leaves on the force of the true damper, N; that of the
     /// displacement as if the attachment passed all of it.
-    pub fn noise_n(&self) -> f64 {
+    pub(super) fn noise_n(&self) -> f64 {
         let Sensors { force, displacement, coloured, .. } = &self.sensors;
         let level_n = coloured.map_or(0.0, |coloured| coloured.level_n);
         let step_n = 2.0 * force.range / libm::exp2(f64::from(force.bits));
@@ -122,7 +122,7 @@ impl Case {
     }
 
     /// Its damper for the integration that the core does not know.
-    pub fn series_model(&self) -> SeriesModel {
+    pub(super) fn series_model(&self) -> SeriesModel {
         SeriesModel {
             ce_n_s_per_m: self.nominal.ce_n_s_per_m,
             ke_n_per_m: self.nominal.ke_n_per_m,

@@ -6,15 +6,15 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | [`plan`] | which kinds of cases there are and in which order they come |
-//! | [`case`] | a case: damper, sensors and truth, drawn from seed and index |
-//! | [`strength`] | one number for each effect, from vanishing to strong |
-//! | [`size`] | the strength at which an effect has the wanted size |
-//! | [`specimen`] | what is mounted in the bench |
-//! | [`score`] | one case run and scored: one line |
-//! | [`shard`] | many cases, in shards that can be stopped |
+//! | `plan` | which kinds of cases there are and in which order they come |
+//! | `case` | a case: damper, sensors and truth, drawn from seed and index |
+//! | `strength` | one number for each effect, from vanishing to strong |
+//! | `size` | the strength at which an effect has the wanted size |
+//! | `specimen` | what is mounted in the bench |
+//! | `score` | one case run and scored: one line |
+//! | `shard` | many cases, in shards that can be stopped |
 //! | [`table`], [`page`] | the merged table, as numbers and as text |
-//! | [`wilson`] | intervals of rates |
+//! | `wilson` | intervals of rates |
 //!
 //! Who knows what: `identify` gets records, and in some cases a datasheet that is wrong; nothing
 //! else.
@@ -26,17 +26,18 @@
 //! ([`virtual_bench::hydraulic`]) carries effects that nobody wrote into the model. Rates for
 //! effects of the catalogue are thus upper bounds of what real records will give.
 
-pub mod case;
+mod case;
 pub mod page;
-
-pub mod plan;
-pub mod score;
-pub mod shard;
-pub mod size;
-pub mod specimen;
-pub mod strength;
+mod plan;
+mod score;
+mod shard;
+mod size;
+mod specimen;
+mod strength;
 pub mod table;
-pub mod wilson;
+mod wilson;
 
+pub use score::{CaseErrors, CaseResult, Interval, Named};
 pub use shard::Campaign;
 pub use table::Table;
+pub use wilson::Rate;

@@ -7,16 +7,16 @@ use firmware_core::damper::effects::CATALOGUE;
 use virtual_bench::bench_visit::random::Random;
 
 /// Sizes of an effect: rms after the refit of the nominal damper, in multiples of the noise.
-pub const SIZES: [f64; 3] = [1.5, 3.0, 10.0];
+pub(super) const SIZES: [f64; 3] = [1.5, 3.0, 10.0];
 /// Sizes of disturbances outside the catalogue.
-pub const OUTSIDE_SIZES: [f64; 2] = [3.0, 10.0];
+pub(super) const OUTSIDE_SIZES: [f64; 2] = [3.0, 10.0];
 /// Disturbances outside the catalogue.
-pub const OUTSIDE: [&str; 4] =
+pub(super) const OUTSIDE: [&str; 4] =
     ["speed_synchronous_ripple", "frame_resonance", "worn_band", "valve_flutter"];
 /// Hydraulic dampers.
-pub const HYDRAULIC: [&str; 2] = ["bidirectional", "unidirectional"];
+pub(super) const HYDRAULIC: [&str; 2] = ["bidirectional", "unidirectional"];
 /// Exactly a lower Ke: the right answer is that nothing is missing.
-pub const HIDDEN: &str = "fixture_compliance";
+pub(super) const HIDDEN: &str = "fixture_compliance";
 
 const NOTHING: usize = 300;
 const EACH_EFFECT: usize = 5;
@@ -27,7 +27,7 @@ const EACH_HYDRAULIC: usize = 10;
 
 /// What is wrong with the model of a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub(super) enum Kind {
     /// Nothing; with coloured noise or without.
     Nothing {
         /// The noise of the force is coloured.
@@ -66,7 +66,7 @@ pub enum Kind {
 
 impl Kind {
     /// In lines and tables.
-    pub const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Nothing { .. } => "nothing",
             Self::Effect { .. } => "effect",
@@ -79,12 +79,7 @@ impl Kind {
 }
 
 /// One whole campaign, in the order of this list.
-///
-/// ```
-/// // 300 without an effect, 20 effects at 3 sizes and a fixture, pairs, outside, datasheets, hydraulic.
-/// assert_eq!(crate::campaign::plan::deck().len(), 300 + 20 * 15 + 5 + 24 + 104 + 20 + 20);
-/// ```
-pub fn deck() -> Vec<Kind> {
+pub(super) fn deck() -> Vec<Kind> {
     let mut deck: Vec<Kind> =
         (0..NOTHING).map(|i| Kind::Nothing { coloured: i % 2 == 1 }).collect();
     for (effect, info) in CATALOGUE.iter().enumerate() {
@@ -107,7 +102,7 @@ pub fn deck() -> Vec<Kind> {
 }
 
 /// The deck in the order of a campaign (Fisher and Yates).
-pub fn shuffled(seed: u64) -> Vec<Kind> {
+pub(super) fn shuffled(seed: u64) -> Vec<Kind> {
     let mut deck = deck();
     let mut random = Random::new(seed, 1);
     for last in (1..deck.len()).rev() {
@@ -120,6 +115,12 @@ pub fn shuffled(seed: u64) -> Vec<Kind> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_deck_holds_every_kind_as_often_as_stated() {
+        // 300 without an effect, 20 effects at 3 sizes and a fixture, pairs, outside, datasheets, hydraulic.
+        assert_eq!(deck().len(), 300 + 20 * 15 + 5 + 24 + 104 + 20 + 20);
+    }
 
     #[test]
     fn a_shuffled_deck_has_the_same_cards() {

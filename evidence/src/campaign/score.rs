@@ -119,7 +119,7 @@ pub struct Interval {
 }
 
 /// Runs a case and scores it.
-pub fn score(case: &Case, campaign_seed: u64, brief: bool) -> CaseResult {
+pub(super) fn score(case: &Case, campaign_seed: u64, brief: bool) -> CaseResult {
     let mut line = CaseResult {
         index: case.index,
         campaign_seed,

@@ -29,7 +29,7 @@ const ROUGH: f64 = 5.0;
 
 /// A strength and the size that it gives.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sized {
+pub(super) struct Sized {
     /// The strength.
     pub strength: f64,
     /// rms after the refit, in multiples of the noise.
@@ -43,7 +43,7 @@ pub struct Sized {
 ///
 /// A size may fall again beyond some strength (a valve that does nothing but relieve, a delay of
 /// half a period), so the search climbs from below.
-pub fn sized(
+pub(super) fn sized(
     case: &Case,
     make: &dyn Fn(f64) -> Option<Box<dyn Specimen>>,
     [weakest, strongest]: [f64; 2],
@@ -165,7 +165,7 @@ impl Specimen for Rough<'_> {
 ///
 /// # Errors
 /// What makes a record unfit.
-pub fn records(
+pub(super) fn records(
     case: &Case,
     specimen: &dyn Specimen,
     sensors: &Sensors,

@@ -21,7 +21,7 @@ const WEAKEST: f64 = 1e-5;
 const STRONGEST_OUTSIDE: f64 = 0.6;
 
 /// A specimen and what is true of it.
-pub struct Mounted {
+pub(super) struct Mounted {
     /// The specimen.
     pub specimen: Box<dyn Specimen>,
     /// Names of what is missing in the nominal damper, where somebody knows.
@@ -36,7 +36,7 @@ pub struct Mounted {
 ///
 /// # Errors
 /// In words, where there is no such damper.
-pub fn mount(case: &Case) -> Result<Mounted, EvidenceError> {
+pub(super) fn mount(case: &Case) -> Result<Mounted, EvidenceError> {
     let mut random = Random::new(case.seed, 7);
     match case.kind {
         Kind::Hydraulic { which } => {

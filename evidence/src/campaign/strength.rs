@@ -10,7 +10,7 @@ use virtual_bench::bench_visit::random::Random;
 
 /// An effect of a drawn shape, whose strength is still open.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strength {
+pub(super) struct Strength {
     /// The effect.
     pub info: &'static EffectInfo,
     draw: Draw,
@@ -24,7 +24,7 @@ const FARTHEST_M: [f64; 2] = [43.46e-3, 20e-3];
 
 impl Strength {
     /// Draws the shape of an effect for a damper in tests of a scale.
-    pub fn draw(effect: usize, nominal: Nominal, scale: f64, random: &mut Random) -> Self {
+    pub(super) fn draw(effect: usize, nominal: Nominal, scale: f64, random: &mut Random) -> Self {
         debug_assert!(effect < CATALOGUE.len(), "effect {effect} is not in the catalogue");
         let shape = [random.uniform(), random.uniform(), random.uniform()];
         let sign = if random.uniform() < 0.5 { -1.0 } else { 1.0 };
@@ -40,12 +40,12 @@ impl Strength {
     }
 
     /// The largest strength that is still a damper.
-    pub fn strongest(&self) -> f64 {
+    pub(super) fn strongest(&self) -> f64 {
         self.info.strongest
     }
 
     /// The effect at a strength, if there is such a one.
-    pub fn at(&self, strength: f64) -> Option<Effect> {
+    pub(super) fn at(&self, strength: f64) -> Option<Effect> {
         Effect::drawn(self.info.name, strength, &self.draw).ok()
     }
 }

@@ -30,7 +30,7 @@ impl Rate {
     /// A rate.
     ///
     /// ```
-    /// use evidence::campaign::wilson::Rate;
+    /// use evidence::campaign::Rate;
     /// // None wrong in 300: up to 1.3 % are still possible.
     /// assert!((Rate::new(0, 300).upper - 0.0126).abs() < 1e-4);
     /// ```

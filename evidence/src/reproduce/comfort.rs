@@ -53,7 +53,7 @@ struct Ridden {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn over_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let nominal = basis.locomotive.nominal();
     let damper = (nominal.ke_n_per_m, nominal.clearance_2a_m);
     let rides = ridden(basis, &SPEEDS_KMH.map(|kmh| (damper, kmh, kmh)))?;
@@ -78,7 +78,7 @@ pub fn over_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let rides = ridden(
         basis,
         &STIFFNESS_N_PER_M.map(|ke| ((ke, STIFFNESS_AT_2A_M), SPEED_KMH, 1e-6 * ke)),
@@ -120,7 +120,7 @@ pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let mut asked: Vec<((f64, f64), f64, f64)> = CLEARANCES_2A_M
         .iter()
         .map(|clearance| ((KE_N_PER_M, *clearance), SPEED_KMH, 1e3 * clearance))

@@ -25,7 +25,7 @@ const CLEARANCES_2A_M: [f64; 8] = [1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-
 type Published = (f64, f64, f64, f64, Role);
 
 /// Critical speeds that the study's text gives.
-pub const PUBLISHED: [Published; 5] = [
+pub(super) const PUBLISHED: [Published; 5] = [
     (3e6, CLEARANCE_2A_M, 212.0, 12.0, Role::Calibrated),
     (KE_N_PER_M, CLEARANCE_2A_M, 250.0, 10.0, Role::Calibrated),
     (15e6, CLEARANCE_2A_M, 260.0, 10.0, Role::Informed),
@@ -35,7 +35,7 @@ pub const PUBLISHED: [Published; 5] = [
 
 /// What was found with one set of dampers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub(super) struct Found {
     /// Stiffness (N/m).
     pub ke_n_per_m: f64,
     /// Clearance 2a (m).
@@ -51,7 +51,7 @@ impl Found {
     ///
     /// # Errors
     /// The vehicle does not run steadily.
-    pub fn of(
+    pub(super) fn of(
         locomotive: &Locomotive,
         procedure: &Procedure,
         (ke_n_per_m, clearance_2a_m): (f64, f64),
@@ -104,7 +104,7 @@ fn published(ke_n_per_m: f64, clearance_2a_m: f64) -> Option<Published> {
 ///
 /// # Errors
 /// The vehicle does not run steadily.
-pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let found = all(basis, STIFFNESS_N_PER_M.map(|ke| (ke, CLEARANCE_2A_M)))?;
     let x: Vec<f64> = found.iter().map(|found| 1e-6 * found.ke_n_per_m).collect();
     Ok(Figure {
@@ -123,7 +123,7 @@ pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 ///
 /// # Errors
 /// The vehicle does not run steadily.
-pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let found = all(basis, CLEARANCES_2A_M.map(|clearance| (KE_N_PER_M, clearance)))?;
     let x: Vec<f64> = found.iter().map(|found| 1e3 * found.clearance_2a_m).collect();
     Ok(Figure {

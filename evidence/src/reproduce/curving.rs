@@ -39,7 +39,7 @@ struct Passed {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let passed = passages(basis, &STIFFNESS_N_PER_M.map(|ke| (ke, STIFFNESS_AT_2A_M)))?;
     let x: Vec<f64> = passed.iter().map(|passed| 1e-6 * passed.ke_n_per_m).collect();
     Ok(Figure {
@@ -57,7 +57,7 @@ pub fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let passed = passages(basis, &CLEARANCES_2A_M.map(|clearance| (KE_N_PER_M, clearance)))?;
     let x: Vec<f64> = passed.iter().map(|passed| 1e3 * passed.clearance_2a_m).collect();
     let mut plots: Vec<Plot> = drawn(&passed, &x, ("clearance 2a", "mm")).into();

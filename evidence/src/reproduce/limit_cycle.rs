@@ -36,7 +36,7 @@ const DRAWN_EVERY: usize = 10;
 
 /// The wheelset's excursion on one track.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Excursion {
+pub(super) struct Excursion {
     /// Speed (km/h).
     pub kmh: f64,
     /// Lateral position, every control cycle (m).
@@ -50,7 +50,7 @@ impl Excursion {
     ///
     /// # Errors
     /// The vehicle does not run steadily.
-    pub fn of(
+    pub(super) fn of(
         equipped: &Equipped,
         procedure: &Procedure,
         track: &Track<'_>,
@@ -75,7 +75,7 @@ impl Excursion {
 ///
 /// # Errors
 /// The vehicle does not run steadily.
-pub fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let procedure = basis.procedure;
     let equipped = basis.locomotive.with(KE_N_PER_M, CLEARANCE_2A_M);
     let found = excursions(&equipped, procedure, &SPEEDS_KMH)?;
@@ -116,7 +116,7 @@ pub fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 ///
 /// # Errors
 /// The vehicle does not run steadily.
-pub fn suspended(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn suspended(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let procedure = basis.procedure;
     let equipped = basis.locomotive.with(KE_N_PER_M, SUSPENDED_2A_M);
     let found = excursions(&equipped, procedure, &WORN_KMH)?;

@@ -8,29 +8,29 @@
 //!
 //! | module | of the study |
 //! | --- | --- |
-//! | [`running`] | figures 4 and 8: accelerations, damper forces |
-//! | [`comfort`] | figures 5 and 12 to 17: spectra and ride indices |
-//! | [`working_point`] | what was tried where figures 8 and 13 are not met |
-//! | [`oil`] | figure 6 and conclusion (4): oil temperature and air |
-//! | [`limit_cycle`] | figures 9 and 11: what a wheelset does behind the rough track |
-//! | [`critical_speeds`] | figures 10a and 10b: over stiffness and clearance |
-//! | [`curving`] | figures 18 and 19: the curve of 400 m |
-//! | [`spread`] | what the inputs that are neither known nor fitted do to critical speeds |
+//! | `running` | figures 4 and 8: accelerations, damper forces |
+//! | `comfort` | figures 5 and 12 to 17: spectra and ride indices |
+//! | `working_point` | what was tried where figures 8 and 13 are not met |
+//! | `oil` | figure 6 and conclusion (4): oil temperature and air |
+//! | `limit_cycle` | figures 9 and 11: what a wheelset does behind the rough track |
+//! | `critical_speeds` | figures 10a and 10b: over stiffness and clearance |
+//! | `curving` | figures 18 and 19: the curve of 400 m |
+//! | `spread` | what the inputs that are neither known nor fitted do to critical speeds |
 
 mod basis;
 pub mod calibration;
-pub mod comfort;
-pub mod critical_speeds;
-pub mod curving;
-pub mod limit_cycle;
+mod comfort;
+mod critical_speeds;
+mod curving;
+mod limit_cycle;
 pub mod locomotive;
 pub mod null_models;
-pub mod oil;
+mod oil;
 pub mod page;
 pub mod row;
-pub mod running;
-pub mod spread;
-pub mod working_point;
+mod running;
+mod spread;
+mod working_point;
 
 use crate::error::EvidenceError;
 pub use basis::Basis;

@@ -47,7 +47,7 @@ struct Estimated {
 ///
 /// # Errors
 /// No damper follows the records, or the vehicle does not run steadily.
-pub fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let found: Result<Vec<Estimated>, EvidenceError> =
         OIL.par_iter().map(|(degc, air_share)| estimated(basis, *degc, *air_share)).collect();
     let found = found?;

@@ -19,13 +19,13 @@ use vehicle_studies::trip::track::Roughness;
 use vehicle_studies::trip::{Equipped, START_M, Trip};
 
 /// Speed of the study's figures on straight track (km/h).
-pub const SPEED_KMH: f64 = 160.0;
+pub(super) const SPEED_KMH: f64 = 160.0;
 /// Dampers of figure 8.
-pub const WORKING_KE_N_PER_M: f64 = 11e6;
+pub(super) const WORKING_KE_N_PER_M: f64 = 11e6;
 /// See there (m).
-pub const WORKING_2A_M: f64 = 1e-3;
+pub(super) const WORKING_2A_M: f64 = 1e-3;
 /// The study's working point: amplitude (m) and frequency (Hz).
-pub const WORKING_POINT: (f64, f64) = (3.46e-3, 3.5);
+pub(super) const WORKING_POINT: (f64, f64) = (3.46e-3, 3.5);
 /// Time at the beginning that does not count, and time that does (s).
 const TIMES_S: [f64; 2] = [5.0, 60.0];
 /// What is drawn of it (s).
@@ -39,7 +39,7 @@ const DEAD_N: f64 = 100.0;
 ///
 /// # Errors
 /// A scenario that cannot run.
-pub fn run_with(
+pub(super) fn run_with(
     basis: &Basis<'_>,
     (ke_n_per_m, clearance_2a_m): (f64, f64),
     speed_kmh: f64,
@@ -54,13 +54,13 @@ pub fn run_with(
 type Pick = fn(&Signals) -> Option<&Acceleration>;
 
 /// A change of the irregularity, sample by sample.
-pub type Channel = fn(&mut IrregularitySample);
+pub(super) type Channel = fn(&mut IrregularitySample);
 
 /// The signals of a run on the tracks of all seeds, run-in left out.
 ///
 /// # Errors
 /// The vehicle does not run steadily, or leaves the track.
-pub fn signals(
+pub(super) fn signals(
     run: &Run,
     seeds: &[u64],
     changed: Option<Channel>,
@@ -90,7 +90,7 @@ pub fn signals(
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn accelerations(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn accelerations(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let nominal = basis.locomotive.nominal();
     let run = run_with(basis, (nominal.ke_n_per_m, nominal.clearance_2a_m), SPEED_KMH, &[])?;
     let tracks = signals(&run, &basis.procedure.seeds, None)?;
@@ -144,7 +144,7 @@ pub fn accelerations(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn damper_forces(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn damper_forces(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let run = run_with(basis, (WORKING_KE_N_PER_M, WORKING_2A_M), SPEED_KMH, &[])?;
     let tracks = signals(&run, &basis.procedure.seeds, None)?;
     let at = || {
@@ -206,7 +206,7 @@ pub fn damper_forces(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 }
 
 /// Mean peak of a damper's stroke (m) and its frequency by zero crossings (Hz), around its mean.
-pub fn working_point_of(extension_m: &[f64]) -> Option<(f64, f64)> {
+pub(super) fn working_point_of(extension_m: &[f64]) -> Option<(f64, f64)> {
     let mean = statistics::mean(extension_m);
     let around: Vec<f64> = extension_m.iter().map(|x| x - mean).collect();
     let dead_band_m = 0.2 * statistics::rms(&around);
@@ -215,7 +215,7 @@ pub fn working_point_of(extension_m: &[f64]) -> Option<(f64, f64)> {
 }
 
 /// The mean over tracks, and the range in words.
-pub fn over_tracks(each: &[f64]) -> (f64, String) {
+pub(super) fn over_tracks(each: &[f64]) -> (f64, String) {
     let mean = if each.is_empty() { f64::NAN } else { statistics::mean(each) };
     let range = statistics::min_max(each).map_or("none".to_owned(), |(low, high)| {
         format!("{low:.3} to {high:.3} over {} tracks", each.len())

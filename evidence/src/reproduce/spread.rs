@@ -76,7 +76,7 @@ impl Input {
 ///
 /// # Errors
 /// The vehicle cannot be changed so, or does not run steadily.
-pub fn of_inputs(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn of_inputs(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let seeds = basis.procedure.seeds.iter().take(TRACKS).copied().collect();
     let procedure = &Procedure { seeds, ..basis.procedure.clone() };
     let basis = &Basis { procedure, ..basis.clone() };

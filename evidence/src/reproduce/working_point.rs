@@ -135,7 +135,7 @@ const CHANGES: [Change; 17] = [
 ///
 /// # Errors
 /// The vehicle does not run.
-pub fn tried(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
+pub(super) fn tried(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let rows: Result<Vec<[Row; 4]>, EvidenceError> =
         CHANGES.par_iter().map(|change| rows_of(basis, change)).collect();
     let rows = rows?;

@@ -29,7 +29,7 @@ const SECONDARY_N_PER_M: f64 = 0.430e6;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not stand.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let coach = vehicles::manchester_coach()?;
     let table = coach.table()?;
     let degrees = coach.vehicle.degrees_of_freedom() as f64;

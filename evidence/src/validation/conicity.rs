@@ -32,7 +32,7 @@ const STEP_M: f64 = 0.1e-3;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let mut checks = Vec::new();
     let mut plots = Vec::new();
     let mut beyond = 0;

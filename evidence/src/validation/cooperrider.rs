@@ -46,7 +46,7 @@ const COARSE_S: f64 = 0.5e-3;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not run steadily.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let vehicle = vehicles::cooperrider()?.vehicle;
     let degrees = vehicle.degrees_of_freedom() as f64;
     let mut checks = vec![Check::near("degrees of freedom", "vehicle's file", [7.0, degrees], 0.0)];

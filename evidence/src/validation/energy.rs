@@ -24,7 +24,7 @@ use report::Plot;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not stand.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let (without, with) = rayon::join(|| Pushed::new(false), || Pushed::new(true));
     let (without, with) = (without?, with?);
     let (kept, taken) = rayon::join(|| without.looks(20.0), || with.looks(5.0));

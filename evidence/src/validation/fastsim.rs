@@ -31,7 +31,7 @@ const CELLS: u16 = 220;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let [creepages, full, theirs] =
         columns(TRACTION_CURVE, ["longitudinal_creepage", "contact", "fastsim"])?;
     let patch = eurosprinter();

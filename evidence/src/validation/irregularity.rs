@@ -51,7 +51,7 @@ fn equation_2(w: f64) -> f64 {
 ///
 /// # Errors
 /// A spectrum that cannot be formed.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let track = aar6(&BAND, 0.0, LENGTH_M);
     let begin = ((PERFECT_M + FADE_IN_M) / SAMPLE_STEP_M) as usize + 1;
     let (mut checks, mut plots) = (Vec::new(), Vec::new());

@@ -17,12 +17,12 @@
 use nalgebra::{Complex, SMatrix, SVector};
 
 /// Positions, then velocities.
-pub type State = SVector<f64, 14>;
+pub(super) type State = SVector<f64, 14>;
 
 /// The parameters that are printed differently in different places; the others stand in the
 /// equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameters {
+pub(super) struct Parameters {
     /// `G pi a b` (N).
     pub shear_force_n: f64,
     /// Longitudinal coefficient.
@@ -35,11 +35,11 @@ pub struct Parameters {
 
 impl Parameters {
     /// As printed.
-    pub const PRINTED: Self =
+    pub(super) const PRINTED: Self =
         Self { shear_force_n: 6.563e6, psi: 0.602_52, phi: 0.542_19, yaw_damping_n_m_s: 500.0 };
 
     /// Rates of all states at a speed (m/s).
-    pub fn rates(&self, state: &State, speed_m_per_s: f64) -> State {
+    pub(super) fn rates(&self, state: &State, speed_m_per_s: f64) -> State {
         let q = state.fixed_rows::<7>(0);
         let u = state.fixed_rows::<7>(7);
         let (a, b, d1, d2, h1, h2) = (0.716, 1.074, 0.620, 0.680, 0.0762, 0.6584);
@@ -93,7 +93,7 @@ impl Parameters {
     ///
     /// Creep at zero creepage is linear with the slope `G pi a b / Psi` and `/ Phi`: small
     /// creepages see `1 - u/3` of it, so the matrix is taken from two widths.
-    pub fn least_damped(&self, speed_m_per_s: f64) -> Complex<f64> {
+    pub(super) fn least_damped(&self, speed_m_per_s: f64) -> Complex<f64> {
         let matrix = |width: f64| {
             let mut matrix = SMatrix::<f64, 14, 14>::zeros();
             for (index, mut column) in matrix.column_iter_mut().enumerate() {
@@ -117,7 +117,7 @@ impl Parameters {
     }
 
     /// Where small motions begin to grow (m/s), to 1e-5.
-    pub fn hopf_m_per_s(&self) -> f64 {
+    pub(super) fn hopf_m_per_s(&self) -> f64 {
         let (mut stable, mut unstable) = (50.0, 90.0);
         while unstable - stable > 1e-5 {
             let middle = 0.5 * (stable + unstable);
@@ -131,7 +131,7 @@ impl Parameters {
     }
 
     /// One step of the classical Runge-Kutta method.
-    pub fn step(&self, state: &State, speed_m_per_s: f64, step_s: f64) -> State {
+    pub(super) fn step(&self, state: &State, speed_m_per_s: f64, step_s: f64) -> State {
         let rates = |state: &State| self.rates(state, speed_m_per_s);
         let first = rates(state);
         let second = rates(&(state + first * (0.5 * step_s)));

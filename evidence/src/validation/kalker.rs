@@ -37,7 +37,7 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let rows = rows()?;
     let mut checks = tabulated(&rows);
     checks.extend(between_poisson_ratios(&rows));

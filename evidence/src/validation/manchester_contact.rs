@@ -52,7 +52,7 @@ const SOFTNESS_M: f64 = 5e-6;
 ///
 /// # Errors
 /// Profiles or a table that do not fit.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let bench = Bench::new()?;
     let creep = CreepLaw::Fastsim(
         Fastsim::new(100, 100)

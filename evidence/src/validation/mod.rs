@@ -8,27 +8,27 @@
 //!
 //! | file | known from |
 //! | --- | --- |
-//! | [`conicity`], [`kalker`], [`fastsim`], [`manchester_contact`] | benchmarks and tables of the field |
-//! | [`cooperrider`] | a published stability limit, and equations written out apart from the vehicle code |
-//! | [`irregularity`] | the spectra of the SS9 study |
-//! | [`ride`] | the formula of the index, published weighting factors |
-//! | [`coach`] | springs and masses by hand |
-//! | [`energy`], [`symmetry`] | what no model may break |
+//! | `conicity`, `kalker`, `fastsim`, `manchester_contact` | benchmarks and tables of the field |
+//! | `cooperrider` | a published stability limit, and equations written out apart from the vehicle code |
+//! | `irregularity` | the spectra of the SS9 study |
+//! | `ride` | the formula of the index, published weighting factors |
+//! | `coach` | springs and masses by hand |
+//! | `energy`, `symmetry` | what no model may break |
 
 mod check;
-pub mod coach;
-pub mod conicity;
-pub mod cooperrider;
-pub mod energy;
-pub mod fastsim;
-pub mod irregularity;
-pub mod kaas_petersen;
-pub mod kalker;
+mod coach;
+mod conicity;
+mod cooperrider;
+mod energy;
+mod fastsim;
+mod irregularity;
+mod kaas_petersen;
+mod kalker;
 mod locomotive;
-pub mod manchester_contact;
+mod manchester_contact;
 pub mod page;
-pub mod ride;
-pub mod symmetry;
+mod ride;
+mod symmetry;
 pub mod text;
 mod vehicles;
 

@@ -58,7 +58,7 @@ const WB: [(i32, f64); 3] = [(0, 0.3853), (8, 1.054), (20, 0.1154)];
 ///
 /// # Errors
 /// A signal that cannot be assessed.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let mut checks = sines()?;
     checks.extend(factors());
     checks.extend(weighted_sines()?);

@@ -24,7 +24,7 @@ const WHEELSET_3: usize = 5;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not stand.
-pub fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let locomotive = Locomotive::new()?;
     let band = Band { seed: 1, shortest: 1.0, longest: 100.0, scale: 1.0 };
     let track = aar6(&band, 0.0, DURATION_S * SPEED_M_PER_S + 50.0);

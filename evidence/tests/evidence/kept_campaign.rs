@@ -1,8 +1,7 @@
 //! The cases of the kept campaign were computed before results had an identity: they still merge
 //! among themselves, to the same table.
 
-use evidence::campaign::score::CaseResult;
-use evidence::campaign::{Campaign, Table, page};
+use evidence::campaign::{Campaign, CaseResult, Table, page};
 use signal::shards::merge;
 use std::path::{Path, PathBuf};
 
