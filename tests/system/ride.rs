@@ -146,7 +146,7 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
         ("coach.toml", &["--merge", "none.jsonl"], "none.jsonl"),
         ("bogie.toml", &[], "bogie.toml: no body is named \"carbody\""),
         ("perfect.toml", &[], "perfect.toml: the track has no irregularity"),
-        ("coach.toml", &["--no-such"], "error: unexpected argument '--no-such' found"),
+        ("coach.toml", &["--no-such"], "error: --no-such: unknown option"),
         ("none.toml", &[], "none.toml"),
     ] {
         let result =
