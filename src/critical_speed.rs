@@ -1,7 +1,7 @@
 //! `yawbench critical-speed`: from which speed on does the vehicle of a scenario hunt?
 
+use crate::error::CommandError;
 use crate::study::{self, StudyArgs};
-use anyhow::bail;
 use clap::{Args, ValueEnum};
 use std::process::ExitCode;
 use vehicle_studies::critical_speed::linear::STROKES_M;
@@ -60,35 +60,39 @@ enum Method {
 ///
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
-pub(crate) fn command(args: &CriticalSpeedArgs) -> anyhow::Result<ExitCode> {
+pub(crate) fn command(args: &CriticalSpeedArgs) -> Result<ExitCode, CommandError> {
     study::command(&args.study, question(args)?)
 }
 
-fn question(args: &CriticalSpeedArgs) -> anyhow::Result<Question> {
+fn question(args: &CriticalSpeedArgs) -> Result<Question, CommandError> {
     let CriticalSpeedArgs { from_kmh, to_kmh, threshold_mm, .. } = *args;
     if !(from_kmh > 0.0 && from_kmh < to_kmh && to_kmh <= 600.0) {
-        bail!("--from-kmh {from_kmh} --to-kmh {to_kmh}: expected 0 < from < to <= 600");
+        let options = format!("--from-kmh {from_kmh} --to-kmh {to_kmh}");
+        return Err(CommandError::option(options, "0 < from < to <= 600"));
     }
     if !(threshold_mm > 0.0 && threshold_mm < 100.0) {
-        bail!("--threshold-mm {threshold_mm}: expected more than 0 and less than 100");
+        let option = format!("--threshold-mm {threshold_mm}");
+        return Err(CommandError::option(option, "more than 0 and less than 100"));
     }
     if let Some(stroke) = args.stroke_mm.iter().find(|mm| !(1e-3..=500.0).contains(*mm)) {
-        bail!("--stroke-mm {stroke}: expected 0.001 to 500 (at zero a clearance leaves no damper)");
+        let expected = "0.001 to 500: at zero stroke a damper with clearance has no force";
+        return Err(CommandError::option(format!("--stroke-mm {stroke}"), expected));
     }
     let linear = matches!(args.method, Method::Linear | Method::Both);
     if !(linear || args.stroke_mm.is_empty()) {
-        bail!("--stroke-mm: only eigenvalues ask for it, expected --method linear or both");
+        return Err(CommandError::option(
+            "--stroke-mm",
+            "--method linear or both, which compute eigenvalues",
+        ));
     }
     let rough = matches!(args.method, Method::Nonlinear | Method::Both);
     if args.criterion == CriterionChoice::En14363 && !rough {
-        bail!(
-            "--criterion en14363: expected --method nonlinear or both, which run over rough track"
-        );
+        let expected = "--method nonlinear or both, which run over irregular track";
+        return Err(CommandError::option("--criterion en14363", expected));
     }
     if args.study.varies("speed_kmh") {
-        bail!(
-            "--vary speed_kmh: the speed is what is looked for, expected --from-kmh and --to-kmh"
-        );
+        let expected = "--from-kmh and --to-kmh, since the speed is the unknown";
+        return Err(CommandError::option("--vary speed_kmh", expected));
     }
     let strokes_m = match args.stroke_mm.as_slice() {
         [] => STROKES_M.to_vec(),

@@ -1,7 +1,7 @@
 //! `yawbench curve`: how does the vehicle of a scenario go through its curve?
 
+use crate::error::CommandError;
 use crate::study::{self, StudyArgs};
-use anyhow::bail;
 use clap::Args;
 use std::process::ExitCode;
 use vehicle_studies::curve::Procedure;
@@ -20,9 +20,10 @@ pub(crate) struct CurveArgs {
 ///
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
-pub(crate) fn command(args: &CurveArgs) -> anyhow::Result<ExitCode> {
+pub(crate) fn command(args: &CurveArgs) -> Result<ExitCode, CommandError> {
     if !(args.k1 > 0.0 && args.k1 <= 1.0) {
-        bail!("--k1 {}: expected more than 0 and at most 1", args.k1);
+        let option = format!("--k1 {}", args.k1);
+        return Err(CommandError::option(option, "more than 0 and at most 1"));
     }
     study::command(&args.study, Procedure { seeds: args.study.seeds()?, k1: args.k1 })
 }

@@ -119,6 +119,13 @@ command_error! {
 
 impl std::error::Error for CommandError {}
 
+impl CommandError {
+    /// An option with its value, and what was expected.
+    pub(crate) fn option(option: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self::Option(option.into(), expected.into())
+    }
+}
+
 impl From<anyhow::Error> for CommandError {
     fn from(why: anyhow::Error) -> Self {
         match why.downcast() {

@@ -1,9 +1,9 @@
 //! `yawbench reproduce`: the study of the SS9's yaw dampers, figure by figure.
 
+use crate::error::CommandError;
 use crate::exit::INTERRUPTED;
 use crate::output::print;
 use crate::{progress, stop, validation};
-use anyhow::bail;
 use clap::Args;
 use evidence::error::EvidenceError;
 use evidence::reproduce::calibration::{Calibrated, UNKNOWNS, calibrate};
@@ -61,9 +61,9 @@ struct CalibrationFile<'a> {
 ///
 /// # Errors
 /// Bad input, before anything is written; a vehicle that does not run; a disk that fails.
-pub(crate) fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
+pub(crate) fn command(args: &ReproduceArgs) -> Result<ExitCode, CommandError> {
     if !(1..=1000).contains(&args.seeds) {
-        bail!("--seeds {}: expected 1 to 1000", args.seeds);
+        return Err(CommandError::option(format!("--seeds {}", args.seeds), "1 to 1000"));
     }
     if args.validation {
         return validation::command(args.out.as_deref(), args.json);
@@ -75,7 +75,8 @@ pub(crate) fn command(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
     if recipes.is_empty() {
         let known: Vec<&str> = FIGURES.iter().map(|recipe| recipe.number).collect();
         let given = args.figure.as_deref().unwrap_or_default();
-        bail!("--figure {given}: expected one of {}", known.join(", "));
+        let expected = format!("one of {}", known.join(", "));
+        return Err(CommandError::option(format!("--figure {given}"), expected));
     }
     let locomotive = Locomotive::load(&args.scenario, &[])?;
     let [from_kmh, to_kmh] = SPEEDS_KMH;
@@ -112,7 +113,7 @@ fn folder(
     args: &ReproduceArgs,
     identity: &Identity,
     names: &[&str],
-) -> anyhow::Result<ResultFolder> {
+) -> Result<ResultFolder, CommandError> {
     let out = args.out.as_deref();
     let (mut folder, changed) =
         ResultFolder::for_identity(out, "reproduce", "reproduce", identity)?;
@@ -140,7 +141,7 @@ fn make(recipes: &[Recipe], basis: &Basis<'_>) -> Result<Vec<Figure>, EvidenceEr
     Ok(figures)
 }
 
-fn calibration(args: &ReproduceArgs, basis: &Basis<'_>) -> anyhow::Result<ExitCode> {
+fn calibration(args: &ReproduceArgs, basis: &Basis<'_>) -> Result<ExitCode, CommandError> {
     let folder = folder(args, &basis.identity(&["calibration"])?, &["calibration.json"])?;
     let bar = progress::bar("the first number");
     let tried = std::cell::Cell::new(0);

@@ -1,7 +1,7 @@
 //! `yawbench ride`: how does the vehicle of a scenario ride on straight track?
 
+use crate::error::CommandError;
 use crate::study::{self, StudyArgs};
-use anyhow::bail;
 use clap::{Args, ValueEnum};
 use std::process::ExitCode;
 use vehicle_studies::ride::Procedure;
@@ -41,22 +41,21 @@ enum GradesOf {
 ///
 /// # Errors
 /// Bad input, before anything is written; points of another study; a disk that fails.
-pub(crate) fn command(args: &RideArgs) -> anyhow::Result<ExitCode> {
+pub(crate) fn command(args: &RideArgs) -> Result<ExitCode, CommandError> {
     study::command(&args.study, procedure(args)?)
 }
 
-fn procedure(args: &RideArgs) -> anyhow::Result<Procedure> {
+fn procedure(args: &RideArgs) -> Result<Procedure, CommandError> {
     let RideArgs { section_s, run_in_s, floor_m, .. } = *args;
     if !(WINDOW_1985_S..=3600.0).contains(&section_s) {
-        bail!(
-            "--section-s {section_s}: expected {WINDOW_1985_S} (one window of the index) to 3600"
-        );
+        let expected = format!("{WINDOW_1985_S} (one window of the index) to 3600");
+        return Err(CommandError::option(format!("--section-s {section_s}"), expected));
     }
     if !(0.0..=600.0).contains(&run_in_s) {
-        bail!("--run-in-s {run_in_s}: expected 0 to 600");
+        return Err(CommandError::option(format!("--run-in-s {run_in_s}"), "0 to 600"));
     }
     if !(0.0..=6.0).contains(&floor_m) {
-        bail!("--floor-m {floor_m}: expected 0 to 6");
+        return Err(CommandError::option(format!("--floor-m {floor_m}"), "0 to 6"));
     }
     Ok(Procedure {
         kind: match args.grades {

@@ -1,6 +1,7 @@
 //! `yawbench rig`: the other end of the bus as a process of its own.
 
 use crate::bench_options::{RealtimeArgs, WireArgs};
+use crate::error::CommandError;
 use crate::exit::SAFE_STATE;
 use crate::output::print;
 use crate::stop;
@@ -37,12 +38,15 @@ pub(crate) struct RigArgs {
 ///
 /// # Errors
 /// Bad input; the interface cannot be used; real time is required and was not granted.
-pub(crate) fn command(args: &RigArgs) -> anyhow::Result<ExitCode> {
+pub(crate) fn command(args: &RigArgs) -> Result<ExitCode, CommandError> {
     let BusChoice::SocketCan(interface) = &args.bus else {
-        anyhow::bail!("--bus memory: a rig of its own needs socketcan:INTERFACE");
+        return Err(CommandError::option(
+            "--bus memory",
+            "socketcan:INTERFACE, which a rig of its own needs",
+        ));
     };
-    let node =
-        Node::new(args.node).map_err(|error| anyhow::anyhow!("--node {}: {error}", args.node))?;
+    let refused = |_| CommandError::option(format!("--node {}", args.node), "1 to 4");
+    let node = Node::new(args.node).map_err(refused)?;
     let setup = match &args.rig {
         Some(path) => scenario::rig::RigFile::load(path)?,
         None => scenario::rig::RigFile::default_setup()?,

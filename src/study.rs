@@ -4,10 +4,10 @@
 //! One point, or a grid of them with `--vary`, in shards where there are many. A folder that holds
 //! some of the points of the same study is continued.
 
+use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::output::print;
 use crate::{progress, stop};
-use anyhow::bail;
 use clap::Args;
 use files::{Identity, ResultFolder};
 use report::Report;
@@ -56,9 +56,9 @@ impl StudyArgs {
     ///
     /// # Errors
     /// None, or more than a thousand.
-    pub(crate) fn seeds(&self) -> anyhow::Result<Vec<u64>> {
+    pub(crate) fn seeds(&self) -> Result<Vec<u64>, CommandError> {
         if !(1..=1000).contains(&self.seeds) {
-            bail!("--seeds {}: expected 1 to 1000", self.seeds);
+            return Err(CommandError::option(format!("--seeds {}", self.seeds), "1 to 1000"));
         }
         Ok((1..=self.seeds).collect())
     }
@@ -79,8 +79,8 @@ struct StudyFile<'a, P, A> {
 /// # Errors
 /// Bad input, before anything is written; points of another study; files that change while the
 /// study runs; a disk that fails.
-pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> anyhow::Result<ExitCode> {
-    let grid = Grid::new(args.vary.clone()).map_err(|why| anyhow::anyhow!("--vary: {why}"))?;
+pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> Result<ExitCode, CommandError> {
+    let grid = Grid::new(args.vary.clone())?;
     let varied = Varied { scenario: args.scenario.clone(), grid };
     let asked = VariedStudy { varied, study };
     let identity = asked.identity()?;
@@ -121,7 +121,7 @@ fn merged<S: Study>(
     args: &StudyArgs,
     asked: &VariedStudy<S>,
     identity: &Identity,
-) -> anyhow::Result<Vec<GridPoint<S::Answer>>> {
+) -> Result<Vec<GridPoint<S::Answer>>, CommandError> {
     let points: Vec<GridPoint<S::Answer>> = shards::merge(&args.merge, Some(identity))?;
     let of = asked.varied.grid.len();
     // Merged points are in order, each once.
@@ -129,7 +129,9 @@ fn merged<S: Study>(
     let missing = (0..of).filter(|index| !found(index)).map(|index| (index + 1).to_string());
     let missing: Vec<String> = missing.collect();
     if !missing.is_empty() {
-        bail!("--merge: point {} of {of} not found, expected all", missing.join(", "));
+        let found = format!("no point {} of {of}", missing.join(", "));
+        let file = "--merge".into();
+        return Err(CommandError::Input { file, found, expected: "all of them".into() });
     }
     Ok(points)
 }
@@ -139,7 +141,7 @@ fn compute<S: Study>(
     identity: &Identity,
     shard: Shard,
     folder: &ResultFolder,
-) -> anyhow::Result<Computed> {
+) -> Result<Computed, CommandError> {
     let items = asked.varied.grid.len();
     let work = Work { items, name: asked.name(identity), identity };
     let bar = progress::bar("the first points");
@@ -158,7 +160,7 @@ fn finish<S: Study>(
     study: &S,
     folder: &ResultFolder,
     points: &[GridPoint<S::Answer>],
-) -> anyhow::Result<ExitCode> {
+) -> Result<ExitCode, CommandError> {
     let lasting: Vec<_> = points.iter().map(Item::lasting).collect();
     let scenario = args.scenario.display().to_string();
     let file = StudyFile { format: 1, scenario, procedure: study, points: &lasting };

@@ -1,6 +1,7 @@
 //! `yawbench reproduce --validation`: numbers of this program compared with known numbers
 //! ([`evidence::validation`]): a table, `validation.json` and a page.
 
+use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::output::print;
 use crate::{progress, stop};
@@ -23,7 +24,7 @@ struct ValidationFile<'a> {
 ///
 /// # Errors
 /// A folder or disk that fails; a reference that cannot be computed.
-pub(crate) fn command(out: Option<&Path>, json: bool) -> anyhow::Result<ExitCode> {
+pub(crate) fn command(out: Option<&Path>, json: bool) -> Result<ExitCode, CommandError> {
     let identity = validation::identity()?;
     let (mut folder, changed) =
         ResultFolder::for_identity(out, "validation", "reproduce --validation", &identity)?;
@@ -52,7 +53,7 @@ fn finish(
     as_json: bool,
     folder: &ResultFolder,
     references: &[Reference],
-) -> anyhow::Result<ExitCode> {
+) -> Result<ExitCode, CommandError> {
     let (done, of) = (references.len(), REFERENCES.len());
     let passes = done == of && references.iter().all(Reference::passes);
     let program = env!("CARGO_PKG_VERSION");
