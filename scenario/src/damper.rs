@@ -11,8 +11,9 @@
 //! A model holds one `[damper]`, so it is a rig file too. What [`DamperFile::to_model`] writes is
 //! read back to the same bits: numbers stand with as many digits as it takes.
 
+pub use crate::empirical::{EmpiricalFile, Over};
+
 use crate::datasheet::C2_SHARE;
-use crate::empirical::EmpiricalFile;
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
 use crate::kind::Kind;

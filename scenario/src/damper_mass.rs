@@ -18,7 +18,7 @@ use firmware_core::vehicle::{Anchor, BodyId, Vehicle};
 ///
 /// # Errors
 /// None in practice: what is left of a possible damper is possible.
-pub fn give_to_bodies(
+pub(crate) fn give_to_bodies(
     vehicle: &mut Vehicle,
     slot: usize,
     damper: Damper,

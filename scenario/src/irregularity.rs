@@ -126,6 +126,8 @@ pub struct Band {
 
 /// Random irregularity by the study's spectra.
 pub fn aar6(band: &Band, from_m: f64, to_m: f64) -> Samples {
+    debug_assert!(from_m <= to_m, "the track has a length");
+    debug_assert!(band.shortest < band.longest, "a band of wavelengths");
     let count = (((to_m - from_m) / SAMPLE_STEP_M).max(0.0) as usize) + 4;
     let mut samples = vec![IrregularitySample::default(); count];
     for (channel, (variance, set)) in CHANNELS.iter().enumerate() {

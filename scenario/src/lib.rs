@@ -1,22 +1,35 @@
 //! From files to a vehicle that can run.
 //!
-//! [`run::Run::load`] reads a scenario with everything it names: the vehicle with the provenance of
-//! its numbers ([`vehicle`], [`wheel_rail`]), the dampers ([`damper`]), the track ([`track`],
-//! [`irregularity`]), the rig ([`rig`]), the damper to compare with ([`compare`]). It solves the
-//! wheel and rail [`profile`]s into the contact table of the step ([`contact_geometry`]) and finds
-//! the steady motion to start from ([`equilibrium`]). [`datasheet::Datasheet`] turns what a maker
-//! says about a damper into its numbers. Whatever does not fit is one clear line with file, line
-//! and key ([`source::ScenarioError`]).
+//! A scenario is a TOML file that names a vehicle, a speed, a track and the dampers in its slots.
+//! [`run::Run::load`] reads it with everything it names and returns a run that is ready to be
+//! simulated: the vehicle of the step, its contact table, the track, the dampers, and the steady
+//! motion to start from.
+//!
+//! Read [`run`] first. The parts of the file follow: [`vehicle`] and [`wheel_rail`], whose numbers
+//! carry their provenance ([`quantity`]); [`damper`], the damper of each slot, and [`watch`], the
+//! model that a rig is compared with; [`track`] and [`irregularity`]; [`rig`]; [`compare`].
+//! [`setting`] changes single numbers by their key, as studies do. [`datasheet::Datasheet`] converts
+//! a maker's data into a nominal damper.
+//!
+//! What is computed from them: wheel and rail [`profile`]s become the contact table of the step
+//! ([`contact_geometry`], [`conicity`]), [`equilibrium`] is the steady motion, [`minimum_speed`] the
+//! speed below which the substeps are too coarse, [`typical`] what is unusual about a damper.
+//!
+//! Files are read through [`source`], with the limits of the crate `files`; `Run::inputs` holds the
+//! hash of each, by its role. [`ScenarioError`] is the one error: a line with file, line, key, what
+//! was found and what was expected.
+//!
+//! Layers: this crate uses `files` and `firmware-core`; it knows no bus, no study and no command.
 
 pub mod compare;
 pub mod conicity;
 pub mod contact_geometry;
 mod cycle;
 pub mod damper;
-pub mod damper_mass;
+mod damper_mass;
 pub mod datasheet;
 mod effective;
-pub mod empirical;
+mod empirical;
 pub mod equilibrium;
 mod error;
 mod inputs;

@@ -186,6 +186,7 @@ impl Run {
         let compare = file.compare.as_ref().map(|compare| compare.build(source, &vehicle));
         let compare = compare.transpose()?;
         let mut slots = slots(&file, &vehicle_file, source, rig.damper.nominal().ke_n_per_m)?;
+        debug_assert_eq!(slots.len(), vehicle.dampers.len(), "one slot for each damper");
         for (number, slot) in slots.iter_mut().enumerate() {
             if let SlotForce::Modelled(damper) = &mut slot.force {
                 *damper = damper_mass::give_to_bodies(&mut vehicle, number, damper.clone())
@@ -212,6 +213,7 @@ impl Run {
                 about.push(profile.line());
             }
         }
+        debug_assert!(start.state.distance_m.0[0] == START_M, "all wheels behind the start");
         let vehicle_name = quoted(&vehicle_file.name).to_string();
         let title = match &file.title {
             Some(title) => quoted(title).to_string(),
