@@ -1,10 +1,8 @@
-//! Options that `run` and `rig` share: frames on the wire, real time, and the way to stop.
+//! Options that `run` and `rig` share: frames on the wire and real time.
 
 use can_protocol::Profile;
 use clap::{Args, ValueEnum};
 use hil_host::realtime::RealtimeOptions;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum ProfileChoice {
@@ -59,12 +57,4 @@ impl RealtimeArgs {
             ..RealtimeOptions::default()
         }
     }
-}
-
-/// Set by Ctrl-C or a termination signal.
-pub(crate) fn stop_signal() -> anyhow::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let set = Arc::clone(&stop);
-    ctrlc::set_handler(move || set.store(true, Ordering::Relaxed))?;
-    Ok(stop)
 }

@@ -1,11 +1,11 @@
-//! `yawbench identify --campaign` and `--merge`: the proof of `identify` on records whose truth is
-//! known.
+//! `yawbench campaign`: how often `identify` is right, on simulated records of known dampers.
 
+use crate::error::CommandError;
 use crate::exit::INTERRUPTED;
-use crate::identify::IdentifyArgs;
 use crate::output::print;
+use crate::value::whole;
 use crate::{progress, stop};
-use anyhow::bail;
+use clap::Args;
 use evidence::campaign::{Campaign, CaseResult, Table, page, table};
 use files::identity::content_hash;
 use files::{Identity, ResultFolder};
@@ -16,16 +16,41 @@ use std::process::ExitCode;
 /// Name of the command in manifests.
 const COMMAND: &str = "campaign";
 
+#[derive(Debug, Args)]
+pub(crate) struct CampaignArgs {
+    /// Number of cases; 773 cover every kind. Cases that the folder already holds are not computed
+    /// again.
+    #[arg(long, value_name = "N", required_unless_present = "merge",
+        value_parser = whole::<usize>(1, 1_000_000))]
+    cases: Option<usize>,
+    /// Seed of the cases.
+    #[arg(long, value_name = "S", required_unless_present = "merge")]
+    seed: Option<u64>,
+    /// The part of the campaign to compute, such as 1/4.
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    /// Fewer and shorter tests per case: a quick check of the campaign itself.
+    #[arg(long)]
+    brief: bool,
+    /// Print the table of cases that shards have computed, and compute nothing.
+    #[arg(long, value_name = "JSONL", num_args = 1..,
+        conflicts_with_all = ["cases", "seed", "shard", "brief"])]
+    merge: Vec<PathBuf>,
+    /// Folder for the files [default: runs/campaign-SEED].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the table as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
 /// Runs a campaign or a shard of it, or merges the cases that shards have run.
 ///
 /// # Errors
 /// Bad input; files that hold no cases of one campaign; a disk that fails.
-pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
-    if !args.merge.is_empty() {
-        return merged(args);
-    }
-    let Some(cases) = args.campaign else { bail!("--campaign: no number of cases") };
-    let Some(seed) = args.seed else { bail!("--seed: no seed") };
+pub(crate) fn command(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
+    // Without --merge clap requires both.
+    let (Some(cases), Some(seed)) = (args.cases, args.seed) else { return merged(args) };
     let campaign = Campaign { cases, seed, brief: args.brief };
     let shard = args.shard.unwrap_or(Shard::WHOLE);
     let identity = campaign.identity()?;
@@ -58,7 +83,7 @@ pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// The table of the cases that shards have run.
-fn merged(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
+fn merged(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
     let table = Table::new(&merge::<CaseResult>(&args.merge, None)?);
     let folder = args.out.as_deref().map(|out| folder_of_merged(out, &args.merge, &table));
     show(args, &table, folder.transpose()?.as_ref())
@@ -66,7 +91,11 @@ fn merged(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
 
 /// The folder of a merged table: that of the campaign where this program has run the cases, else
 /// one of its own, known by the content of the files.
-fn folder_of_merged(out: &Path, files: &[PathBuf], table: &Table) -> anyhow::Result<ResultFolder> {
+fn folder_of_merged(
+    out: &Path,
+    files: &[PathBuf],
+    table: &Table,
+) -> Result<ResultFolder, CommandError> {
     let Table { cases, seed, brief, .. } = *table;
     let campaign = Campaign { cases, seed, brief }.identity()?;
     let identity = if merge::<CaseResult>(files, Some(&campaign)).is_ok() {
@@ -91,10 +120,10 @@ fn last(case: &CaseResult) -> String {
 
 /// Prints the table and writes it where there is a folder.
 fn show(
-    args: &IdentifyArgs,
+    args: &CampaignArgs,
     table: &Table,
     folder: Option<&ResultFolder>,
-) -> anyhow::Result<ExitCode> {
+) -> Result<ExitCode, CommandError> {
     let (json, text) = (serde_json::to_string_pretty(table)?, page::text(table));
     if let Some(folder) = folder {
         folder.write("table.json", &format!("{json}\n"))?;

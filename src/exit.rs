@@ -1,23 +1,21 @@
-//! Exit codes: 0 done; 1 a check or target failed, or an operation failed; 2 bad input, nothing
-//! written; 3 ended in the safe state; 130 interrupted by Ctrl-C or SIGTERM.
+//! Exit codes. An early end has the code of its error ([`CommandError::exit_code`]).
+//!
+//! [`CommandError::exit_code`]: crate::error::CommandError::exit_code
 
-use hil_host::run::SilentRigs;
-
-/// Something failed that is not the input's fault.
+/// A check or target failed, or an operation failed.
 pub(crate) const FAILED: u8 = 1;
-/// Bad input.
+/// Bad input; nothing was written.
 pub(crate) const BAD_INPUT: u8 = 2;
 /// The run ended in the safe state.
 pub(crate) const SAFE_STATE: u8 = 3;
 /// Ctrl-C or SIGTERM ended the command; what it had is written.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// The exit code of an error.
-pub(crate) fn code(error: &anyhow::Error) -> u8 {
-    match () {
-        () if error.is::<SilentRigs>() => SAFE_STATE,
-        // The run itself went on; its files could not be written.
-        () if error.is::<std::io::Error>() => FAILED,
-        () => BAD_INPUT,
-    }
-}
+/// The codes for `--help`.
+pub(crate) const HELP: &str = "\
+Exit codes:
+  0    done
+  1    a check or target failed, or an operation failed (a full disk, a bus that went down)
+  2    bad input; nothing was written
+  3    the run ended in the safe state
+  130  interrupted by Ctrl-C or SIGTERM; what there was is written; a second signal ends at once";

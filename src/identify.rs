@@ -17,11 +17,9 @@ use measurement::{Measurement, interpolant, read_tests};
 use scenario::damper::DamperFile;
 use scenario::datasheet::Datasheet;
 use scenario::quantity::Provenance;
-use signal::shards::Shard;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 /// The identified damper.
@@ -31,14 +29,12 @@ const WITH_MAP: &str = "model-empirical.toml";
 
 /// What `identify` is told.
 #[derive(Debug, Args)]
-#[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 pub(crate) struct IdentifyArgs {
     /// The maker's numbers; without them there is no datasheet error.
     #[arg(long, value_name = "FILE")]
     datasheet: Option<PathBuf>,
     /// Records to fit.
-    #[arg(long, value_name = "CSV", num_args = 1..,
-        required_unless_present_any = ["campaign", "merge"])]
+    #[arg(long, value_name = "CSV", num_args = 1.., required = true)]
     train: Vec<PathBuf>,
     /// Records that no fit sees; without them some of the training tests are held out.
     #[arg(long, value_name = "CSV", num_args = 1..)]
@@ -48,46 +44,25 @@ pub(crate) struct IdentifyArgs {
     mapping: Option<PathBuf>,
     /// Then put a smooth map over the coordinate that explains most of what is left: empirical and no
     /// physics, kept only if it gains on tests left out.
-    #[arg(long, conflicts_with_all = ["campaign", "merge"])]
+    #[arg(long)]
     empirical: bool,
     /// Go on past the usual limit of work where two effects at once are looked for: minutes where it is half a
     /// minute.
-    #[arg(long, conflicts_with_all = ["campaign", "merge"])]
-    thorough: bool,
-    /// Folder for the files [default: runs/identify-N, of a campaign runs/campaign-SEED].
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Print result.json instead of a summary; of a campaign, its table.
     #[arg(long)]
-    pub(crate) json: bool,
-    /// Try the method itself on this many cases whose truth is known; 773 hold every kind. A folder
-    /// that has some of them goes on.
-    #[arg(long, value_name = "N", requires = "seed",
-        conflicts_with_all = ["train", "holdout", "datasheet", "mapping", "merge"])]
-    pub(crate) campaign: Option<usize>,
-    /// Seed of the campaign.
-    #[arg(long, value_name = "S", requires = "campaign")]
-    pub(crate) seed: Option<u64>,
-    /// The part of the campaign to run, such as 1/4.
-    #[arg(long, value_name = "I/N", requires = "campaign")]
-    pub(crate) shard: Option<Shard>,
-    /// Fewer and shorter tests per case, to try the campaign itself.
-    #[arg(long, requires = "campaign")]
-    pub(crate) brief: bool,
-    /// The table of cases that shards have run.
-    #[arg(long, value_name = "JSONL", num_args = 1..,
-        conflicts_with_all = ["train", "holdout", "datasheet", "mapping"])]
-    pub(crate) merge: Vec<PathBuf>,
+    thorough: bool,
+    /// Folder for the files [default: runs/identify-N].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print result.json instead of a summary.
+    #[arg(long)]
+    json: bool,
 }
 
 /// Runs `identify`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
-pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
-    if args.campaign.is_some() || !args.merge.is_empty() {
-        return crate::campaign::command(args);
-    }
+pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<()> {
     let question = question(args)?;
     let folder = RunFolder::choose(args.out.as_deref(), "identify");
     folder.try_create()?;
@@ -136,12 +111,10 @@ pub(crate) fn command(args: &IdentifyArgs) -> anyhow::Result<ExitCode> {
         }
     }
     if args.json {
-        print(&json)?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(print(&json)?);
     }
     let text = told(&identification, datasheet_given)?;
-    print(&format!("{text}\nfiles: {}", folder.path().display()))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(print(&format!("{text}\nfiles: {}", folder.path().display()))?)
 }
 
 /// Reads everything that is asked about.

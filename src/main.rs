@@ -1,10 +1,15 @@
-//! The command line: one file per subcommand, each parses, calls and prints.
+//! The command line: one file per subcommand; each parses, calls and prints.
+//!
+//! Every command returns an exit code ([`exit`]) or an [`error`] that has one. [`stop`] is the flag
+//! that Ctrl-C sets, [`output`] is standard output, [`progress`] the bar on standard error,
+//! [`usage`] the answer to a wrong command line, [`value`] the ranges of options.
 
 mod bench_options;
 mod campaign;
 mod characterise;
 mod critical_speed;
 mod curve;
+mod error;
 mod exit;
 mod identify;
 mod output;
@@ -17,15 +22,19 @@ mod run;
 mod simulate;
 mod stop;
 mod study;
+mod usage;
 mod validation;
+mod value;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
+use error::CommandError;
 use std::process::ExitCode;
 
-/// A bench for railway yaw dampers that believes it is bolted under a locomotive.
+/// A hardware-in-the-loop bench for railway yaw dampers: a locomotive model, a CAN bus and a
+/// damper.
 #[derive(Debug, Parser)]
-#[command(name = "yawbench", version, max_term_width = 100)]
+#[command(name = "yawbench", version, max_term_width = 100, after_help = exit::HELP)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -33,48 +42,54 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Run a scenario: the vehicle on its track, dampers modelled or on a rig.
+    /// Run a scenario: the vehicle on its track, with dampers modelled or on a rig.
     #[command(after_help = "Example: yawbench run scenarios/ss9-160kmh.toml --duration 10")]
     Run(run::RunArgs),
-    /// Be the rig at the other end of a CAN bus: actuator, load cell and an emulated damper.
+    /// Emulate the rig at the other end of a CAN bus: actuator, load cell and damper.
     #[command(
         after_help = "Example: yawbench rig scenarios/rigs/laboratory-rig.toml --bus socketcan:vcan0 --node 1"
     )]
     Rig(rig::RigArgs),
-    /// Visit a damper bench: records and figures of a damper that exists only as a model, or the
-    /// figures of measured records.
+    /// Simulate the bench tests of a damper model, or evaluate measured records: records and
+    /// figures.
     #[command(
         after_help = "Examples: yawbench characterise --physical scenarios/dampers/hydraulic-yaw-damper.toml --tests short
           yawbench characterise --from sine.csv triangle.csv --datasheet sheet.toml"
     )]
     Characterise(characterise::CharacteriseArgs),
-    /// Find the effect that a damper model lacks on measured records, and add it.
+    /// Find the effects in measured records that a damper model lacks, and add them to it.
     #[command(
-        after_help = "Examples: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv
-          yawbench identify --campaign 773 --seed 1 --shard 1/2 --out campaign"
+        after_help = "Example: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv"
     )]
     Identify(identify::IdentifyArgs),
-    /// The force of a model on a record, free-running from its displacement.
+    /// Measure how often `identify` is right: it runs on simulated records of known dampers.
+    #[command(
+        after_help = "Examples: yawbench campaign --cases 773 --seed 1 --shard 1/2 --out campaign
+          yawbench campaign --merge campaign/cases-1-of-2.jsonl campaign/cases-2-of-2.jsonl"
+    )]
+    Campaign(campaign::CampaignArgs),
+    /// Compute the force of a damper model on a record, as a free-run simulation from the
+    /// displacement.
     #[command(after_help = "Example: yawbench simulate model.toml sine.csv --out predicted.csv")]
     Simulate(simulate::SimulateArgs),
-    /// From which speed on does the vehicle of a scenario hunt? Its speed, track and duration do not
-    /// matter.
+    /// Find the critical speed of the vehicle of a scenario, above which it hunts. The speed, track
+    /// and duration of the scenario are not used.
     #[command(
         after_help = "Example: yawbench critical-speed scenarios/ss9-160kmh.toml --vary damper.ke_n_per_m=3e6:15e6:5"
     )]
     CriticalSpeed(critical_speed::CriticalSpeedArgs),
-    /// The study of the SS9's yaw dampers, figure by figure: its numbers beside ours.
+    /// Reproduce the study of the SS9's yaw dampers, figure by figure: its numbers next to ours.
     #[command(after_help = "Examples: yawbench reproduce --figure 10a --out reproduced
           yawbench reproduce --validation")]
     Reproduce(reproduce::ReproduceArgs),
-    /// How does the vehicle of a scenario ride on straight track? Sperling index, mean comfort,
-    /// accelerations, spectra; its layout and duration do not matter.
+    /// Assess the ride of the vehicle of a scenario on straight track: Sperling index, mean
+    /// comfort, accelerations, spectra. The layout and duration of the scenario are not used.
     #[command(
         after_help = "Example: yawbench ride scenarios/ss9-160kmh.toml --vary speed_kmh=80:180:11"
     )]
     Ride(ride::RideArgs),
-    /// How does the vehicle of a scenario go through its curve? Guiding forces, derailment, wheel load,
-    /// wear, stability; its duration does not matter.
+    /// Assess the vehicle of a scenario in its curve: guiding forces, derailment, wheel load, wear,
+    /// stability. The duration of the scenario is not used.
     #[command(
         after_help = "Example: yawbench curve scenarios/ss9-curve-400m.toml --vary damper.clearance_2a_m=0.5e-3,4e-3"
     )]
@@ -83,42 +98,54 @@ enum Command {
 
 /// Runs the command line.
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match parsed() {
         Ok(cli) => cli,
-        Err(told)
-            if told.use_stderr()
-                && told.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
+        Err(why)
+            if why.use_stderr()
+                && why.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
         {
-            eprintln!("{}", one_line(&told.render().to_string()));
+            let command = std::env::args().nth(1);
+            eprintln!("error: {}", usage::one_line(&why, command.as_deref()));
             return ExitCode::from(exit::BAD_INPUT);
         }
         // Help or version, on standard output.
-        Err(told) => told.exit(),
+        Err(help) => help.exit(),
     };
-    let result = match &cli.command {
-        Command::Run(args) => run::command(args),
-        Command::Rig(args) => rig::command(args),
-        Command::Characterise(args) => characterise::command(args).map(|()| ExitCode::SUCCESS),
-        Command::Identify(args) => identify::command(args),
-        Command::Simulate(args) => simulate::command(args).map(|()| ExitCode::SUCCESS),
-        Command::CriticalSpeed(args) => critical_speed::command(args),
-        Command::Reproduce(args) => reproduce::command(args),
-        Command::Ride(args) => ride::command(args),
-        Command::Curve(args) => curve::command(args),
-    };
-    match result {
+    match run(&cli.command) {
         Ok(code) => code,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::from(exit::code(&error))
+        Err(why) => {
+            eprintln!("error: {why}");
+            ExitCode::from(why.exit_code())
         }
     }
 }
 
-/// What clap says of an argument, in one line and without the usage behind it.
-fn one_line(told: &str) -> String {
-    let lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
-    let ours =
-        lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
-    ours.collect::<Vec<_>>().join("; ").replace(":; ", ": ")
+/// Parses the command line. Every option takes a negative number as its value, so that the option
+/// itself can say what it expects.
+fn parsed() -> Result<Cli, clap::Error> {
+    let negative = |arg: Arg| {
+        let takes_value = arg.get_action().takes_values() && !arg.is_positional();
+        arg.allow_negative_numbers(takes_value)
+    };
+    let command = Cli::command().mut_subcommands(|command| command.mut_args(negative));
+    Cli::from_arg_matches(&command.try_get_matches()?)
+}
+
+fn run(command: &Command) -> Result<ExitCode, CommandError> {
+    Ok(match command {
+        Command::Run(args) => run::command(args)?,
+        Command::Rig(args) => rig::command(args)?,
+        Command::Characterise(args) => characterise::command(args).map(done)?,
+        Command::Identify(args) => identify::command(args).map(done)?,
+        Command::Campaign(args) => campaign::command(args)?,
+        Command::Simulate(args) => simulate::command(args).map(done)?,
+        Command::CriticalSpeed(args) => critical_speed::command(args)?,
+        Command::Reproduce(args) => reproduce::command(args)?,
+        Command::Ride(args) => ride::command(args)?,
+        Command::Curve(args) => curve::command(args)?,
+    })
+}
+
+const fn done((): ()) -> ExitCode {
+    ExitCode::SUCCESS
 }

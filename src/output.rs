@@ -1,7 +1,7 @@
 //! What commands print on standard output.
 //!
-//! Whoever reads may have seen enough and gone (`yawbench ride … | head`): that is no error of ours, and an
-//! exit code that says something stays as it is. A full disk is one.
+//! A reader that closes the pipe early (`yawbench ride … | head`) is no error and leaves the exit code
+//! as it is. A full disk is an error.
 
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
@@ -9,12 +9,12 @@ use std::path::Path;
 /// Prints a text and a line end.
 ///
 /// # Errors
-/// The output takes no more, though somebody is there.
+/// The output cannot be written, though its reader is still there.
 pub(crate) fn print(text: &str) -> io::Result<()> {
     let mut out = io::stdout().lock();
     let printed = writeln!(out, "{}", text.trim_end_matches('\n')).and_then(|()| out.flush());
     match printed {
-        Err(gone) if gone.kind() == ErrorKind::BrokenPipe => Ok(()),
+        Err(why) if why.kind() == ErrorKind::BrokenPipe => Ok(()),
         other => other,
     }
 }

@@ -1,8 +1,9 @@
 //! `yawbench rig`: the other end of the bus as a process of its own.
 
-use crate::bench_options::{RealtimeArgs, WireArgs, stop_signal};
+use crate::bench_options::{RealtimeArgs, WireArgs};
 use crate::exit::SAFE_STATE;
 use crate::output::print;
+use crate::stop;
 use can_protocol::Node;
 use clap::Args;
 use hil_host::rig::process::{self, Options};
@@ -46,10 +47,10 @@ pub(crate) fn command(args: &RigArgs) -> anyhow::Result<ExitCode> {
         Some(path) => scenario::rig::RigFile::load(path)?,
         None => scenario::rig::RigFile::default_setup()?,
     };
-    let stop = stop_signal()?;
+    let stop = stop::flag();
     let options =
         Options { exit_after_run: args.exit_after_run, realtime: args.realtime.options() };
-    let summary = process::run_on(&setup, interface, node, args.wire.profile(), &options, &stop)?;
+    let summary = process::run_on(&setup, interface, node, args.wire.profile(), &options, stop)?;
     if args.json {
         print(&serde_json::to_string_pretty(&summary)?)?;
     } else {

@@ -1,8 +1,10 @@
 //! `yawbench run`: a scenario, from its file to record, summary and report.
 
-use crate::bench_options::{RealtimeArgs, WireArgs, stop_signal};
+use crate::bench_options::{RealtimeArgs, WireArgs};
 use crate::exit::SAFE_STATE;
 use crate::output::{print, stem};
+use crate::stop;
+use crate::value::number;
 use clap::Args;
 use hil_host::run::{self, BusChoice, PaceChoice, RunOptions};
 use hil_host::summary::Summary;
@@ -22,10 +24,12 @@ pub(crate) struct RunArgs {
     #[arg(long, value_enum, default_value_t = PaceChoice::Realtime)]
     pace: PaceChoice,
     /// Another duration (s).
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S",
+        value_parser = number("a duration from 0.001 to 86400 s", |s| (1e-3..=86_400.0).contains(&s)))]
     duration: Option<f64>,
     /// Another speed (km/h).
-    #[arg(long, value_name = "KMH")]
+    #[arg(long, value_name = "KMH",
+        value_parser = number("a speed over 0 and up to 600 km/h", |kmh| kmh > 0.0 && kmh <= 600.0))]
     speed_kmh: Option<f64>,
     /// Folder for the files of the run [default: runs/SCENARIO-N].
     #[arg(long, value_name = "DIR")]
@@ -59,8 +63,8 @@ pub(crate) fn command(args: &RunArgs) -> anyhow::Result<ExitCode> {
         name: stem(&args.scenario),
         realtime: args.realtime.options(),
     };
-    let stop = stop_signal()?;
-    let finished = run::run(&scenario, &options, &stop)?;
+    let stop = stop::flag();
+    let finished = run::run(&scenario, &options, stop)?;
     if args.json {
         print(&serde_json::to_string_pretty(&finished.summary)?)?;
     } else {

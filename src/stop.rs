@@ -1,5 +1,5 @@
-//! Ctrl-C and SIGTERM: the first one asks a command to end with what it has, the second one ends the
-//! process at once.
+//! Ctrl-C and SIGTERM: the first one asks a command to end with what it has, the second one ends
+//! the process at once.
 
 use crate::exit;
 use std::sync::OnceLock;
@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Set by the first signal.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// The flag that the first Ctrl-C or SIGTERM sets. The first call installs the handler; until then a
-/// signal ends the process as usual.
+/// The flag that the first Ctrl-C or SIGTERM sets. The first call installs the handler; until then
+/// a signal ends the process as usual.
 ///
-/// A command that calls this checks the flag at least every few hundred milliseconds, writes what it
-/// has, and ends with [`exit::INTERRUPTED`].
+/// A command that calls this checks the flag at least every few hundred milliseconds, writes what
+/// it has, and ends with [`exit::INTERRUPTED`].
 pub(crate) fn flag() -> &'static AtomicBool {
     static INSTALLED: OnceLock<()> = OnceLock::new();
     INSTALLED.get_or_init(|| {

@@ -1,12 +1,11 @@
 //! Between receive and send nothing allocates.
 
 #[path = "support/session.rs"]
-#[allow(dead_code, reason = "shared by several tests")]
-mod support;
+mod session;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use hil_host::record::Queues;
-use support::{cycles, ready, scenario, session};
+use session::{cycles, ready, scenario, session};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;

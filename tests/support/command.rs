@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The repository.
 pub(crate) fn repository() -> &'static Path {
@@ -27,7 +28,10 @@ pub(crate) fn read(path: &Path) -> String {
 
 /// A fresh folder for a test.
 pub(crate) fn folder(name: &str) -> PathBuf {
-    let path = std::env::temp_dir().join(format!("yawbench-{}-{name}", std::process::id()));
+    // Tests of several topics run side by side and may choose the same name.
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let (process, count) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+    let path = std::env::temp_dir().join(format!("yawbench-{process}-{count}-{name}"));
     let _ = std::fs::remove_dir_all(&path);
     std::fs::create_dir_all(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     path

@@ -66,9 +66,4 @@ impl Record {
     pub(crate) fn integer(&self, row: usize, field: &str, item: usize) -> u64 {
         self.at(row, field, item).iter().rev().fold(0, |sum, byte| sum << 8 | u64::from(*byte))
     }
-
-    /// The kept frame of a slot.
-    pub(crate) fn bytes(&self, row: usize, field: &str, slot: usize) -> [u8; 16] {
-        core::array::from_fn(|byte| self.at(row, field, 16 * slot + byte)[0])
-    }
 }

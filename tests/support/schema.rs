@@ -1,6 +1,6 @@
 //! Checks a JSON value against the part of JSON Schema that this project's schemas use: `type`,
-//! `properties`, `required`, `additionalProperties: false`, `items`, `enum`, `minItems`, `minProperties`, `$ref` into
-//! `$defs`.
+//! `properties`, `required`, `additionalProperties: false`, `items`, `enum`, `minItems`,
+//! `minProperties`, `$ref` into `$defs`.
 
 use serde_json::Value;
 

@@ -10,13 +10,12 @@ use can_protocol::{Node, Profile};
 use firmware_core::line::Slot;
 use firmware_core::track::Track;
 use hil_host::bus::MemoryBus;
-use hil_host::control::{End, Pace, Port, Session, SessionState, Slots};
-use hil_host::record::{Queues, Recorder};
+use hil_host::control::{Pace, Port, Session, SessionState, Slots};
+use hil_host::record::Recorder;
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// A scenario of the repository, perhaps cut to a duration.
@@ -81,31 +80,4 @@ pub(crate) fn cycles(
     for _ in 0..count {
         session.cycle(state, buses, &Pace::Fast, recorder, &begin, Slots::default());
     }
-}
-
-/// Runs a whole scenario and gives its end and hash.
-pub(crate) fn run_through(run: &Run) -> (End, u64) {
-    let track = run.track.view();
-    let session = session(run, &track);
-    let (mut state, mut buses) = ready(run, &session);
-    let mut queues = Queues::default();
-    let (mut recorder, drain) = queues.split();
-    let done = AtomicBool::new(false);
-    let end = std::thread::scope(|scope| {
-        let (events, _kept) = crossbeam_channel::unbounded();
-        let done = &done;
-        scope.spawn(move || drain.run(done, &[], &events));
-        let stop = AtomicBool::new(false);
-        let end = session.run(
-            &mut state,
-            &mut buses,
-            &mut Pace::Fast,
-            run.cycles(),
-            &mut recorder,
-            &stop,
-        );
-        done.store(true, std::sync::atomic::Ordering::Release);
-        end
-    });
-    (end, state.hash)
 }

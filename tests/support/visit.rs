@@ -1,6 +1,6 @@
 //! A virtual visit to a bench with a list of sines: `damper.toml`, `list.toml` and `bench/*.csv`.
 
-use crate::command::{output, yawbench};
+use super::command::{output, yawbench};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 

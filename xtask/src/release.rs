@@ -1,4 +1,5 @@
-//! The release build runs README's first command, and gives the same bits as the build of the tests.
+//! The release build runs README's first command, and gives the same bits as the build of the
+//! tests.
 
 use std::process::Stdio;
 use std::time::Instant;

@@ -1,5 +1,5 @@
-//! The tests over SocketCAN, `tests/vcan*.rs`: natively where this kernel has CAN, else in a
-//! throw-away machine, else skipped.
+//! The tests over SocketCAN, test programs named `vcan*`: natively where this kernel has CAN, else
+//! in a throw-away machine, else skipped.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -171,7 +171,7 @@ fn build(run: &Run) -> Result<Built, Outcome> {
     let mut built = Built::default();
     String::from_utf8_lossy(&output.stdout).lines().for_each(|line| built.read(line));
     if built.tests.is_empty() {
-        return Err(Outcome::Failed("there is no tests/vcan*.rs".into()));
+        return Err(Outcome::Failed("no test program is named vcan*".into()));
     }
     Ok(built)
 }
@@ -222,11 +222,11 @@ mod tests {
             ) + &format!(r#""profile":{{"test":true}},"executable":{program},"fresh":true}}"#)
         };
         let mut built = Built::default();
-        built.read(&message("test", "vcan_smoke", r#""/t/vcan_smoke-1""#));
-        built.read(&message("test", "cli", r#""/t/cli-1""#));
+        built.read(&message("test", "vcan", r#""/t/vcan-1""#));
+        built.read(&message("test", "system", r#""/t/system-1""#));
         built.read(&message("lib", "vcan", "null"));
         built.read(&message("bin", "yawbench", r#""/t/yawbench""#));
-        assert_eq!(built.tests, [PathBuf::from("/t/vcan_smoke-1")]);
+        assert_eq!(built.tests, [PathBuf::from("/t/vcan-1")]);
         assert_eq!(built.yawbench, Some(PathBuf::from("/t/yawbench")));
     }
 }

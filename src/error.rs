@@ -1,0 +1,168 @@
+//! Everything that can end a command early, and the exit code that each of it has.
+//!
+//! The error of another crate is one variant: one row in the table below, such as
+//! `Bench(BenchError) => |why| input_or_failure(why.is_bad_input());`. Its own kind decides
+//! whether the input is at fault ([`BAD_INPUT`]), the operation failed ([`FAILED`]), or the bench
+//! ended in the safe state ([`SAFE_STATE`]).
+
+use crate::exit::{BAD_INPUT, FAILED, SAFE_STATE};
+use evidence::EvidenceError;
+use files::{FolderError, InputError};
+use hil_host::run::SilentRigs;
+use identification::IdentifyError;
+use measurement::MeasurementError;
+use scenario::source::ScenarioError;
+use signal::SignalError;
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+use vehicle_studies::StudyError;
+
+/// Declares [`CommandError`]: the errors of other crates with their exit codes, and the command
+/// line's own.
+macro_rules! command_error {
+    ($($(#[$doc:meta])* $variant:ident($error:ty) => $code:expr;)*) => {
+        /// Why a command ended early.
+        #[derive(Debug)]
+        #[allow(dead_code, reason = "some commands still return anyhow's error in their place")]
+        pub(crate) enum CommandError {
+            $($(#[$doc])* $variant($error),)*
+            /// An option, or two that do not go together: option with its value, what was expected.
+            Option(String, String),
+            /// Input that fits its format and not the command: file, found, expected.
+            Input {
+                /// The file.
+                file: PathBuf,
+                /// What was found.
+                found: String,
+                /// What was expected.
+                expected: String,
+            },
+            /// A file that cannot be written: file, the system's reason.
+            File(PathBuf, io::Error),
+            /// What has no type yet.
+            Untyped(anyhow::Error),
+        }
+
+        $(impl From<$error> for CommandError {
+            fn from(why: $error) -> Self {
+                Self::$variant(why)
+            }
+        })*
+
+        impl CommandError {
+            /// The exit code that this error ends the program with.
+            pub(crate) fn exit_code(&self) -> u8 {
+                match self {
+                    $(Self::$variant(why) => code_of(why, $code),)*
+                    Self::Option(..) | Self::Input { .. } => BAD_INPUT,
+                    Self::File(..) => FAILED,
+                    Self::Untyped(why) => {
+                        $(if let Some(why) = why.downcast_ref::<$error>() {
+                            return code_of(why, $code);
+                        })*
+                        why.downcast_ref::<Self>().map_or(BAD_INPUT, Self::exit_code)
+                    }
+                }
+            }
+        }
+
+        impl fmt::Display for CommandError {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self {
+                    $(Self::$variant(why) => write!(f, "{why}"),)*
+                    Self::Option(option, expected) => write!(f, "{option}: expected {expected}"),
+                    Self::Input { file, found, expected } => {
+                        let file = file.display().to_string();
+                        write!(f, "{}: found {found}, expected {expected}", files::quoted(&file))
+                    }
+                    Self::File(file, why) => {
+                        write!(f, "{}: {why}", files::quoted(&file.display().to_string()))
+                    }
+                    Self::Untyped(why) => write!(f, "{why:#}"),
+                }
+            }
+        }
+    };
+}
+
+command_error! {
+    /// A scenario, vehicle, damper, rig or datasheet.
+    Scenario(ScenarioError) => |_| BAD_INPUT;
+    /// A measured record.
+    Measurement(MeasurementError) => |_| BAD_INPUT;
+    /// A file that is not read.
+    InputFile(InputError) => |_| BAD_INPUT;
+    /// A folder that takes no result.
+    Folder(FolderError) => |why| input_or_failure(!matches!(why, FolderError::Disk(..)));
+    /// Shards that do not belong together.
+    Signal(SignalError) => |why| input_or_failure(why.is_bad_input());
+    /// A study of a vehicle.
+    Study(StudyError) => |why| input_or_failure(why.is_bad_input());
+    /// A campaign, a figure of the study of 2014, or a reference.
+    Evidence(EvidenceError) => |why| input_or_failure(why.is_bad_input());
+    /// Records that no damper follows.
+    Identification(IdentifyError) => |_| BAD_INPUT;
+    /// A report page that is not written.
+    Report(report::Error) => |_| FAILED;
+    /// Rigs that never answered.
+    Rigs(SilentRigs) => |_| SAFE_STATE;
+    /// Output that nothing takes, such as a full disk.
+    Output(io::Error) => |_| FAILED;
+    /// A result that is no JSON.
+    Json(serde_json::Error) => |_| FAILED;
+}
+
+impl std::error::Error for CommandError {}
+
+impl From<anyhow::Error> for CommandError {
+    fn from(why: anyhow::Error) -> Self {
+        match why.downcast() {
+            Ok(typed) => typed,
+            Err(why) => Self::Untyped(why),
+        }
+    }
+}
+
+/// The exit code of an error that knows whether the input is at fault.
+const fn input_or_failure(is_bad_input: bool) -> u8 {
+    if is_bad_input { BAD_INPUT } else { FAILED }
+}
+
+/// Applies a row's code to its error; gives the closure's argument its type.
+fn code_of<E>(why: &E, code: impl Fn(&E) -> u8) -> u8 {
+    code(why)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn the_exit_code_is_read_from_the_kind_of_the_error() {
+        let full = || io::Error::from(io::ErrorKind::StorageFull);
+        let scenario = || ScenarioError { file: "a.toml".into(), line: None, message: "no".into() };
+        let folder = |error| CommandError::Folder(error).exit_code();
+        assert_eq!(CommandError::from(scenario()).exit_code(), BAD_INPUT);
+        assert_eq!(CommandError::from(full()).exit_code(), FAILED);
+        assert_eq!(CommandError::from(SilentRigs(String::new())).exit_code(), SAFE_STATE);
+        assert_eq!(folder(FolderError::Disk("a".into(), full())), FAILED);
+        assert_eq!(folder(FolderError::Occupied("a".into())), BAD_INPUT);
+        let option = CommandError::Option("--seeds 0".into(), "1 to 1000".into());
+        assert_eq!(option.exit_code(), BAD_INPUT);
+        assert_eq!(option.to_string(), "--seeds 0: expected 1 to 1000");
+    }
+
+    #[test]
+    fn an_error_without_a_type_keeps_its_context_and_the_code_of_its_cause() {
+        let full = io::Error::from(io::ErrorKind::StorageFull);
+        let error = CommandError::from(Err::<(), _>(full).context("a.csv").unwrap_err());
+        assert_eq!(error.exit_code(), FAILED);
+        assert!(error.to_string().starts_with("a.csv: "), "{error}");
+        assert_eq!(CommandError::from(anyhow::anyhow!("what")).exit_code(), BAD_INPUT);
+        let typed =
+            anyhow::Error::from(CommandError::File("a".into(), io::ErrorKind::Other.into()));
+        assert!(matches!(CommandError::from(typed), CommandError::File(..)));
+    }
+}

@@ -1,0 +1,8 @@
+//! What several topics share.
+
+pub(crate) mod command;
+pub(crate) mod record;
+pub(crate) mod schema;
+pub(crate) mod session;
+pub(crate) mod visit;
+pub(crate) mod whole_run;

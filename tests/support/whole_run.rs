@@ -1,0 +1,34 @@
+//! A scenario from its first cycle to its last, in this process.
+
+use super::session::{ready, session};
+use hil_host::control::{End, Pace};
+use hil_host::record::Queues;
+use scenario::run::Run;
+use std::sync::atomic::AtomicBool;
+
+/// Runs a whole scenario and gives its end and hash.
+pub(crate) fn run_through(run: &Run) -> (End, u64) {
+    let track = run.track.view();
+    let session = session(run, &track);
+    let (mut state, mut buses) = ready(run, &session);
+    let mut queues = Queues::default();
+    let (mut recorder, drain) = queues.split();
+    let done = AtomicBool::new(false);
+    let end = std::thread::scope(|scope| {
+        let (events, _kept) = crossbeam_channel::unbounded();
+        let done = &done;
+        scope.spawn(move || drain.run(done, &[], &events));
+        let stop = AtomicBool::new(false);
+        let end = session.run(
+            &mut state,
+            &mut buses,
+            &mut Pace::Fast,
+            run.cycles(),
+            &mut recorder,
+            &stop,
+        );
+        done.store(true, std::sync::atomic::Ordering::Release);
+        end
+    });
+    (end, state.hash)
+}

@@ -1,0 +1,161 @@
+//! `yawbench characterise`: virtual visits, figures of measured records, and what it refuses.
+
+use crate::support::command::{folder, output, repository, yawbench};
+use crate::support::schema;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+const MODEL: &str = "[damper]\nclearance_2a_m = 1e-3\nf_relief_n = 15e3\nc2_n_s_per_m = 60e3\n";
+
+/// A folder with the model in it.
+fn place(name: &str) -> PathBuf {
+    let place = folder(name);
+    std::fs::write(place.join("model.toml"), MODEL).unwrap();
+    place
+}
+
+fn characterise(place: &Path, args: &[&str]) -> Output {
+    output(yawbench().arg("characterise").args(args).current_dir(place))
+}
+
+fn figures(place: &Path, args: &[&str]) -> Value {
+    let result = characterise(place, args);
+    let errors = String::from_utf8_lossy(&result.stderr);
+    assert_eq!(result.status.code(), Some(0), "{errors}");
+    serde_json::from_slice(&result.stdout).unwrap()
+}
+
+#[test]
+fn a_visit_leaves_records_that_give_the_same_figures_when_they_are_read_again() {
+    let place = place("visit");
+    let visit = figures(&place, &["model.toml", "--tests", "short", "--out", "a", "--json"]);
+    let schema = std::fs::read_to_string(repository().join("docs/schema/laboratory.schema.json"));
+    let schema: Value = serde_json::from_str(&schema.unwrap()).unwrap();
+    assert_eq!(schema::misfits(&schema, &visit), Vec::<String>::new());
+    let kept: Value =
+        serde_json::from_str(&std::fs::read_to_string(place.join("a/laboratory.json")).unwrap())
+            .unwrap();
+    assert_eq!(visit, kept);
+    // The working sine, worked out for this project by another program: 140.4 J, 4.03 MN/m.
+    let sine = &visit["tests"][0];
+    assert!((sine["work_per_cycle_j"].as_f64().unwrap() / 140.4 - 1.0).abs() < 5e-3, "{sine}");
+    let stiffness = sine["dynamic"]["stiffness_real_n_per_m"].as_f64().unwrap();
+    assert!((stiffness / 4.03e6 - 1.0).abs() < 5e-3, "{stiffness}");
+
+    let names: Vec<String> = visit["tests"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|test| format!("a/{}.csv", test["name"].as_str().unwrap()))
+        .collect();
+    let mut args = vec!["--json", "--out", "b", "--from"];
+    args.extend(names.iter().map(String::as_str));
+    let again = figures(&place, &args);
+    assert_eq!(schema::misfits(&schema, &again), Vec::<String>::new());
+    assert_eq!(again["source"], "measured");
+    for (first, second) in
+        visit["tests"].as_array().unwrap().iter().zip(again["tests"].as_array().unwrap())
+    {
+        // A file has a thousandth of a newton and a nanometre.
+        for key in ["force_max_n", "force_mean_n", "amplitude_m", "duration_s"] {
+            let (a, b) = (first[key].as_f64().unwrap(), second[key].as_f64().unwrap());
+            assert!((a - b).abs() < 2e-3, "{key}: {a} {b}");
+        }
+        assert_eq!(first["cycles_used"], second["cycles_used"]);
+        if let Some(work) = first["work_per_cycle_j"].as_f64() {
+            let read = second["work_per_cycle_j"].as_f64().unwrap();
+            assert!((work / read - 1.0).abs() < 1e-4, "{}: {work} {read}", first["name"]);
+        }
+    }
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
+fn the_seed_decides_the_noise_to_the_last_byte() {
+    let place = place("seed");
+    let list = "[[test]]\nname = \"one\"\nsine = { amplitude_m = 3e-3, frequency_hz = 3.0 }\nduration_s = 2.0\n";
+    std::fs::write(place.join("list.toml"), list).unwrap();
+    for (out, seed) in [("a", "7"), ("b", "7"), ("c", "8")] {
+        figures(
+            &place,
+            &["model.toml", "--tests", "list.toml", "--seed", seed, "--out", out, "--json"],
+        );
+    }
+    let csv = |out: &str| std::fs::read(place.join(out).join("one.csv")).unwrap();
+    assert!(csv("a") == csv("b"), "the same seed");
+    assert!(csv("a") != csv("c"), "another seed");
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
+fn a_hydraulic_damper_is_held_against_its_datasheet() {
+    let place = place("physical");
+    let list = "[[test]]\nname = \"slow\"\n\
+                triangle = { stroke_m = 15e-3, speed_m_per_s = 0.03, cycles = 2 }\n";
+    std::fs::write(place.join("list.toml"), list).unwrap();
+    let row = |force: f64| {
+        format!(
+            "[[force]]\nvelocity_m_per_s = 0.03\nextension_n = {force}\ncompression_n = {force}\n"
+        )
+    };
+    let damper = repository().join("scenarios/dampers/hydraulic-yaw-damper.toml");
+    for (force, verdict) in [(16.5e3, true), (12.0e3, false)] {
+        std::fs::write(place.join("sheet.toml"), row(force)).unwrap();
+        let args = ["--physical", damper.to_str().unwrap(), "--tests", "list.toml"];
+        let more = ["--datasheet", "sheet.toml", "--out", "o", "--json"];
+        let visit = figures(&place, &[args.as_slice(), &more].concat());
+        assert_eq!(visit["source"], "physical");
+        assert_eq!(
+            visit["force_velocity"][0]["within_limit"], verdict,
+            "{}",
+            visit["force_velocity"]
+        );
+    }
+    let args = ["--physical", damper.to_str().unwrap(), "--tests", "list.toml", "--out", "o"];
+    let result = characterise(&place, &args);
+    let text = String::from_utf8_lossy(&result.stdout);
+    for part in
+        ["Force over velocity", "extension kN", "slow", "virtual visit, seed 1", "files in o"]
+    {
+        assert!(text.contains(part), "no {part} in {text}");
+    }
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
+fn bad_input_gets_one_line_and_nothing_is_written() {
+    let place = place("refused");
+    std::fs::write(place.join("far.toml"), "[[test]]\nname = \"far\"\nmean_m = 0.2\nduration_s = 2.0\nsine = { amplitude_m = 1e-3, frequency_hz = 3.0 }\n").unwrap();
+    std::fs::write(place.join("bad.toml"), "[[test]]\nname = \"bad\"\n").unwrap();
+    std::fs::write(place.join("soft.toml"), "[damper]\nke_n_per_m = -1.0\n").unwrap();
+    std::fs::write(place.join("short.csv"), "time_s,displacement_m,force_n\n0.0,0.0,0.0\n")
+        .unwrap();
+    let damper = repository().join("scenarios/dampers/hydraulic-yaw-damper.toml");
+    let damper = damper.to_str().unwrap();
+    let cases: [(&[&str], &[&str]); 7] = [
+        (&["nothing.toml"], &["nothing.toml", "cannot be read"]),
+        (&["soft.toml"], &["soft.toml:2", "ke_n_per_m = -1"]),
+        (&["model.toml", "--tests", "medium"], &["medium", "cannot be read"]),
+        (&["model.toml", "--tests", "bad.toml"], &["bad.toml", "\"bad\" has 0 motions"]),
+        (&["model.toml", "--datasheet", "model.tom"], &["model.tom", "cannot be read"]),
+        (&["--physical", damper, "--tests", "far.toml"], &["\"far\"", "half_stroke_m = 0.11"]),
+        (&["--from", "short.csv"], &["short.csv"]),
+    ];
+    for (args, parts) in cases {
+        let result = characterise(&place, &[args, &["--out", "out"]].concat());
+        let text = String::from_utf8_lossy(&result.stderr).trim().to_owned();
+        assert_eq!(result.status.code(), Some(2), "{args:?}: {text}");
+        assert_eq!(text.lines().count(), 1, "{args:?}: {text}");
+        for part in parts {
+            assert!(text.contains(part), "{args:?}: no {part} in {text}");
+        }
+        assert!(result.stdout.is_empty() && !place.join("out").exists(), "{args:?}");
+    }
+    // No damper at all, or two.
+    for args in [&[][..], &["model.toml", "--physical", damper], &["model.toml", "--from", "a.csv"]]
+    {
+        assert_eq!(characterise(&place, args).status.code(), Some(2), "{args:?}");
+    }
+    std::fs::remove_dir_all(place).unwrap();
+}

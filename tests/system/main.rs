@@ -1,0 +1,34 @@
+//! Tests of the whole program, one module per topic: the command line as a person uses it,
+//! scenarios run in this process, and the repository itself.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod architecture;
+mod bad_input;
+mod blow_up;
+mod campaign;
+mod characterise;
+mod coach;
+mod comments;
+mod compare;
+mod critical_speed;
+mod curve;
+mod determinism;
+mod golden;
+mod hyperqueue;
+mod identify_command;
+mod identify_empirical;
+mod identify_page;
+mod interrupted_study;
+mod layout;
+mod measured_run;
+mod physics;
+mod real_records;
+mod reproduce;
+mod ride;
+mod run_command;
+mod stale_answers;
+mod watch;

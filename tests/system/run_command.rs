@@ -1,0 +1,329 @@
+//! `yawbench run` on the memory bus, as a person runs it, and everything it leaves behind.
+
+use crate::support::command::{folder, output, repository, yawbench};
+use crate::support::record::Record;
+use crate::support::schema;
+use can_protocol::{Message, MessageId, Node, Profile};
+use serde_json::Value;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Runs a scenario for some seconds of model time; gives the folder and the summary.
+fn run(scenario: &str, seconds: &str) -> (PathBuf, Value) {
+    static RUNS: AtomicU32 = AtomicU32::new(0);
+    let out = folder(&format!("run-{}", RUNS.fetch_add(1, Ordering::Relaxed)));
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(repository().join("scenarios").join(scenario))
+            .args(["--pace", "fast", "--duration", seconds, "--json", "--out"])
+            .arg(&out),
+    );
+    let errors = String::from_utf8_lossy(&result.stderr);
+    assert_eq!(result.status.code(), Some(0), "{errors}");
+    let printed: Value = serde_json::from_slice(&result.stdout).unwrap();
+    let kept: Value = read_json(&out.join("summary.json"));
+    assert_eq!(printed, kept);
+    (out, kept)
+}
+
+fn read_json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+#[test]
+fn a_run_leaves_a_summary_that_its_schema_knows() {
+    let (out, summary) = run("ss9-160kmh.toml", "4");
+    let schema = read_json(&repository().join("docs/schema/summary.schema.json"));
+    assert_eq!(schema::misfits(&schema, &summary), Vec::<String>::new());
+    assert_eq!(summary["steps"], 4000);
+    assert!(summary["notes"].to_string().contains("CALIBRATED"), "{}", summary["notes"]);
+    assert_eq!(summary["frames"]["sent"], 4000);
+    assert_eq!(summary["frames"]["received"], 4000);
+    assert_eq!(summary["frames"]["lost"], 0);
+    assert_eq!(summary["damper"][0]["place"], "rig");
+    assert_eq!(summary["damper"][0]["name"], "front left");
+    assert_eq!(summary["damper"][3]["name"], "rear right");
+    let order =
+        |body: &str| summary["accelerations"][body]["lateral_rms_m_per_s2"].as_f64().unwrap();
+    assert!(order("wheelset_1") > order("bogie_front"));
+    assert!(order("bogie_front") > order("carbody"));
+    // A schema that nothing can violate protects nothing.
+    let mut wrong = summary.clone();
+    wrong["steps"] = Value::String("many".to_owned());
+    assert_eq!(schema::misfits(&schema, &wrong).len(), 1);
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn the_record_is_lossless_and_its_frames_are_the_forces() {
+    let (out, summary) = run("ss9-160kmh.toml", "2");
+    let record = Record::read(&out.join("record.npy"));
+    assert_eq!(record.rows(), 2000);
+    let mut last_hash = 0;
+    for row in 0..record.rows() {
+        assert_eq!(record.integer(row, "cycle", 0), row as u64 + 1);
+        let bytes: [u8; 16] = std::array::from_fn(|byte| record.integer(row, "frame", byte) as u8);
+        if row > 0 {
+            // What the vehicle felt is what the frame says, to the last bit.
+            let id = MessageId::Measurement(Profile::Classical, Node::ALL[0]).raw();
+            let Ok(Message::Measurement(measurement)) = Message::decode(id, &bytes[..8]) else {
+                panic!("row {row}: {bytes:?}");
+            };
+            assert_eq!(measurement.force_n, Some(record.number(row, "force_n", 0)), "row {row}");
+            assert_eq!(record.integer(row, "input", 0), 1);
+        }
+        last_hash = record.integer(row, "hash", 0);
+    }
+    assert_eq!(format!("{last_hash:016x}"), summary["trajectory_hash"]);
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn the_bus_log_is_candump_and_accounts_for_every_frame() {
+    let (out, summary) = run("ss9-160kmh.toml", "2");
+    let log = std::fs::read_to_string(out.join("bus.log")).unwrap();
+    let (mut commands, mut measurements) = (0, 0);
+    for line in log.lines() {
+        let frame = line.rsplit(' ').next().unwrap();
+        let (id, data) = frame.split_once('#').unwrap();
+        let bytes: Vec<u8> = (0..data.len() / 2)
+            .map(|byte| u8::from_str_radix(&data[2 * byte..2 * byte + 2], 16).unwrap())
+            .collect();
+        match Message::decode(u16::from_str_radix(id, 16).unwrap(), &bytes).unwrap() {
+            Message::Command(_) => commands += 1,
+            Message::Measurement(_) => measurements += 1,
+            _ => {}
+        }
+        assert!(line.starts_with('(') && line.contains(") memory "), "{line}");
+    }
+    // The last command ends the run and is no cycle.
+    assert_eq!(commands, summary["frames"]["sent"].as_u64().unwrap() + 1);
+    assert_eq!(measurements, summary["frames"]["received"].as_u64().unwrap());
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn worn_dampers_show_a_dead_zone_and_do_less_work() {
+    let (new_out, new) = run("ss9-160kmh.toml", "12");
+    let (worn_out, worn) = run("ss9-worn-2a-4mm.toml", "12");
+    for damper in 0..4 {
+        let work = |summary: &Value| summary["damper"][damper]["work_per_s_j"].as_f64().unwrap();
+        let ratio = work(&worn) / work(&new);
+        assert!(ratio > 0.0 && ratio < 0.8, "damper {damper}: work falls to {ratio}");
+    }
+    // Share of cycles without force, of a modelled damper and of the one on the rig (whose load
+    // cell has noise).
+    let idle = |out: &Path, slot: usize| {
+        let record = Record::read(&out.join("record.npy"));
+        let rows = 2000..record.rows();
+        let count = rows.len() as f64;
+        rows.filter(|row| record.number(*row, "force_n", slot).abs() < 30.0).count() as f64 / count
+    };
+    for slot in [0, 1] {
+        let (new, worn) = (idle(&new_out, slot), idle(&worn_out, slot));
+        assert!(new < 0.1 && worn > 0.3, "slot {slot}: without force new {new} worn {worn}");
+    }
+    std::fs::remove_dir_all(new_out).unwrap();
+    std::fs::remove_dir_all(worn_out).unwrap();
+}
+
+#[test]
+fn wear_in_software_acts_like_wear_on_the_damper() {
+    let (out, one) = run("ss9-one-worn-of-four.toml", "12");
+    let (new_out, new) = run("ss9-160kmh.toml", "12");
+    let work = |summary: &Value, damper: usize| {
+        summary["damper"][damper]["work_per_s_j"].as_f64().unwrap()
+    };
+    assert!(work(&one, 1) > 0.8 * work(&new, 1));
+    // The same wear on the rig's damper itself, the other three as new.
+    let place = folder("worn-on-the-rig");
+    let text = std::fs::read_to_string(repository().join("scenarios/ss9-one-worn-of-four.toml"))
+        .unwrap()
+        .replace(
+            "virtual_wear = { clearance_2a_m = 3.8e-3 }",
+            "[rig.damper]\nclearance_2a_m = 4.0e-3",
+        )
+        .replace(
+            "vehicles/ss9.toml",
+            repository().join("scenarios/vehicles/ss9.toml").to_str().unwrap(),
+        );
+    std::fs::write(place.join("physical.toml"), text).unwrap();
+    let out_physical = place.join("out");
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(place.join("physical.toml"))
+            .args(["--pace", "fast", "--duration", "12", "--out"])
+            .arg(&out_physical),
+    );
+    assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
+    let physical = read_json(&out_physical.join("summary.json"));
+    let ratio = work(&one, 0) / work(&physical, 0);
+    println!("work, virtual {} physical {}", work(&one, 0), work(&physical, 0));
+    assert!((ratio - 1.0).abs() < 0.1, "work in software over on the damper: {ratio}");
+    std::fs::remove_dir_all(place).unwrap();
+    std::fs::remove_dir_all(out).unwrap();
+    std::fs::remove_dir_all(new_out).unwrap();
+}
+
+#[test]
+fn the_report_opens_in_a_browser_with_all_its_plots() {
+    let (out, _) = run("ss9-curve-400m.toml", "6");
+    let html = out.join("report.html");
+    let text = std::fs::read_to_string(&html).unwrap();
+    for part in ["Damper forces", "Loops", "Spectra", "Timing", "CALIBRATED", "no safety function"]
+    {
+        assert!(text.contains(part), "{part}");
+    }
+    if let Some(page) = report::browser::open(&html).unwrap_or_else(|error| panic!("{error}")) {
+        page.assert_complete();
+    }
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn a_vehicle_without_yaw_dampers_runs_as_well() {
+    let place = folder("coach");
+    let coach = repository().join("scenarios/vehicles/manchester-coach.toml");
+    let scenario = format!(
+        "title = \"coach\"\nvehicle = {coach:?}\nspeed_kmh = 160.0\nduration_s = 2.0\n\
+         [track.irregularity.aar6]\nseed = 3\nshortest_m = 1.0\nlongest_m = 100.0\n"
+    );
+    std::fs::write(place.join("coach.toml"), scenario).unwrap();
+    let out = place.join("out");
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(place.join("coach.toml"))
+            .args(["--pace", "fast", "--out"])
+            .arg(&out),
+    );
+    assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
+    assert_eq!(read_json(&out.join("summary.json"))["damper"], Value::Array(Vec::new()));
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
+fn four_rigs_share_an_fd_bus() {
+    let place = folder("four-rigs");
+    let vehicle = repository().join("scenarios/vehicles/ss9.toml");
+    let mut scenario = format!(
+        "title = \"four rigs\"\nvehicle = {vehicle:?}\nspeed_kmh = 160.0\nduration_s = 2.0\n\
+         [track.irregularity.aar6]\nseed = 3\nshortest_m = 1.0\nlongest_m = 100.0\n"
+    );
+    for (node, slot) in ["front left", "front right", "rear left", "rear right"].iter().enumerate()
+    {
+        let text = format!("[[slot]]\nplace = \"{slot}\"\non = \"rig\"\nnode = {}\n", node + 1);
+        scenario.push_str(&text);
+    }
+    std::fs::write(place.join("four.toml"), scenario).unwrap();
+    let out = place.join("out");
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(place.join("four.toml"))
+            .args(["--pace", "fast", "--profile", "fd", "--out"])
+            .arg(&out),
+    );
+    let errors = String::from_utf8_lossy(&result.stderr);
+    assert_eq!(result.status.code(), Some(0), "{errors}");
+    assert!(errors.contains("warning"), "58 % of the bus is worth a warning: {errors}");
+    let summary = read_json(&out.join("summary.json"));
+    assert_eq!(summary["frames"]["received"], 8000);
+    for damper in summary["damper"].as_array().unwrap() {
+        assert_eq!(damper["place"], "rig");
+        assert!(damper["force_n"]["rms"].as_f64().unwrap() > 100.0, "{damper}");
+    }
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
+fn measured_irregularity_comes_from_a_file() {
+    let place = folder("measured-track");
+    let vehicle = repository().join("scenarios/vehicles/ss9.toml");
+    let mut csv = String::from(
+        "# a dip of 4 mm every 25 m on the right rail\ndistance_m,vertical_m,cross_level_m\n",
+    );
+    for index in 0..2000 {
+        let distance = f64::from(index) * 0.25;
+        let dip = 2e-3 * (1.0 - libm::cos(core::f64::consts::TAU * distance / 25.0));
+        let row = format!("{distance},{},{dip}\n", 0.5 * dip);
+        csv.push_str(&row);
+    }
+    std::fs::write(place.join("track.csv"), &csv).unwrap();
+    let scenario = format!(
+        "title = \"measured\"\nvehicle = {vehicle:?}\nspeed_kmh = 160.0\nduration_s = 4.0\n\
+         [track.irregularity.csv]\npath = \"track.csv\"\n"
+    );
+    std::fs::write(place.join("measured.toml"), scenario).unwrap();
+    let run = |out: &Path| {
+        output(
+            yawbench()
+                .arg("run")
+                .arg(place.join("measured.toml"))
+                .args(["--pace", "fast", "--out"])
+                .arg(out),
+        )
+    };
+    let out = place.join("out");
+    let result = run(&out);
+    assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
+    let summary = read_json(&out.join("summary.json"));
+    let vertical =
+        summary["accelerations"]["wheelset_1"]["vertical_rms_m_per_s2"].as_f64().unwrap();
+    // 1 mm of mean dip at 160 km/h / 25 m = 1.78 Hz: 1e-3 (2 pi 1.78)^2 / sqrt(2) = 0.088 m/s2.
+    assert!((vertical - 0.088).abs() < 0.02, "{vertical}");
+    // A gap in the distance is named.
+    std::fs::write(place.join("track.csv"), csv.replacen("\n10.25,", "\n10.5,", 1)).unwrap();
+    let result = run(&place.join("other"));
+    let text = String::from_utf8_lossy(&result.stderr).into_owned();
+    assert_eq!(result.status.code(), Some(2), "{text}");
+    for part in ["track.csv:44", "distance_m", "10.5", "10.25"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
+fn the_scenario_that_a_run_leaves_gives_the_same_run() {
+    let (out, first) = run("ss9-one-worn-of-four.toml", "3");
+    let again = out.join("again");
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(out.join("scenario.toml"))
+            .args(["--pace", "fast", "--out"])
+            .arg(&again),
+    );
+    assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
+    let second = read_json(&again.join("summary.json"));
+    assert_eq!(first["trajectory_hash"], second["trajectory_hash"]);
+    assert_eq!(first["damper"], second["damper"]);
+    std::fs::remove_dir_all(out).unwrap();
+}
+
+#[test]
+fn a_full_disk_ends_the_run_and_is_not_called_bad_input() {
+    if !Path::new("/dev/full").exists() {
+        writeln!(std::io::stderr(), "SKIPPED: no /dev/full on this machine").unwrap();
+        return;
+    }
+    let out = folder("full-disk");
+    std::os::unix::fs::symlink("/dev/full", out.join("bus.log")).unwrap();
+    let result = output(
+        yawbench()
+            .arg("run")
+            .arg(repository().join("scenarios/ss9-160kmh.toml"))
+            .args(["--pace", "fast", "--duration", "600", "--out"])
+            .arg(&out),
+    );
+    let errors = String::from_utf8_lossy(&result.stderr);
+    assert_eq!(result.status.code(), Some(1), "{errors}");
+    assert!(errors.contains("bus.log") && errors.contains("No space left"), "{errors}");
+    // It stopped long before its 600 s, and what was recorded can be read.
+    let rows = Record::read(&out.join("record.npy")).rows();
+    assert!(rows > 1000 && rows < 500_000, "{rows} rows");
+    std::fs::remove_dir_all(out).unwrap();
+}

@@ -1,0 +1,9 @@
+//! Tests over SocketCAN. They run on this kernel where it has CAN, else in a throw-away machine
+//! (`cargo xtask vcan`).
+
+#[path = "../support/record.rs"]
+mod record;
+
+mod interface;
+mod rig;
+mod smoke;

@@ -1,0 +1,424 @@
+//! Host and rig as two processes on a real SocketCAN interface.
+
+use crate::interface::{Candump, Interface, cansend, interface, slow_down, yawbench};
+use crate::record::Record;
+use can_protocol::{Fault, Measurement, Message, MessageId, Node, Profile, RunState, Sender};
+use serde_json::Value;
+use socketcan::{CanAnyFrame, CanFdSocket, EmbeddedFrame, Id, Socket};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Tests of this file take turns: paced processes must not share a processor with others.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// An interface and the machine for oneself.
+fn alone() -> Option<(Interface, MutexGuard<'static, ()>)> {
+    let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    interface().map(|interface| (interface, turn))
+}
+
+/// Without a clock nothing needs the real-time scheduler, and candump is to keep up.
+const LOCK_STEP_RIG: &[&str] = &["--exit-after-run", "--fifo-priority", "0"];
+
+/// A rig process that dies with the test.
+struct Rig(Option<Child>);
+
+impl Rig {
+    fn start(interface: &Interface, args: &[&str]) -> Self {
+        let mut command = yawbench();
+        // The rig with the damper of the scenarios, as the README starts it.
+        command.arg("rig").arg(scenario("rigs/laboratory-rig.toml"));
+        command.args(["--json", "--bus"]).arg(format!("socketcan:{interface}")).args(args);
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the rig");
+        Self(Some(child))
+    }
+
+    fn id(&self) -> u32 {
+        self.0.as_ref().expect("a running rig").id()
+    }
+
+    /// Waits for its end; gives exit code and summary.
+    fn end(mut self) -> (Option<i32>, Value) {
+        let output =
+            self.0.take().expect("a running rig").wait_with_output().expect("the rig's end");
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        let summary =
+            serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {text}"));
+        (output.status.code(), summary)
+    }
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+fn scenario(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name)
+}
+
+fn out(interface: &str, name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("yawbench-{interface}-{name}"))
+}
+
+fn host(bus: &str, seconds: &str, out: &Path, args: &[&str]) -> Command {
+    let mut command = yawbench();
+    command.arg("run").arg(scenario("ss9-160kmh.toml"));
+    command.args(["--json", "--duration", seconds, "--bus", bus, "--out"]).arg(out).args(args);
+    command
+}
+
+fn summary(output: &Output) -> Value {
+    let text = String::from_utf8_lossy(&output.stderr);
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// The hash of the same run with the rig in memory.
+fn hash_in_memory(interface: &str, seconds: &str) -> Value {
+    let folder = out(interface, "memory");
+    let output = host("memory", seconds, &folder, &["--pace", "fast"]).output().expect("the host");
+    let summary = summary(&output);
+    let _ = std::fs::remove_dir_all(folder);
+    summary["trajectory_hash"].clone()
+}
+
+/// The frames of every id, in order, as text.
+type ById = BTreeMap<u16, Vec<Vec<u8>>>;
+
+fn of_candump(frames: &[CanAnyFrame]) -> ById {
+    let mut by_id = ById::new();
+    for frame in frames {
+        let (id, data) = parts(frame).expect("only our frames are on this bus");
+        by_id.entry(id).or_default().push(data);
+    }
+    by_id
+}
+
+fn parts(frame: &CanAnyFrame) -> Option<(u16, Vec<u8>)> {
+    let (id, data) = match frame {
+        CanAnyFrame::Normal(frame) => (frame.id(), frame.data().to_vec()),
+        CanAnyFrame::Fd(frame) => (frame.id(), frame.data().to_vec()),
+        _ => return None,
+    };
+    match id {
+        Id::Standard(id) => Some((id.as_raw(), data)),
+        Id::Extended(_) => None,
+    }
+}
+
+fn of_bus_log(path: &Path) -> ById {
+    let mut by_id = ById::new();
+    for line in std::fs::read_to_string(path).expect("bus.log").lines() {
+        let frame = line.rsplit(' ').next().expect("a frame");
+        let (id, data) = frame.split_once('#').expect("a frame");
+        let data = data.strip_prefix('#').map_or(data, |fd| &fd[1..]);
+        let byte = |at: usize| u8::from_str_radix(&data[at..at + 2], 16).expect("hex");
+        let bytes = (0..data.len()).step_by(2).map(byte).collect();
+        by_id.entry(u16::from_str_radix(id, 16).expect("hex")).or_default().push(bytes);
+    }
+    by_id
+}
+
+const COMMAND: MessageId = MessageId::Command(Profile::Classical, Node::ALL[0]);
+const MEASUREMENT: MessageId = MessageId::Measurement(Profile::Classical, Node::ALL[0]);
+
+#[test]
+fn thirty_thousand_cycles_in_lock_step_lose_nothing_and_match_memory_bit_for_bit() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let rig = Rig::start(&vcan, LOCK_STEP_RIG);
+    let candump = Candump::start(&vcan);
+    let folder = out(&vcan, "lockstep");
+    let bus = format!("socketcan:{vcan}");
+    let output = host(&bus, "30", &folder, &["--pace", "lockstep"]).output().expect("the host");
+    let host = summary(&output);
+    let (code, rig) = rig.end();
+    let wire = of_candump(&candump.stop());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(code, Some(0), "{rig}");
+
+    assert_eq!(host["steps"], 30_000);
+    assert_eq!(host["frames"]["sent"], 30_000);
+    assert_eq!(host["frames"]["received"], 30_000);
+    assert_eq!(host["frames"]["lost"], 0);
+    // The last command ends the run and is no cycle.
+    assert_eq!(rig["frames"]["received"], 30_001, "{rig}");
+    assert_eq!(rig["frames"]["lost"], 0);
+    assert_eq!(host["trajectory_hash"], hash_in_memory(&vcan, "30"));
+
+    // What candump saw is what we recorded, frame by frame, and every one of it decodes.
+    let own = of_bus_log(&folder.join("bus.log"));
+    for id in [COMMAND, MEASUREMENT] {
+        let (wire, own) = (&wire[&id.raw()], &own[&id.raw()]);
+        assert!(wire.len() >= 30_000, "{id}: {}", wire.len());
+        assert_eq!(&wire[..own.len()], &own[..], "{id}");
+        for data in wire {
+            Message::decode(id.raw(), data).unwrap_or_else(|error| panic!("{id}: {error}"));
+        }
+    }
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
+fn thirty_thousand_cycles_on_the_clock_account_for_every_frame() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let rig = Rig::start(&vcan, &["--exit-after-run"]);
+    let folder = out(&vcan, "paced");
+    let slow_down = slow_down().to_string();
+    let bus = format!("socketcan:{vcan}");
+    let output = host(&bus, "30", &folder, &["--pace", "realtime", "--slow-down", &slow_down])
+        .output()
+        .expect("the host");
+    let host = summary(&output);
+    let (_, rig) = rig.end();
+    let number = |value: &Value| value.as_u64().expect("a count");
+    println!(
+        "paced, slow-down {slow_down}: cycle {} lateness {} skipped {} frames {} rig {}",
+        host["cycle_time_us"], host["lateness_us"], host["overruns"], host["frames"], rig["frames"]
+    );
+    let sent = number(&host["frames"]["sent"]);
+    assert_eq!(sent + number(&host["frames"]["late"]), number(&host["steps"]));
+    assert_eq!(number(&host["bus_counters"]["receive_dropped"]), 0);
+    if host["state"] == "completed" {
+        assert_eq!(number(&host["steps"]), 30_000);
+        // One more: the command that ends the run.
+        assert_eq!(number(&rig["frames"]["received"]) + number(&rig["frames"]["lost"]), sent + 1);
+        // The rig measures on its own clock; its counters show that none went missing.
+        assert_eq!(number(&host["frames"]["lost"]), 0);
+        assert_eq!(number(&host["frames"]["wrong_sequence"]), 0);
+        assert!(number(&host["bus_counters"]["received"]) <= number(&rig["sent"]));
+    } else {
+        panic!("the paced run ended in state {}: {host}", host["state"]);
+    }
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
+fn a_comparison_models_the_slot_of_a_rig_that_cannot_be_run_again() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let folder = out(&vcan, "compared");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let example = std::fs::read_to_string(scenario("ss9-before-and-after.toml")).expect("a file");
+    let vehicles = format!("\"{}", scenario("vehicles").display());
+    let example = example.replace("\"vehicles", &vehicles);
+    let (modelled, _) = example.split_once("[[slot]]").expect("a slot");
+    let run = |name: &str, text: &str, args: &[&str]| {
+        let file = folder.join(name);
+        std::fs::write(&file, text).expect("a scenario");
+        let mut command = yawbench();
+        command.args(["run", "--json", "--duration", "4"]).arg(&file).args(args);
+        summary(&command.arg("--out").arg(folder.join("out")).output().expect("the host"))
+    };
+    let alike = run("modelled.toml", modelled, &["--pace", "fast"]);
+    let rig = Rig::start(&vcan, LOCK_STEP_RIG);
+    let bus = format!("socketcan:{vcan}");
+    let host = run("rig.toml", &example, &["--pace", "lockstep", "--bus", &bus]);
+    let (code, rig) = rig.end();
+    assert_eq!(code, Some(0), "{rig}");
+    // The rig carries a new damper, whatever the scenario says of an emulated one.
+    assert_ne!(host["trajectory_hash"], alike["trajectory_hash"]);
+    assert_eq!(host["comparison"]["modelled_instead"], serde_json::json!(["front left"]));
+    assert_eq!(host["comparison"]["state"], "completed");
+    assert_eq!(host["comparison"]["trajectory_hash"], alike["comparison"]["trajectory_hash"]);
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+/// Stops or continues a process.
+fn signal(name: &str, process: u32) {
+    let done = Command::new("kill").args([name, &process.to_string()]).status().expect("kill");
+    assert!(done.success(), "kill {name} {process}");
+}
+
+/// A socket that sees every frame.
+fn listener(interface: &Interface) -> CanFdSocket {
+    let socket = CanFdSocket::open(interface).expect("a CAN socket");
+    socket.set_read_timeout(Duration::from_millis(200)).expect("a time limit");
+    socket
+}
+
+/// Frames of an id until there are enough, or nothing has come for a while behind the first one. A host may
+/// take its time to start.
+fn hear(socket: &CanFdSocket, id: MessageId, enough: usize) -> Vec<Vec<u8>> {
+    let (begin, mut heard) = (Instant::now(), Vec::new());
+    while heard.len() < enough {
+        let frame = match socket.read_frame() {
+            Ok(frame) => frame,
+            Err(_) if heard.is_empty() && begin.elapsed() < Duration::from_secs(20) => continue,
+            Err(_) => return heard,
+        };
+        if let Some((raw, data)) = parts(&frame)
+            && raw == id.raw()
+        {
+            heard.push(data);
+        }
+    }
+    heard
+}
+
+fn hex(data: &[u8]) -> String {
+    data.iter().fold(String::new(), |text, byte| text + &format!("{byte:02X}"))
+}
+
+#[test]
+fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let rig = Rig::start(&vcan, LOCK_STEP_RIG);
+    let folder = out(&vcan, "garbage");
+    let socket = listener(&vcan);
+    let bus = format!("socketcan:{vcan}");
+    let host = host(&bus, "10", &folder, &["--pace", "lockstep"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the host");
+    let seen = hear(&socket, MEASUREMENT, 500);
+    assert_eq!(seen.len(), 500, "the run did not start");
+    // The host waits for the rig's answer: nothing on the bus can be newer than what was heard.
+    signal("-STOP", rig.id());
+    let mut history = seen;
+    history.extend(hear(&socket, MEASUREMENT, usize::MAX));
+    let [.., old, _, _, last] = history.as_slice() else { panic!("no history") };
+    let (measurement, command) = (MEASUREMENT.raw(), COMMAND.raw());
+    let mut broken = last.clone();
+    broken[3] ^= 0x10;
+    cansend(&vcan, &format!("{measurement:03X}#{}", hex(&broken)));
+    cansend(&vcan, &format!("{measurement:03X}#{}", hex(old)));
+    cansend(&vcan, &format!("{measurement:03X}#{}", hex(last)));
+    cansend(&vcan, &format!("{measurement:03X}#0102"));
+    cansend(&vcan, &format!("{command:03X}#DEADBEEF"));
+    cansend(&vcan, "7AA#0011223344556677");
+    signal("-CONT", rig.id());
+    let output = host.wait_with_output().expect("the host");
+    let host = summary(&output);
+    let (code, rig) = rig.end();
+    assert_eq!((output.status.code(), code), (Some(0), Some(0)), "{host} {rig}");
+    assert_eq!(host["frames"]["crc_errors"], 2);
+    assert_eq!(host["frames"]["repeated"], 1);
+    assert_eq!(host["frames"]["wrong_sequence"], 1);
+    assert_eq!(host["frames"]["lost"], 0);
+    assert_eq!(rig["frames"]["crc_errors"], 1, "{rig}");
+    assert_eq!(host["trajectory_hash"], hash_in_memory(&vcan, "10"));
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
+fn a_rig_whose_host_is_killed_goes_safe_within_five_cycles() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let rig = Rig::start(&vcan, &["--exit-after-run"]);
+    let folder = out(&vcan, "host-killed");
+    let slow_down = slow_down().to_string();
+    let bus = format!("socketcan:{vcan}");
+    let socket = listener(&vcan);
+    let mut host = host(&bus, "60", &folder, &["--pace", "realtime", "--slow-down", &slow_down])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the host");
+    assert_eq!(hear(&socket, MEASUREMENT, 300).len(), 300, "the run did not start");
+    host.kill().expect("kill");
+    host.wait().expect("the host's end");
+    // Cycles of the rig between the last command and its first measurement in the safe state.
+    let (mut cycles, mut fault) = (0, false);
+    let begin = Instant::now();
+    let safe_after = loop {
+        assert!(begin.elapsed() < Duration::from_secs(20), "the rig did not go safe");
+        let Ok(frame) = socket.read_frame() else { continue };
+        let Some((id, data)) = parts(&frame) else { continue };
+        if id == COMMAND.raw() {
+            cycles = 0;
+        } else if id == MessageId::Fault(Sender::Rig(Node::ALL[0])).raw() {
+            fault |= Fault::decode(id, &data).is_ok();
+        } else if id == MEASUREMENT.raw() {
+            cycles += 1;
+            if Measurement::decode(id, &data).expect("a measurement").state == RunState::Safe {
+                break cycles;
+            }
+        }
+    };
+    // The cycle that was under way when the last command came counts as well.
+    assert!((5..=6).contains(&safe_after), "safe after {safe_after} cycles");
+    let (code, rig) = rig.end();
+    assert_eq!(code, Some(3), "{rig}");
+    assert_eq!(rig["safe_events"], 1, "{rig}");
+    assert!(fault || rig["state"] == "SAFE", "{rig}");
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
+fn a_host_whose_rig_is_killed_goes_safe_within_five_cycles() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let rig = Rig::start(&vcan, &[]);
+    let folder = out(&vcan, "rig-killed");
+    let slow_down = slow_down().to_string();
+    let bus = format!("socketcan:{vcan}");
+    let socket = listener(&vcan);
+    let host = host(&bus, "60", &folder, &["--pace", "realtime", "--slow-down", &slow_down])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the host");
+    assert_eq!(hear(&socket, MEASUREMENT, 300).len(), 300, "the run did not start");
+    drop(rig);
+    let output = host.wait_with_output().expect("the host");
+    let host = summary(&output);
+    assert_eq!(output.status.code(), Some(3), "{host}");
+    assert_eq!(host["state"], "safe");
+    let record = Record::read(&folder.join("record.npy"));
+    let fresh =
+        (0..record.rows()).rfind(|row| record.integer(*row, "input", 0) == 1).expect("a force");
+    let last = record.rows() - 1;
+    // Five cycles of patience, the fifth of which trips, then the stop.
+    assert_eq!(last - fresh, 5 + 200, "rows after the last force");
+    assert_eq!(record.number(last, "command_m_per_s", 0), 0.0);
+    let held = record.number(last, "command_m", 0);
+    assert_eq!(held, record.number(last - 100, "command_m", 0), "it does not hold its position");
+    for row in fresh..last {
+        let step = (record.number(row + 1, "command_m_per_s", 0)
+            - record.number(row, "command_m_per_s", 0))
+        .abs();
+        assert!(row < fresh + 5 || step <= 0.01 + 1e-12, "row {row}: a jump of {step} m/s");
+    }
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
+fn the_fd_profile_goes_out_with_bit_rate_switch() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let rig = Rig::start(&vcan, &["--exit-after-run", "--fifo-priority", "0", "--profile", "fd"]);
+    let candump = Candump::start(&vcan);
+    let folder = out(&vcan, "fd");
+    let bus = format!("socketcan:{vcan}");
+    let output = host(&bus, "1", &folder, &["--pace", "lockstep", "--profile", "fd"])
+        .output()
+        .expect("the host");
+    let (code, _) = rig.end();
+    let frames = candump.stop();
+    assert_eq!(
+        (output.status.code(), code),
+        (Some(0), Some(0)),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let command = MessageId::Command(Profile::Fd, Node::ALL[0]).raw();
+    let measurement = MessageId::Measurement(Profile::Fd, Node::ALL[0]).raw();
+    let mut counts = [0, 0];
+    for frame in &frames {
+        let Some((id, data)) = parts(frame) else { continue };
+        for (count, wanted) in counts.iter_mut().zip([command, measurement]) {
+            if id == wanted {
+                let CanAnyFrame::Fd(frame) = frame else { panic!("{id:03X} is not FD") };
+                assert!(frame.is_brs(), "{id:03X} without bit-rate switch");
+                assert_eq!(data.len(), 16);
+                *count += 1;
+            }
+        }
+    }
+    assert_eq!(counts, [1001, 1001], "commands and measurements");
+    let _ = std::fs::remove_dir_all(folder);
+}
