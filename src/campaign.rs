@@ -89,8 +89,8 @@ fn merged(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
     show(args, &table, folder.transpose()?.as_ref())
 }
 
-/// The folder of a merged table: that of the campaign where this program has run the cases, else one of
-/// its own, known by the content of the files.
+/// The folder of a merged table: that of the campaign where this program has run the cases, else
+/// one of its own, known by the content of the files.
 fn folder_of_merged(
     out: &Path,
     files: &[PathBuf],

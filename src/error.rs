@@ -6,7 +6,7 @@
 //! ended in the safe state ([`SAFE_STATE`]).
 
 use crate::exit::{BAD_INPUT, FAILED, INTERRUPTED, SAFE_STATE};
-use evidence::error::EvidenceError;
+use evidence::EvidenceError;
 use files::{FolderError, InputError};
 use hil_host::BenchError;
 use identification::IdentificationError;

@@ -21,8 +21,8 @@ pub const MEAN_OVER_M: f64 = 2.0;
 ///
 /// ```
 /// use signal::guiding_force::filtered;
-/// // A blow of 2 ms and 100 kN at 160 km/h: its impulse over 2 m would be 4.4 kN; the low-pass rings a
-/// // little, and 4.9 kN are left.
+/// // A blow of 2 ms and 100 kN at 160 km/h: its impulse over 2 m would be 4.4 kN; the low-pass
+/// // rings a little, and 4.9 kN remain.
 /// let mut force_n = vec![0.0; 1000];
 /// force_n[500] = 100.0e3;
 /// force_n[501] = 100.0e3;

@@ -30,7 +30,8 @@ pub struct Impedance {
 /// ```
 /// use firmware_core::damper::{Damper, Nominal};
 /// use vehicle_studies::describing_function::impedance;
-/// // Ce = 1 MN s/m in series with Ke = 12.5 MN/m, far below relief and without clearance: a Maxwell element.
+/// // Ce = 1 MN s/m in series with Ke = 12.5 MN/m, far below relief and without clearance: a
+/// // Maxwell element.
 /// let maxwell = Nominal { clearance_2a_m: 0.0, f_relief_n: 1e9, ..Nominal::NEW };
 /// let (w, ce, ke) = (std::f64::consts::TAU * 3.0, 1.0e6, 12.5e6);
 /// let found = impedance(&Damper::new(maxwell, &[]).unwrap(), 1e-3, 3.0);

@@ -118,7 +118,8 @@ mod tests {
 
     #[test]
     fn a_deck_holds_every_kind_as_often_as_stated() {
-        // 300 without an effect, 20 effects at 3 sizes and a fixture, pairs, outside, datasheets, hydraulic.
+        // 300 without an effect, 20 effects at 3 sizes and a fixture, pairs, outside, datasheets,
+        // hydraulic dampers.
         assert_eq!(deck().len(), 300 + 20 * 15 + 5 + 24 + 104 + 20 + 20);
     }
 

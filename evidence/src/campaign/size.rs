@@ -1,7 +1,8 @@
 //! The strength at which an effect has the wanted size.
 //!
 //! ```text
-//! size = rms over all training tests of (force without noise - nominal damper refitted to it) / rms of the noise
+//! size = rms of (force without noise - nominal damper refitted to it) / rms of the noise
+//! over all training tests
 //! ```
 //!
 //! What the nominal damper can absorb does not count, and neither does a triangle whose force

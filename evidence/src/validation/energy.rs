@@ -3,7 +3,8 @@
 //! An SS9 on wheels without friction is pushed. Its potential energy is built here from the data of
 //! the elements, apart from the code of the step:
 //! ```text
-//! U = sum of k d^2/2 (springs, torsions, rails) + bump stops - m g z + sum of 2/5 k delta^2.5 (contacts)
+//! U = sum of k d^2/2 (springs, torsions, rails) + bump stops - m g z
+//!   + sum of 2/5 k delta^2.5 (contacts)
 //! ```
 //! Without dampers it has to stay; with dampers it only falls, and what has left is the work that
 //! they took.

@@ -3,7 +3,7 @@
 //! Seven coordinates: lateral shift and yaw of both wheelsets, lateral shift, yaw and roll of the
 //! frame (Kaas-Petersen, Acta Mechanica 61, 1986, 89-107):
 //! ```text
-//! mw q1'' = -A1 - 2 Fy1 - FT(q1)        Iw q2'' = -A2 - 2 a Fx1         (q3, q4: the rear wheelset)
+//! mw q1'' = -A1 - 2 Fy1 - FT(q1)       Iw q2'' = -A2 - 2 a Fx1         (q3, q4: the rear wheelset)
 //! mf q5'' = A1 + A3 - A5                If q6'' = b (A1 - A3) + A2 + A4 - A6
 //! Ir q7'' = h1 (A1 + A3) + h2 A5 - A7
 //! A1 = 2 k1 (q1 - q5 - b q6 - h1 q7)    A3 = 2 k1 (q3 - q5 + b q6 - h1 q7)

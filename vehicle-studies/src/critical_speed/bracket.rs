@@ -67,7 +67,8 @@ impl std::fmt::Display for Critical {
 ///
 /// ```
 /// use vehicle_studies::critical_speed::{Critical, first_unstable};
-/// assert_eq!(first_unstable([100.0, 300.0], 5.0, 0.5, |kmh| kmh >= 211.3), Critical::At(211.5625));
+/// let from_211_km_h = first_unstable([100.0, 300.0], 5.0, 0.5, |kmh| kmh >= 211.3);
+/// assert_eq!(from_211_km_h, Critical::At(211.5625));
 /// assert_eq!(first_unstable([100.0, 300.0], 5.0, 0.5, |_| false), Critical::Above(300.0));
 /// ```
 pub fn first_unstable(

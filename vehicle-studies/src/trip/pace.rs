@@ -21,7 +21,8 @@ impl Pace {
     ///
     /// ```
     /// use vehicle_studies::trip::pace::Pace;
-    /// let each = [Pace { simulated_s: 30.0, busy_s: 1.0 }, Pace { simulated_s: 10.0, busy_s: 1.0 }];
+    /// let of = |simulated_s: f64| Pace { simulated_s, busy_s: 1.0 };
+    /// let each = [of(30.0), of(10.0)];
     /// let all = Pace::over(each).unwrap();
     /// assert_eq!(all.in_words(), "40 s simulated, 20 s per second of one core");
     /// ```

@@ -1,12 +1,7 @@
 //! Answers are never stale: a study whose scenario, vehicle or profile was edited is computed anew,
 //! and results of different identities are never put together.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
-#[path = "support/command.rs"]
-mod command;
-
-use command::{folder, output, read, repository, yawbench};
+use crate::support::command::{folder, output, read, repository, yawbench};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

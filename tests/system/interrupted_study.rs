@@ -1,11 +1,6 @@
 //! Ctrl-C ends a study with the points that it has, and the same command continues.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
-
-#[path = "support/command.rs"]
-mod command;
-
-use command::{folder, output, read, repository, yawbench};
+use crate::support::command::{folder, output, read, repository, yawbench};
 use std::process::{Command, Stdio};
 
 #[test]
