@@ -98,7 +98,7 @@ fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Run(args) => run::command(args),
         Command::Rig(args) => rig::command(args),
-        Command::Characterise(args) => characterise::command(args).map(|()| ExitCode::SUCCESS),
+        Command::Characterise(args) => characterise::command(args),
         Command::Identify(args) => identify::command(args).map(|()| ExitCode::SUCCESS),
         Command::Simulate(args) => simulate::command(args).map(|()| ExitCode::SUCCESS),
         Command::CriticalSpeed(args) => critical_speed::command(args),

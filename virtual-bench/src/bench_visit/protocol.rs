@@ -7,8 +7,8 @@
 //! only. [`short`] is what a campaign of many visits can afford. Strokes and speeds are those of a yaw
 //! damper of the SS9's class; a list of one's own comes from a file ([`super::test_list`]).
 
-use super::excitation::{Excitation, Leg, Tone};
-use super::random::Random;
+use crate::excitation::{Excitation, Leg, Tone};
+use crate::random::Random;
 
 /// Time to speed up and slow down at every reversal of a triangle, s.
 pub const ROUNDING_S: f64 = 0.05;
@@ -32,6 +32,11 @@ impl Test {
     /// A test around mid-stroke, for fitting.
     pub fn new(name: impl Into<String>, excitation: Excitation, duration_s: f64) -> Self {
         Self { name: name.into(), excitation, mean_m: 0.0, duration_s, test_only: false }
+    }
+
+    /// Name of the CSV file of its record.
+    pub fn csv_name(&self) -> String {
+        format!("{}.csv", self.name)
     }
 
     /// A test as long as its path.

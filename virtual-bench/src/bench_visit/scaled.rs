@@ -1,8 +1,8 @@
 //! The tests of a visit for a damper of any stroke: those of [`protocol::short`], every length and
 //! speed times a scale, at the same frequencies.
 
-use super::excitation::{Excitation, Leg};
 use super::protocol::{self, ROUNDING_S, Test};
+use crate::excitation::{Excitation, Leg};
 
 /// Sines: name, amplitude (mm), frequency (Hz), cycles, middle (mm).
 const SINES: [(&str, f64, f64, f64, f64); 6] = [

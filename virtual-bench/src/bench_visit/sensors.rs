@@ -10,7 +10,7 @@
 //! holds at the ends of its range. Defaults are a usual laboratory, estimated: load cell with 0.1 % of
 //! its range rms and 16 bit, displacement with 1 µm rms and 24 bit, 1 kHz.
 
-use super::random::Random;
+use crate::random::Random;
 use signal::guiding_force::low_pass;
 
 /// Coloured noise on the force.

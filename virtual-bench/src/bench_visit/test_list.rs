@@ -23,9 +23,10 @@
 //! `path { legs = [{ to_m, speed_m_per_s, hold_s }] }`,
 //! `service { rms_m, lowest_hz, highest_hz, tones, seed }`.
 
-use super::excitation::{Excitation, Leg};
 use super::protocol::{self, ROUNDING_S, Test};
 use super::sensors::{Coloured, Sensors};
+use crate::excitation::{Excitation, Leg};
+use files::quoted;
 use scenario::quantity::Quantity;
 use scenario::source::{ScenarioError, Source};
 use serde::Deserialize;
@@ -33,6 +34,8 @@ use std::path::Path;
 
 /// Longest test, s.
 const LONGEST_S: f64 = 3600.0;
+/// Longest name of a test, bytes.
+const NAME_LONGEST: usize = 100;
 /// Most samples of a test.
 const SAMPLES_MAX: f64 = 5e6;
 /// Noise of a usual thermometer, K.
@@ -93,6 +96,17 @@ impl TestList {
         Some(Self { tests, sensors: SensorChoice::default() })
     }
 
+    /// The built-in list of this name, else that of the file.
+    ///
+    /// # Errors
+    /// What does not fit in the file, with line and key.
+    pub fn named(name: &str) -> Result<Self, ScenarioError> {
+        match Self::built_in(name) {
+            Some(list) => Ok(list),
+            None => Self::load(Path::new(name)),
+        }
+    }
+
     /// Reads a list.
     ///
     /// # Errors
@@ -110,7 +124,8 @@ impl TestList {
         let mut tests = Vec::new();
         if let Some(name) = &table.protocol {
             let Some(list) = Self::built_in(name) else {
-                let message = format!("protocol = \"{name}\", expected \"full\" or \"short\"");
+                let message =
+                    format!("protocol = \"{}\", expected \"full\" or \"short\"", quoted(name));
                 return Err(source.whole_error(message));
             };
             tests = list.tests;
@@ -287,10 +302,11 @@ struct ServiceTable {
 impl TestTable {
     fn build(&self, source: &Source) -> Result<Test, ScenarioError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-        if self.name.is_empty() || self.name.starts_with('.') || !self.name.chars().all(plain) {
+        let named = (1..=NAME_LONGEST).contains(&self.name.len()) && !self.name.starts_with('.');
+        if !named || !self.name.chars().all(plain) {
             let message = format!(
-                "name = \"{}\", expected letters, digits, - _ . that can name a file",
-                self.name
+                "name = \"{}\", expected up to {NAME_LONGEST} letters, digits, - _ . that can name a file",
+                quoted(&self.name)
             );
             return Err(source.whole_error(message));
         }

@@ -16,7 +16,8 @@ use super::friction::Friction;
 use super::oil::Oil;
 use super::valve::{Chamber, Leakage, Throttle, Valve};
 use super::{HydraulicDamper, Reservoir};
-use crate::bench_visit::specimen::HeatBalance;
+use crate::heat::HeatBalance;
+use files::quoted;
 use scenario::quantity::Quantity;
 use scenario::source::{ScenarioError, Source};
 use serde::Deserialize;
@@ -299,14 +300,15 @@ impl ValveTable {
         }
         let (from, to) = (self.from.chamber(), self.to.chamber());
         if from == to {
-            let message = format!("valve \"{}\" leads from a chamber to itself", self.name);
+            let message =
+                format!("valve \"{}\" leads from a chamber to itself", quoted(&self.name));
             return Err(source.whole_error(message));
         }
         match throttles[..] {
             [throttle] => Ok(Valve { from, to, throttle }),
             _ => Err(source.whole_error(format!(
                 "valve \"{}\" has {} throttles, expected one of orifice, slot, check, shim, relief",
-                self.name,
+                quoted(&self.name),
                 throttles.len()
             ))),
         }

@@ -12,35 +12,37 @@
 //! ```
 //!
 //! W is the liquid in a chamber, counted at one bar, so that oil is kept exactly and cavitation is the
-//! end of the curve s(p) ([`oil`]). Which valves sit between which chambers decides the type: with
+//! end of the curve s(p) (`oil`). Which valves sit between which chambers decides the type: with
 //! bidirectional flow the piston throttles both ways and a foot check refills; with unidirectional
-//! flow the oil always circulates cap -> rod -> reservoir -> cap. [`mod@file`] reads a damper from TOML.
+//! flow the oil always circulates cap -> rod -> reservoir -> cap. `file` reads a damper from TOML.
 //!
 //! The structure is a reconstruction from standard damper hydraulics. Parameter sets that come with
 //! the project are illustrative: they reach the stiffness and the relief force of a yaw damper of
 //! the SS9's class and are no maker's data.
 //!
-//! Integration ([`stage`]): two implicit stages of second order, L-stable (SDIRK2), each solved by Newton's
+//! Integration (`stage`): two implicit stages of second order, L-stable (SDIRK2), each solved by Newton's
 //! method for the piston's velocity and two pressures together; a step that does not converge is
 //! halved. Open checks are stiff and need no special care.
 //!
 //! Limits: massless valves; one temperature for all oil; free air does not dissolve; no
 //! cylinder mass; no end stops (volumes stop shrinking at the end of the stroke).
 
-pub mod attachment;
-pub mod file;
-pub mod friction;
-pub mod oil;
-pub mod stage;
-pub mod valve;
+mod attachment;
+mod file;
+mod friction;
+mod oil;
+mod stage;
+mod valve;
 
-use crate::bench_visit::specimen::{HeatBalance, Load, Response, Specimen};
-use attachment::Attachment;
-use friction::Friction;
-use oil::Oil;
+pub use attachment::Attachment;
+pub use friction::Friction;
+pub use oil::{Filling, Oil, OilAt};
+pub use valve::{Chamber, Flow, Leakage, Throttle, Valve};
+
+use crate::heat::HeatBalance;
+use crate::specimen::{Load, Response, Specimen};
 use stage::{Ends, GAMMA, Stage};
 use std::f64::consts::PI;
-use valve::{Leakage, Valve};
 
 /// Pressure of the air around, Pa.
 pub const AMBIENT_PA: f64 = 101_325.0;
@@ -296,6 +298,9 @@ impl Specimen for HydraulicDamper {
         response.force_n.push(state.force_n);
         response.temperature_degc.push(state.oil_degc);
         for step in 0..load.grid.steps {
+            if load.is_stopped() {
+                break;
+            }
             let start_s = step as f64 * load.grid.step_s;
             self.advance(&mut state, &x, start_s, load.grid.step_s, load.ambient_degc);
             response.force_n.push(state.force_n);

@@ -15,7 +15,7 @@
 //! and k of 0.02 to 0.035 /K are usual for mineral oil (estimated).
 
 /// Pressure at which volumes and air are measured, Pa absolute.
-pub const P0_PA: f64 = 100e3;
+pub(super) const P0_PA: f64 = 100e3;
 
 /// Parameters of the oil.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,7 +110,7 @@ impl OilAt {
     /// Bulk modulus with air at a pressure, Pa.
     ///
     /// ```
-    /// use virtual_bench::hydraulic::oil::Oil;
+    /// use virtual_bench::hydraulic::Oil;
     /// let oil = Oil {
     ///     bulk_modulus_pa: 1.5e9, bulk_modulus_pa_per_k: -6e6, air_share: 0.01, air_exponent: 1.4,
     ///     density_kg_per_m3: 870.0, expansion_per_k: 7e-4, viscosity_pa_s: 0.02,

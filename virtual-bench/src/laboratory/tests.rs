@@ -1,7 +1,7 @@
 use super::*;
 use crate::bench_visit::sensors::Sensors;
-use crate::bench_visit::{self, NullGenerator, protocol};
-use crate::series_model::SeriesModel;
+use crate::bench_visit::{self, protocol};
+use crate::series_model::{NullGenerator, SeriesModel};
 
 const DAMPER: SeriesModel = SeriesModel {
     ce_n_s_per_m: 1e6,

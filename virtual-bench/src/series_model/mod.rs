@@ -26,7 +26,11 @@
 //! Limits: a visit to another piece that begins and ends within one step is not seen; take steps of
 //! 20 µs. A hard cap (C2 = 0) is a slope of a billionth of Ce.
 
+mod null_generator;
 pub mod outside;
+
+pub use crate::grid::Grid;
+pub use null_generator::NullGenerator;
 
 /// Most pieces that one step may cross.
 const MAX_CROSSINGS: usize = 64;
@@ -48,15 +52,6 @@ pub struct SeriesModel {
     pub f_relief_n: f64,
     /// Slope beyond relief C2, N s/m.
     pub c2_n_s_per_m: f64,
-}
-
-/// How a simulation samples time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
-    /// Length of a step, s.
-    pub step_s: f64,
-    /// Number of steps.
-    pub steps: usize,
 }
 
 /// What a simulation gives, one value at the start and after each step.

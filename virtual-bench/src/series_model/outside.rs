@@ -11,9 +11,10 @@
 //! Each has one strength. [`Outside::sized`] sets it to a share of the rms force of a reference
 //! motion; the same disturbance then acts in every test.
 
-use super::{Grid, SeriesModel, Trace};
-use crate::bench_visit::excitation::Excitation;
-use crate::bench_visit::random::Random;
+use super::{SeriesModel, Trace};
+use crate::excitation::Excitation;
+use crate::grid::Grid;
+use crate::random::Random;
 use signal::statistics::rms;
 use std::f64::consts::TAU;
 
@@ -103,7 +104,7 @@ impl Outside {
     /// be that deep or a threshold is never met.
     ///
     /// ```
-    /// use virtual_bench::bench_visit::excitation::Excitation;
+    /// use virtual_bench::excitation::Excitation;
     /// use virtual_bench::series_model::{SeriesModel, outside::Outside};
     /// # let damper = SeriesModel {
     /// #     ce_n_s_per_m: 1e6, ke_n_per_m: 12.5e6, clearance_2a_m: 1e-3,

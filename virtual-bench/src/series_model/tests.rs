@@ -1,5 +1,5 @@
 use super::*;
-use crate::bench_visit::excitation::{Excitation, Leg, Tone};
+use crate::excitation::{Excitation, Leg, Tone};
 use firmware_core::damper::{Damper, DamperState, Motion, Nominal};
 use signal::statistics::rms;
 use std::f64::consts::TAU;

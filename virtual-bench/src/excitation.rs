@@ -92,7 +92,7 @@ impl Excitation {
     /// short for it. Legs that lead nowhere are pauses.
     ///
     /// ```
-    /// use virtual_bench::bench_visit::excitation::{Excitation, Leg};
+    /// use virtual_bench::excitation::{Excitation, Leg};
     /// let leg = Leg { to_m: 5e-3, speed_m_per_s: 0.02, hold_s: 30.0 };
     /// let ramp = Excitation::path(&[leg], 0.05);
     /// assert_eq!(ramp.at(10.0), (5e-3, 0.0));
