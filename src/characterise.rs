@@ -1,8 +1,9 @@
 //! `yawbench characterise`: a virtual bench visit, or the figures of measured records.
 //!
-//! Three sources: a model with its effects, the hydraulic damper (`--physical`), or measured records
-//! (`--from`). The first two leave a CSV file and its mapping per test; all leave `laboratory.json`
-//! with the figures that are printed. Nothing is written before the last test is recorded.
+//! Three sources: a model with its effects, the hydraulic damper (`--physical`), or measured
+//! records (`--from`). The first two write a CSV file and its mapping per test; all write
+//! `laboratory.json` with the figures that are printed. Nothing is written before the last test is
+//! recorded.
 
 use crate::output::print;
 use crate::{exit, output, stop};
@@ -33,13 +34,15 @@ pub(crate) struct CharacteriseArgs {
     /// The damper: a hydraulic damper from chambers, valves and oil.
     #[arg(long, value_name = "FILE", conflicts_with = "from")]
     physical: Option<PathBuf>,
-    /// Tests: full (24 tests in five minutes of bench time), short (ten in one), or a list in a file.
+    /// Tests: full (24 tests in five minutes of bench time), short (ten in one), or a list in a
+    /// file.
     #[arg(long, value_name = "full|short|FILE", default_value = "full")]
     tests: String,
     /// No visit: the figures of these measured records.
     #[arg(long, value_name = "CSV", num_args = 1.., conflicts_with = "tests")]
     from: Vec<PathBuf>,
-    /// Columns and units of the measured records [default: FILE.toml next to FILE.csv, if it is one].
+    /// Columns and units of the measured records [default: FILE.toml next to FILE.csv, if it is
+    /// one].
     #[arg(long, value_name = "FILE", requires = "from")]
     mapping: Option<PathBuf>,
     /// Datasheet with whose force table and tolerance the figures are compared.

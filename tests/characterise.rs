@@ -15,6 +15,9 @@ use std::process::Output;
 
 const MODEL: &str = "[damper]\nclearance_2a_m = 1e-3\nf_relief_n = 15e3\nc2_n_s_per_m = 60e3\n";
 
+const ONE_TEST: &str = "[[test]]\nname = \"one\"\nduration_s = 2.0\n\
+    sine = { amplitude_m = 3e-3, frequency_hz = 3.0 }\n";
+
 /// A folder with the model in it.
 fn place(name: &str) -> PathBuf {
     let place = folder(name);
@@ -81,8 +84,7 @@ fn a_visit_leaves_records_that_give_the_same_figures_when_they_are_read_again() 
 #[test]
 fn a_result_was_overwritten_without_a_word() {
     let place = place("again");
-    let list = "[[test]]\nname = \"one\"\nsine = { amplitude_m = 3e-3, frequency_hz = 3.0 }\nduration_s = 2.0\n";
-    std::fs::write(place.join("list.toml"), list).unwrap();
+    std::fs::write(place.join("list.toml"), ONE_TEST).unwrap();
     let visit = ["model.toml", "--tests", "list.toml", "--out", "a"];
     assert_eq!(characterise(&place, &visit).status.code(), Some(0));
     let first = std::fs::read(place.join("a/one.csv")).unwrap();
@@ -111,8 +113,7 @@ fn a_result_was_overwritten_without_a_word() {
 #[test]
 fn a_record_has_its_names_in_line_1_and_its_direction_in_a_mapping() {
     let place = place("mapping");
-    let list = "[[test]]\nname = \"one\"\nsine = { amplitude_m = 3e-3, frequency_hz = 3.0 }\nduration_s = 2.0\n";
-    std::fs::write(place.join("list.toml"), list).unwrap();
+    std::fs::write(place.join("list.toml"), ONE_TEST).unwrap();
     figures(&place, &["model.toml", "--tests", "list.toml", "--out", "a", "--json"]);
     let text = std::fs::read_to_string(place.join("a/one.csv")).unwrap();
     assert!(text.starts_with("time_s,displacement_m,force_n,temperature_degc\n0,"), "{text:.99}");
@@ -133,7 +134,7 @@ fn a_record_has_its_names_in_line_1_and_its_direction_in_a_mapping() {
 #[test]
 fn ctrl_c_ended_a_visit_without_a_word() {
     let place = place("stop");
-    let list = "[[test]]\nname = \"hour\"\nsine = { amplitude_m = 3e-3, frequency_hz = 3.0 }\nduration_s = 3600.0\n";
+    let list = ONE_TEST.replace("2.0", "3600.0");
     std::fs::write(place.join("list.toml"), list).unwrap();
     let mut command = yawbench();
     command.args(["characterise", "model.toml", "--tests", "list.toml", "--out", "a"]);
@@ -161,8 +162,7 @@ fn ctrl_c_ended_a_visit_without_a_word() {
 #[test]
 fn the_seed_decides_the_noise_to_the_last_byte() {
     let place = place("seed");
-    let list = "[[test]]\nname = \"one\"\nsine = { amplitude_m = 3e-3, frequency_hz = 3.0 }\nduration_s = 2.0\n";
-    std::fs::write(place.join("list.toml"), list).unwrap();
+    std::fs::write(place.join("list.toml"), ONE_TEST).unwrap();
     for (out, seed) in [("a", "7"), ("b", "7"), ("c", "8")] {
         figures(
             &place,

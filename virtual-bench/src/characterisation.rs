@@ -124,9 +124,9 @@ impl Visit {
         &self.list.tests
     }
 
-    /// Records every test and computes the figures against the rows of a datasheet. When `stop` is set,
-    /// the tests that are complete by then are what there is; `begins` is called with the number of
-    /// every test as it begins.
+    /// Records every test and computes the figures against the rows of a datasheet. When `stop` is
+    /// set, the tests that are complete by then are what there is; `begins` is called with the
+    /// number of every test as it begins.
     ///
     /// # Errors
     /// A record that is no test, such as one with too few samples.

@@ -1,4 +1,5 @@
-//! A damper bench without a bench: records and laboratory figures of dampers that exist only as models.
+//! A damper bench without a bench: records and laboratory figures of dampers that exist only as
+//! models.
 //!
 //! In the order in which to read it:
 //!
@@ -16,8 +17,8 @@
 //! What is wrong with an input is one line ([`BenchError`]). Every random number comes from a seed
 //! ([`random`]).
 //!
-//! Layers: above `measurement`, whose [`Measurement`](measurement::Measurement) a record becomes; the
-//! identification uses this crate in its tests only.
+//! Layers: above `measurement`, whose [`Measurement`](measurement::Measurement) a record becomes;
+//! the identification uses this crate in its tests only.
 
 pub mod bench_visit;
 pub mod characterisation;

@@ -4,8 +4,8 @@ use crate::heat::HeatBalance;
 use crate::specimen::{Load, Response, Specimen};
 use firmware_core::damper::{Damper, DamperState, Effect, Motion};
 
-/// A damper of the core with its effects. Its oil warms as its `temperature_fade` states, or as that of
-/// a yaw damper; where there is a thermometer, the effect follows its reading.
+/// A damper of the core with its effects. Its oil warms as its `temperature_fade` states, or as
+/// that of a yaw damper; where there is a thermometer, the effect follows its reading.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modelled {
     /// The damper.

@@ -30,6 +30,7 @@ pub struct Load<'a> {
 impl Load<'_> {
     /// Displacement and velocity after a number of steps (m, m/s).
     pub fn at(&self, step: usize) -> (f64, f64) {
+        debug_assert!(step <= self.grid.steps, "no step {step}");
         let (x, v) = self.excitation.at(step as f64 * self.grid.step_s);
         (self.mean_m + x, v)
     }

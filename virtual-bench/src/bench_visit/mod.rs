@@ -6,9 +6,9 @@
 //! ```
 //!
 //! A [`Specimen`] is a damper of the core with any effects ([`Modelled`]), a series damper with an
-//! integration of its own and disturbances that no effect describes ([`NullGenerator`]), or the full
-//! hydraulic damper. [`record()`] makes one test in memory, without files. Every random number comes
-//! from the seed.
+//! integration of its own and disturbances that no effect describes ([`NullGenerator`]), or the
+//! full hydraulic damper. [`record()`] makes one test in memory, without files. Every random number
+//! comes from the seed.
 //!
 //! ```
 //! use virtual_bench::bench_visit::{self, protocol, sensors::Sensors};

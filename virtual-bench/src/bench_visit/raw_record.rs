@@ -28,7 +28,8 @@ pub struct RawRecord {
 }
 
 impl RawRecord {
-    /// The record alone as a measurement, ready for a model: as if it had been written and read again.
+    /// The record alone as a measurement, ready for a model: as if it had been written and read
+    /// again.
     ///
     /// # Errors
     /// What makes a record unfit, such as too few samples.
@@ -36,7 +37,8 @@ impl RawRecord {
         Measurement::from_series(self.series())
     }
 
-    /// Its force stays at its extreme while the damper moves ([`measurement::is_flat_but_for_rounding`]).
+    /// Its force stays at its extreme while the damper moves
+    /// ([`measurement::is_flat_but_for_rounding`]).
     pub fn is_flat_but_for_rounding(&self) -> bool {
         measurement::is_flat_but_for_rounding(&self.series())
     }
@@ -53,8 +55,8 @@ impl RawRecord {
         format!("{}.csv", self.name)
     }
 
-    /// Writes the record as this project's CSV: names in line 1, then a line per sample. What the file
-    /// cannot say about itself is in its [`companion`](Self::companion).
+    /// Writes the record as this project's CSV: names in line 1, then a line per sample. What the
+    /// file cannot say about itself is in its [`companion`](Self::companion).
     ///
     /// # Errors
     /// The error of the writer.

@@ -42,8 +42,8 @@ pub fn visit(
     visit_until(&AtomicBool::new(false), specimen, tests, sensors, seed, &mut |_| {})
 }
 
-/// The same, until `stop` is set: the tests that were recorded to their end. `begins` is called with
-/// the number of every test as it begins.
+/// The same, until `stop` is set: the tests that were recorded to their end. `begins` is called
+/// with the number of every test as it begins.
 pub(crate) fn visit_until(
     stop: &AtomicBool,
     specimen: &dyn Specimen,

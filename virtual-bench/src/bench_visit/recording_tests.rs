@@ -118,7 +118,7 @@ fn a_quick_test_of_a_virtual_visit_with_a_late_sensor_was_turned() {
     for (record, test) in visit.iter().zip(&together) {
         assert_eq!(record.force_n, test.force_n, "{}", record.name);
     }
-    assert!(together[quick].repairs.iter().any(|told| told.contains("comes late")));
+    assert!(together[quick].repairs.iter().any(|repair| repair.contains("comes late")));
     assert_eq!(visit[quick].measurement().unwrap().force_n, together[quick].force_n);
 }
 
@@ -128,10 +128,10 @@ fn a_triangle_of_a_simulation_in_full_digits_was_refused_as_clipped() {
         scaled::whole(1.0).into_iter().find(|test| test.name == "triangle-wide").unwrap();
     let record = record(&null(), &triangle, &Sensors::exact(1000.0), 1);
     assert!(record.is_flat_but_for_rounding());
-    let told = record.measurement().unwrap().repairs;
-    assert!(
-        told.iter().any(|told| told.starts_with("left as it is") && told.ends_with("clipped?"))
-    );
+    let repairs = record.measurement().unwrap().repairs;
+    let is_clipped =
+        |repair: &String| repair.starts_with("left as it is") && repair.ends_with("clipped?");
+    assert!(repairs.iter().any(is_clipped), "{repairs:?}");
 }
 
 #[test]

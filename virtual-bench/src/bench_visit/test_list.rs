@@ -5,7 +5,7 @@
 //!
 //! [sensors]                          # optional, each key too
 //! rate_hz = 1000.0
-//! force_range_n = 50e3               # without it, the next range above what the damper gives
+//! force_range_n = 50e3               # default: the next range above the force of the damper
 //! force_noise_n = 50.0               # default 0.1 % of the range
 //! coloured_noise_n = 80.0
 //! coloured_rho_per_ms = 0.9
@@ -14,7 +14,7 @@
 //! name = "sine-2hz-5mm"
 //! sine = { amplitude_m = 5e-3, frequency_hz = 2.0 }
 //! mean_m = 0.02                      # optional
-//! duration_s = 6.0                   # paths may leave it out
+//! duration_s = 6.0                   # optional for paths
 //! test_only = false                  # optional
 //! ```
 //!
@@ -41,16 +41,16 @@ const SAMPLES_MAX: f64 = 5e6;
 /// Noise of a usual thermometer, K.
 const TEMPERATURE_NOISE_K: f64 = 0.1;
 
-/// Tests and what is said about sensors.
+/// Tests, and what is stated about sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TestList {
     /// The tests.
     pub tests: Vec<Test>,
-    /// What is said about sensors.
+    /// What is stated about sensors.
     pub sensors: SensorChoice,
 }
 
-/// What a list says about sensors; the rest follows from what the damper gives.
+/// What a list states about sensors; the rest follows from the force of the damper.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SensorChoice {
     rate_hz: Option<f64>,
@@ -66,7 +66,8 @@ pub struct SensorChoice {
 }
 
 impl SensorChoice {
-    /// The sensors for these greatest values; the oil is measured to 0.1 K where nothing else is said.
+    /// The sensors for these greatest values; the noise of the oil temperature is 0.1 K
+    /// unless stated.
     pub fn sensors(&self, peak_force_n: f64, peak_displacement_m: f64) -> Sensors {
         let fitting = Sensors::for_peaks(peak_force_n, peak_displacement_m);
         let force_n = self.force_range_n.unwrap_or(fitting.force.range);

@@ -1,5 +1,5 @@
-//! A hydraulic damper from a TOML file: geometry, reservoir, oil, leakage, seals, attachment, heat and
-//! a list of valves, each number with its unit in its key and its provenance beside it.
+//! A hydraulic damper from a TOML file: geometry, reservoir, oil, leakage, seals, attachment, heat
+//! and a list of valves, each number with its unit in its key and its provenance next to it.
 //!
 //! ```toml
 //! [[valve]]
@@ -44,7 +44,7 @@ impl HydraulicDamper {
 /// Declares a table of quantities with what each may be, and its check.
 macro_rules! tables {
     ($($table:ident { $($key:ident: $bound:ident,)+ })+) => {
-        $(#[allow(clippy::struct_field_names, reason = "the unit stands at the end of a name")]
+        $(#[allow(clippy::struct_field_names, reason = "the unit is the end of a name")]
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         struct $table { $($key: Quantity,)+ }

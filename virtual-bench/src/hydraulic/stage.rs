@@ -1,6 +1,6 @@
 //! One implicit stage of the hydraulic damper.
 //!
-//! Over the length g of a stage every state is Y = base + g Y'. What is left are three equations for
+//! Over the length g of a stage every state is Y = base + g Y'. Three equations remain, for
 //! the piston's velocity v and the pressures of both chambers:
 //!
 //! ```text
@@ -9,16 +9,16 @@
 //! W2 s(p2) - V2(x_p) = 0
 //! ```
 //!
-//! Every term rises (or falls) with its own unknown, so that Newton's method with a halved step where
-//! the residual does not fall finds the one solution. Below the vapour pressure the unknown of
-//! a chamber measures its void.
+//! Every term rises (or falls) with its own unknown, so that Newton's method with a halved step
+//! where the residual does not decrease finds the one solution. Below the vapour pressure the
+//! unknown of a chamber measures its void.
 
 use super::HydraulicDamper;
 use super::oil::OilAt;
 use super::valve::Chamber;
 
-/// Length of a stage over that of the step: 1 - 1/sqrt(2), which makes two of them L-stable and of second
-/// order (Alexander 1977).
+/// Length of a stage over that of the step: 1 - 1/sqrt(2), which makes two of them L-stable and of
+/// second order (Alexander 1977).
 pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 const ITERATIONS_MAX: u32 = 30;
@@ -112,8 +112,8 @@ struct Balance {
 }
 
 impl Stage {
-    /// Finds the solution from a guess. `None` where it is not found; with `must` the last guess is then
-    /// taken and marked.
+    /// Finds the solution from a guess. `None` where it is not found; with `must` the last guess is
+    /// then taken and marked.
     pub(super) fn solve(
         &self,
         damper: &HydraulicDamper,

@@ -210,8 +210,8 @@ pub struct Leakage {
 }
 
 impl Leakage {
-    /// Flow from rod to cap side, `pi D c^3 (1 + 1.5 e^2) dp/(12 mu L) + pi D c v/2`; the second term is
-    /// oil dragged along by the wall. Also its change per velocity, m2.
+    /// Flow from rod to cap side, `pi D c^3 (1 + 1.5 e^2) dp/(12 mu L) + pi D c v/2`; the second
+    /// term is oil dragged along by the wall. Also its change per velocity, m2.
     pub fn flow(&self, bore_m: f64, dp_pa: f64, v_m_per_s: f64, oil: &OilAt) -> (Flow, f64) {
         let c = self.gap_m;
         let round = std::f64::consts::PI * bore_m;

@@ -4,8 +4,8 @@ use crate::support::Folder;
 use std::sync::atomic::{AtomicBool, Ordering};
 use virtual_bench::characterisation::Outcome;
 
-/// The outcome of a visit that is stopped when a test begins, counted over the trial without noise and
-/// the recording.
+/// The outcome of a visit that is stopped when a test begins, counted over the trial without noise
+/// and the recording.
 fn stopped_at(folder: &Folder, beginning: usize) -> Outcome {
     let (stop, mut begun) = (AtomicBool::new(false), 0);
     let mut begins = |_| {
