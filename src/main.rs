@@ -134,7 +134,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
     Ok(match command {
         Command::Run(args) => run::command(args)?,
         Command::Rig(args) => rig::command(args)?,
-        Command::Characterise(args) => characterise::command(args).map(done)?,
+        Command::Characterise(args) => characterise::command(args)?,
         Command::Identify(args) => identify::command(args)?,
         Command::Campaign(args) => campaign::command(args)?,
         Command::Simulate(args) => simulate::command(args).map(done)?,

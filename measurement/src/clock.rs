@@ -3,7 +3,7 @@
 //! Time stamps that lie on a line within 1 % of a step, or within the rounding of their last digit,
 //! are that line: the samples stay what they are. Otherwise the channels are resampled to the
 //! median step by the cubic through neighbouring samples whose slopes are those of the parabola
-//! through three (Hermite); that is a repair, and it is told. Its limits: every step within 30 % of
+//! through three (Hermite); this is reported as a repair. Its limits: every step within 30 % of
 //! the median; up to three samples missing in a row and one in a hundred in all. What is worse is
 //! an error with its line.
 
@@ -12,7 +12,7 @@ use crate::interpolant;
 use crate::series::Series;
 use std::cmp::Ordering;
 
-/// Share of a step by which time stamps may leave a uniform clock and still count as on it.
+/// Share of a step by which time stamps may deviate from a uniform clock.
 const UNIFORM_SHARE: f64 = 0.01;
 /// Share of the median step by which a step may differ and is still resampled.
 const JITTER_SHARE: f64 = 0.3;
@@ -75,7 +75,7 @@ fn median_step(time_s: &[f64]) -> f64 {
     steps.get(steps.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Rows that say the same as the one before at the same time are left out, and told.
+/// Removes rows that repeat the one before at the same time, and reports them.
 fn drop_repeats(series: &mut Series) -> Result<(), MeasurementError> {
     let mut repeated = Vec::new();
     for sample in 1..series.time_s.len() {

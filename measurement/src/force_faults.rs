@@ -70,7 +70,7 @@ const FROZEN: usize = 20;
 
 /// Refuses a force that stays the same to the last digit while the damper moves on and then jumps
 /// further than it does anywhere else, in a record with noise: a logger that hangs, a cable that is
-/// off. (A simulated force is zero in a clearance, and leaves it without a jump.)
+/// off. (A simulated force is zero in a clearance, and returns without a jump.)
 ///
 /// # Errors
 /// There is such a stretch.
@@ -147,7 +147,7 @@ pub(crate) fn mend_spikes(series: &mut Series) {
             spikes.push(*i);
             continue;
         }
-        // The first that is none: all before have to stand far above it.
+        // The first that is none: all before have to be far above it.
         spikes.retain(|spike| off(*spike) > 10.0 * size);
         break;
     }
@@ -188,8 +188,8 @@ mod tests {
         assert_eq!(judged(&noisy), Ok(()));
         let mut frozen = noisy.clone();
         frozen[1400..1440].fill(noisy[1400]);
-        let told = judged(&frozen).unwrap_err();
-        assert!(told.contains("in 40 samples while the damper moves"), "{told}");
+        let message = judged(&frozen).unwrap_err();
+        assert!(message.contains("in 40 samples while the damper moves"), "{message}");
         // In a clearance the force is nothing to the last digit where there is no noise.
         let mut clean: Vec<f64> = (0..3000).map(clean).collect();
         clean[1400..1440].fill(0.0);

@@ -8,6 +8,9 @@ use std::process::Output;
 
 const MODEL: &str = "[damper]\nclearance_2a_m = 1e-3\nf_relief_n = 15e3\nc2_n_s_per_m = 60e3\n";
 
+const ONE_TEST: &str = "[[test]]\nname = \"one\"\nduration_s = 2.0\n\
+    sine = { amplitude_m = 3e-3, frequency_hz = 3.0 }\n";
+
 /// A folder with the model in it.
 fn place(name: &str) -> PathBuf {
     let place = folder(name);
@@ -72,10 +75,87 @@ fn a_visit_leaves_records_that_give_the_same_figures_when_they_are_read_again() 
 }
 
 #[test]
+fn a_result_was_overwritten_without_a_word() {
+    let place = place("again");
+    std::fs::write(place.join("list.toml"), ONE_TEST).unwrap();
+    let visit = ["model.toml", "--tests", "list.toml", "--out", "a"];
+    assert_eq!(characterise(&place, &visit).status.code(), Some(0));
+    let first = std::fs::read(place.join("a/one.csv")).unwrap();
+    std::fs::write(place.join("a/notes.txt"), "mine").unwrap();
+    let other = [visit.as_slice(), &["--seed", "2"]].concat();
+    let refused = characterise(&place, &other);
+    let text = String::from_utf8_lossy(&refused.stderr).trim().to_owned();
+    assert_eq!((refused.status.code(), text.lines().count()), (Some(2), 1), "{text}");
+    assert!(text.contains("--out a: holds a result of `characterise`"), "{text}");
+    assert!(std::fs::read(place.join("a/one.csv")).unwrap() == first);
+    let replaced = characterise(&place, &[other.as_slice(), &["--overwrite"]].concat());
+    assert_eq!(replaced.status.code(), Some(0));
+    assert!(std::fs::read(place.join("a/one.csv")).unwrap() != first);
+    assert_eq!(std::fs::read_to_string(place.join("a/notes.txt")).unwrap(), "mine");
+    // The user's own file is in the way of a new result.
+    std::fs::create_dir(place.join("b")).unwrap();
+    std::fs::write(place.join("b/one.toml"), MODEL).unwrap();
+    let taken = ["model.toml", "--tests", "list.toml", "--out", "b", "--overwrite"];
+    let text = characterise(&place, &taken);
+    assert_eq!(text.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&text.stderr).contains("b/one.toml"));
+    assert_eq!(std::fs::read_to_string(place.join("b/one.toml")).unwrap(), MODEL);
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
+fn a_record_has_its_names_in_line_1_and_its_direction_in_a_mapping() {
+    let place = place("mapping");
+    std::fs::write(place.join("list.toml"), ONE_TEST).unwrap();
+    figures(&place, &["model.toml", "--tests", "list.toml", "--out", "a", "--json"]);
+    let text = std::fs::read_to_string(place.join("a/one.csv")).unwrap();
+    assert!(text.starts_with("time_s,displacement_m,force_n,temperature_degc\n0,"), "{text:.99}");
+    let mapping = std::fs::read_to_string(place.join("a/one.toml")).unwrap();
+    for line in ["mapping_for = \"one.csv\"", "specimen = \"model\"", "extension = \"positive\""] {
+        assert!(mapping.lines().any(|other| other == line), "no {line} in {mapping}");
+    }
+    let alone = ["--from", "a/one.csv", "--out", "b", "--json"];
+    let explicit = ["--from", "a/one.csv", "--mapping", "a/one.toml", "--out", "c", "--json"];
+    assert_eq!(figures(&place, &alone), figures(&place, &explicit));
+    let turned = mapping.replace("\"positive\"", "\"unknown\"");
+    std::fs::write(place.join("a/one.toml"), turned).unwrap();
+    let unknown = figures(&place, &["--from", "a/one.csv", "--out", "d", "--json"]);
+    assert_eq!(unknown["direction_declared"], false);
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
+fn ctrl_c_ended_a_visit_without_a_word() {
+    let place = place("stop");
+    let list = ONE_TEST.replace("2.0", "3600.0");
+    std::fs::write(place.join("list.toml"), list).unwrap();
+    let mut command = yawbench();
+    command.args(["characterise", "model.toml", "--tests", "list.toml", "--out", "a"]);
+    command.current_dir(&place).stderr(std::process::Stdio::piped());
+    let child = command.spawn().unwrap();
+    let status = PathBuf::from(format!("/proc/{}/status", child.id()));
+    // Until the program has a handler for SIGINT, bit 1 of the mask.
+    let handled = |text: String| {
+        let mask = text.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 2 != 0)
+    };
+    while !std::fs::read_to_string(&status).is_ok_and(handled) {
+        std::thread::yield_now();
+    }
+    let id = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let result = child.wait_with_output().unwrap();
+    let text = String::from_utf8_lossy(&result.stderr).trim().to_owned();
+    assert_eq!(result.status.code(), Some(130), "{text}");
+    assert!(text.ends_with("interrupted before the first test was recorded: nothing is written"));
+    assert!(!place.join("a").exists());
+    std::fs::remove_dir_all(place).unwrap();
+}
+
+#[test]
 fn the_seed_decides_the_noise_to_the_last_byte() {
     let place = place("seed");
-    let list = "[[test]]\nname = \"one\"\nsine = { amplitude_m = 3e-3, frequency_hz = 3.0 }\nduration_s = 2.0\n";
-    std::fs::write(place.join("list.toml"), list).unwrap();
+    std::fs::write(place.join("list.toml"), ONE_TEST).unwrap();
     for (out, seed) in [("a", "7"), ("b", "7"), ("c", "8")] {
         figures(
             &place,
@@ -103,7 +183,7 @@ fn a_hydraulic_damper_is_held_against_its_datasheet() {
     for (force, verdict) in [(16.5e3, true), (12.0e3, false)] {
         std::fs::write(place.join("sheet.toml"), row(force)).unwrap();
         let args = ["--physical", damper.to_str().unwrap(), "--tests", "list.toml"];
-        let more = ["--datasheet", "sheet.toml", "--out", "o", "--json"];
+        let more = ["--datasheet", "sheet.toml", "--out", "o", "--overwrite", "--json"];
         let visit = figures(&place, &[args.as_slice(), &more].concat());
         assert_eq!(visit["source"], "physical");
         assert_eq!(
@@ -112,11 +192,11 @@ fn a_hydraulic_damper_is_held_against_its_datasheet() {
             visit["force_velocity"]
         );
     }
-    let args = ["--physical", damper.to_str().unwrap(), "--tests", "list.toml", "--out", "o"];
+    let args = ["--physical", damper.to_str().unwrap(), "--tests", "list.toml", "--out", "p"];
     let result = characterise(&place, &args);
     let text = String::from_utf8_lossy(&result.stdout);
     for part in
-        ["Force over velocity", "extension kN", "slow", "virtual visit, seed 1", "files in o"]
+        ["Force over velocity", "extension kN", "slow", "virtual visit, seed 1", "files in p"]
     {
         assert!(text.contains(part), "no {part} in {text}");
     }

@@ -1,14 +1,14 @@
 //! Which tests a visit makes.
 //!
-//! [`full`] is a visit of five minutes of records after which every effect that can be told apart on a bench
-//! has had its test: warm-up, static holds approached from both sides, slow triangles, an amplitude
-//! sweep at the working frequency of a yaw damper, a frequency sweep at small amplitude, repeats away
-//! from mid-stroke, relaxation after a ramp, the first sine again, and a random record for test
-//! only. [`short`] is what a campaign of many visits can afford. Strokes and speeds are those of a yaw
-//! damper of the SS9's class; a list of one's own comes from a file ([`super::test_list`]).
+//! [`full`] is a visit with five minutes of records and a test for every effect that can be
+//! distinguished on a bench: warm-up, static holds approached from both sides, slow triangles, an
+//! amplitude sweep at the working frequency of a yaw damper, a frequency sweep at small amplitude,
+//! repeats away from mid-stroke, relaxation after a ramp, the first sine again, and a random record
+//! for testing only. [`short`] is what a campaign of many visits can afford. Strokes and speeds are
+//! those of a yaw damper of the SS9's class; other lists come from a file ([`super::test_list`]).
 
-use super::excitation::{Excitation, Leg, Tone};
-use super::random::Random;
+use crate::excitation::{Excitation, Leg, Tone};
+use crate::random::Random;
 
 /// Time to speed up and slow down at every reversal of a triangle, s.
 pub const ROUNDING_S: f64 = 0.05;
@@ -24,7 +24,7 @@ pub struct Test {
     pub mean_m: f64,
     /// How long it is recorded, s.
     pub duration_s: f64,
-    /// It is meant to judge a model, not to fit it.
+    /// It is meant to test a model, not to fit it.
     pub test_only: bool,
 }
 
@@ -32,6 +32,11 @@ impl Test {
     /// A test around mid-stroke, for fitting.
     pub fn new(name: impl Into<String>, excitation: Excitation, duration_s: f64) -> Self {
         Self { name: name.into(), excitation, mean_m: 0.0, duration_s, test_only: false }
+    }
+
+    /// Name of the CSV file of its record.
+    pub fn csv_name(&self) -> String {
+        format!("{}.csv", self.name)
     }
 
     /// A test as long as its path.
@@ -128,8 +133,9 @@ pub fn static_holds(
     Excitation::path(&legs, ROUNDING_S)
 }
 
-/// A random record as of service: tones evenly spread between two frequencies, of random phase, whose
-/// amplitude falls as one over the frequency (a velocity of constant density), of this rms in all.
+/// A random record as of service: tones evenly spread between two frequencies, of random phase,
+/// whose amplitude falls as one over the frequency (a velocity of constant density), of this rms in
+/// all.
 pub fn service(rms_m: f64, lowest_hz: f64, highest_hz: f64, tones: usize, seed: u64) -> Excitation {
     let mut random = Random::new(seed, 0);
     let spacing_hz = (highest_hz - lowest_hz) / (tones.max(2) - 1) as f64;

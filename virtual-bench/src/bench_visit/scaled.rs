@@ -1,8 +1,8 @@
 //! The tests of a visit for a damper of any stroke: those of [`protocol::short`], every length and
 //! speed times a scale, at the same frequencies.
 
-use super::excitation::{Excitation, Leg};
 use super::protocol::{self, ROUNDING_S, Test};
+use crate::excitation::{Excitation, Leg};
 
 /// Sines: name, amplitude (mm), frequency (Hz), cycles, middle (mm).
 const SINES: [(&str, f64, f64, f64, f64); 6] = [
@@ -14,7 +14,7 @@ const SINES: [(&str, f64, f64, f64, f64); 6] = [
     ("sine-off-middle", 3.46, 3.5, 17.5, 40.0),
 ];
 
-/// Ten tests in about a minute, the last one for judging only.
+/// Ten tests in about a minute, the last one for testing only.
 pub fn whole(scale: f64) -> Vec<Test> {
     let mm = 1e-3 * scale;
     let mut tests: Vec<Test> = SINES

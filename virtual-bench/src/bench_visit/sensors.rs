@@ -1,4 +1,4 @@
-//! What sensors and amplifier make of displacement and force.
+//! What sensors and amplifier read of displacement and force.
 //!
 //! ```text
 //! reading = quantised( low-pass(value) at the sampling instants + white noise + coloured noise )
@@ -7,10 +7,10 @@
 //!
 //! Both channels pass the same anti-alias filter (four poles, Butterworth) before the same sampling
 //! instants, so that it delays them equally and the record holds no false damping. The quantiser
-//! holds at the ends of its range. Defaults are a usual laboratory, estimated: load cell with 0.1 % of
-//! its range rms and 16 bit, displacement with 1 µm rms and 24 bit, 1 kHz.
+//! holds at the ends of its range. Defaults are a usual laboratory, estimated: load cell with 0.1 %
+//! of its range rms and 16 bit, displacement with 1 µm rms and 24 bit, 1 kHz.
 
-use super::random::Random;
+use crate::random::Random;
 use signal::guiding_force::low_pass;
 
 /// Coloured noise on the force.
@@ -69,8 +69,8 @@ impl Sensors {
         }
     }
 
-    /// A usual laboratory that chooses its sensors for these greatest values: the next range of 1, 2,
-    /// 5, 10 that leaves a quarter in reserve.
+    /// A usual laboratory that chooses its sensors for these greatest values: the next range of 1,
+    /// 2, 5, 10 with a quarter in reserve.
     ///
     /// ```
     /// use virtual_bench::bench_visit::sensors::Sensors;
@@ -96,6 +96,7 @@ impl Sensors {
 
     /// Samples a signal given `substeps` times per sample.
     pub(super) fn sample(&self, fine: &[f64], substeps: usize) -> Vec<f64> {
+        debug_assert!(substeps > 0, "a sample takes at least one step");
         let fine_hz = self.rate_hz * substeps as f64;
         let passed = self.anti_alias_hz.and_then(|corner| low_pass(fine, fine_hz, corner).ok());
         let passed = passed.as_deref().unwrap_or(fine);

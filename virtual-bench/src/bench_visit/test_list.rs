@@ -5,7 +5,7 @@
 //!
 //! [sensors]                          # optional, each key too
 //! rate_hz = 1000.0
-//! force_range_n = 50e3               # without it, the next range above what the damper gives
+//! force_range_n = 50e3               # default: the next range above the force of the damper
 //! force_noise_n = 50.0               # default 0.1 % of the range
 //! coloured_noise_n = 80.0
 //! coloured_rho_per_ms = 0.9
@@ -14,7 +14,7 @@
 //! name = "sine-2hz-5mm"
 //! sine = { amplitude_m = 5e-3, frequency_hz = 2.0 }
 //! mean_m = 0.02                      # optional
-//! duration_s = 6.0                   # paths may leave it out
+//! duration_s = 6.0                   # optional for paths
 //! test_only = false                  # optional
 //! ```
 //!
@@ -23,9 +23,10 @@
 //! `path { legs = [{ to_m, speed_m_per_s, hold_s }] }`,
 //! `service { rms_m, lowest_hz, highest_hz, tones, seed }`.
 
-use super::excitation::{Excitation, Leg};
 use super::protocol::{self, ROUNDING_S, Test};
 use super::sensors::{Coloured, Sensors};
+use crate::excitation::{Excitation, Leg};
+use files::quoted;
 use scenario::quantity::Quantity;
 use scenario::source::{ScenarioError, Source};
 use serde::Deserialize;
@@ -33,21 +34,23 @@ use std::path::Path;
 
 /// Longest test, s.
 const LONGEST_S: f64 = 3600.0;
+/// Longest name of a test, bytes.
+const NAME_LONGEST: usize = 100;
 /// Most samples of a test.
 const SAMPLES_MAX: f64 = 5e6;
 /// Noise of a usual thermometer, K.
 const TEMPERATURE_NOISE_K: f64 = 0.1;
 
-/// Tests and what is said about sensors.
+/// Tests, and what is stated about sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TestList {
     /// The tests.
     pub tests: Vec<Test>,
-    /// What is said about sensors.
+    /// What is stated about sensors.
     pub sensors: SensorChoice,
 }
 
-/// What a list says about sensors; the rest follows from what the damper gives.
+/// What a list states about sensors; the rest follows from the force of the damper.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SensorChoice {
     rate_hz: Option<f64>,
@@ -63,7 +66,8 @@ pub struct SensorChoice {
 }
 
 impl SensorChoice {
-    /// The sensors for these greatest values; the oil is measured to 0.1 K where nothing else is said.
+    /// The sensors for these greatest values; the noise of the oil temperature is 0.1 K
+    /// unless stated.
     pub fn sensors(&self, peak_force_n: f64, peak_displacement_m: f64) -> Sensors {
         let fitting = Sensors::for_peaks(peak_force_n, peak_displacement_m);
         let force_n = self.force_range_n.unwrap_or(fitting.force.range);
@@ -93,6 +97,17 @@ impl TestList {
         Some(Self { tests, sensors: SensorChoice::default() })
     }
 
+    /// The built-in list of this name, else that of the file.
+    ///
+    /// # Errors
+    /// What does not fit in the file, with line and key.
+    pub fn named(name: &str) -> Result<Self, ScenarioError> {
+        match Self::built_in(name) {
+            Some(list) => Ok(list),
+            None => Self::load(Path::new(name)),
+        }
+    }
+
     /// Reads a list.
     ///
     /// # Errors
@@ -110,7 +125,8 @@ impl TestList {
         let mut tests = Vec::new();
         if let Some(name) = &table.protocol {
             let Some(list) = Self::built_in(name) else {
-                let message = format!("protocol = \"{name}\", expected \"full\" or \"short\"");
+                let message =
+                    format!("protocol = \"{}\", expected \"full\" or \"short\"", quoted(name));
                 return Err(source.whole_error(message));
             };
             tests = list.tests;
@@ -287,10 +303,11 @@ struct ServiceTable {
 impl TestTable {
     fn build(&self, source: &Source) -> Result<Test, ScenarioError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-        if self.name.is_empty() || self.name.starts_with('.') || !self.name.chars().all(plain) {
+        let named = (1..=NAME_LONGEST).contains(&self.name.len()) && !self.name.starts_with('.');
+        if !named || !self.name.chars().all(plain) {
             let message = format!(
-                "name = \"{}\", expected letters, digits, - _ . that can name a file",
-                self.name
+                "name = \"{}\", expected up to {NAME_LONGEST} letters, digits, - _ . that can name a file",
+                quoted(&self.name)
             );
             return Err(source.whole_error(message));
         }

@@ -5,8 +5,8 @@
 //! F = K0 d + K1 (d - z)         z' = (d - z)/tau         rubber, standard linear solid
 //! ```
 //!
-//! Over an implicit stage of length g the branch is closed by itself, `z = (z_0 + g/tau d)/(1 + g/tau)`, so
-//! that the force is a straight line of the deflection outside the clearance.
+//! Over an implicit stage of length g the branch is closed by itself, `z = (z_0 + g/tau d)/(1 +
+//! g/tau)`, so that the force is a straight line of the deflection outside the clearance.
 
 /// Seats and rubber.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,12 +35,13 @@ pub struct Pull {
 }
 
 impl Attachment {
-    /// The force at a deflection between eye and rod, with the branch having crept from `branch_m` over
-    /// `stage_s`.
+    /// The force at a deflection between eye and rod, the branch having relaxed from `branch_m`
+    /// over `stage_s`.
     pub fn pull(&self, deflection_m: f64, branch_m: f64, stage_s: f64) -> Pull {
+        debug_assert!(stage_s > 0.0 && self.branch_s > 0.0, "{stage_s} s, {self:?}");
         let share = 1.0 / (1.0 + stage_s / self.branch_s);
         let rubber = self.rubber_n_per_m + share * self.branch_n_per_m;
-        // Without force the rubber stands where its branch leaves it.
+        // Without force the rubber rests where its branch holds it.
         let rest_m = share * self.branch_n_per_m * branch_m / rubber;
         let a = 0.5 * self.clearance_2a_m;
         let from_rest = deflection_m - rest_m;

@@ -1,5 +1,5 @@
-//! A hydraulic damper from a TOML file: geometry, reservoir, oil, leakage, seals, attachment, heat and
-//! a list of valves, each number with its unit in its key and its provenance beside it.
+//! A hydraulic damper from a TOML file: geometry, reservoir, oil, leakage, seals, attachment, heat
+//! and a list of valves, each number with its unit in its key and its provenance next to it.
 //!
 //! ```toml
 //! [[valve]]
@@ -16,7 +16,8 @@ use super::friction::Friction;
 use super::oil::Oil;
 use super::valve::{Chamber, Leakage, Throttle, Valve};
 use super::{HydraulicDamper, Reservoir};
-use crate::bench_visit::specimen::HeatBalance;
+use crate::heat::HeatBalance;
+use files::quoted;
 use scenario::quantity::Quantity;
 use scenario::source::{ScenarioError, Source};
 use serde::Deserialize;
@@ -43,7 +44,7 @@ impl HydraulicDamper {
 /// Declares a table of quantities with what each may be, and its check.
 macro_rules! tables {
     ($($table:ident { $($key:ident: $bound:ident,)+ })+) => {
-        $(#[allow(clippy::struct_field_names, reason = "the unit stands at the end of a name")]
+        $(#[allow(clippy::struct_field_names, reason = "the unit is the end of a name")]
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
         struct $table { $($key: Quantity,)+ }
@@ -299,14 +300,15 @@ impl ValveTable {
         }
         let (from, to) = (self.from.chamber(), self.to.chamber());
         if from == to {
-            let message = format!("valve \"{}\" leads from a chamber to itself", self.name);
+            let message =
+                format!("valve \"{}\" leads from a chamber to itself", quoted(&self.name));
             return Err(source.whole_error(message));
         }
         match throttles[..] {
             [throttle] => Ok(Valve { from, to, throttle }),
             _ => Err(source.whole_error(format!(
                 "valve \"{}\" has {} throttles, expected one of orifice, slot, check, shim, relief",
-                self.name,
+                quoted(&self.name),
                 throttles.len()
             ))),
         }

@@ -1,46 +1,49 @@
-//! The full hydraulic damper: the "real" damper of a bench visit, whose records carry effects that
-//! nobody wrote into the fitting model.
+//! The full hydraulic damper: the "real" damper of a bench visit, whose records show effects that
+//! the fitted model was not written for.
 //!
 //! ```text
 //! eye --[ seat with clearance, rubber ]-- rod, m --[ piston in twin tube ]-- eye with load cell
 //!
-//! W1' = -(flows out of the rod side)         W1 s(p1) = V1(x_p) = A1 (l - x_p) + dead      A1 = A2 - A_r
-//! W2' = -(flows out of the cap side)         W2 s(p2) = V2(x_p) = A2 (l + x_p) + dead
-//! V_g' = -(flows into the reservoir)         p3 = p30 (V_g0/V_g)^n
+//! W1' = -(flows out of the rod side)      W1 s(p1) = V1(x_p) = A1 (l - x_p) + dead      A1 = A2 - A_r
+//! W2' = -(flows out of the cap side)      W2 s(p2) = V2(x_p) = A2 (l + x_p) + dead
+//! V_g' = -(flows into the reservoir)      p3 = p30 (V_g0/V_g)^n
 //! F = A1 (p1 - pa) - A2 (p2 - pa) + F_f(v, p1 - p2)          m v' = F_attachment(x - x_p) - F
 //! C T' = heat of valves, gap, seals and rubber - H (T - Ta)
 //! ```
 //!
-//! W is the liquid in a chamber, counted at one bar, so that oil is kept exactly and cavitation is the
-//! end of the curve s(p) ([`oil`]). Which valves sit between which chambers decides the type: with
-//! bidirectional flow the piston throttles both ways and a foot check refills; with unidirectional
-//! flow the oil always circulates cap -> rod -> reservoir -> cap. [`mod@file`] reads a damper from TOML.
+//! W is the liquid in a chamber, counted at one bar, so that oil is kept exactly and cavitation is
+//! the end of the curve s(p) (`oil`). Which valves sit between which chambers decides the type:
+//! with bidirectional flow the piston throttles both ways and a foot check refills; with
+//! unidirectional flow the oil always circulates cap -> rod -> reservoir -> cap. `file` reads a
+//! damper from TOML.
 //!
 //! The structure is a reconstruction from standard damper hydraulics. Parameter sets that come with
 //! the project are illustrative: they reach the stiffness and the relief force of a yaw damper of
 //! the SS9's class and are no maker's data.
 //!
-//! Integration ([`stage`]): two implicit stages of second order, L-stable (SDIRK2), each solved by Newton's
-//! method for the piston's velocity and two pressures together; a step that does not converge is
-//! halved. Open checks are stiff and need no special care.
+//! Integration (`stage`): two implicit stages of second order, L-stable (SDIRK2), each solved by
+//! Newton's method for the piston's velocity and two pressures together; a step that does not
+//! converge is halved. Open checks are stiff and need no special care.
 //!
 //! Limits: massless valves; one temperature for all oil; free air does not dissolve; no
 //! cylinder mass; no end stops (volumes stop shrinking at the end of the stroke).
 
-pub mod attachment;
-pub mod file;
-pub mod friction;
-pub mod oil;
-pub mod stage;
-pub mod valve;
+mod attachment;
+mod file;
+mod friction;
+mod oil;
+mod stage;
+mod valve;
 
-use crate::bench_visit::specimen::{HeatBalance, Load, Response, Specimen};
-use attachment::Attachment;
-use friction::Friction;
-use oil::Oil;
+pub use attachment::Attachment;
+pub use friction::Friction;
+pub use oil::{Filling, Oil, OilAt};
+pub use valve::{Chamber, Flow, Leakage, Throttle, Valve};
+
+use crate::heat::HeatBalance;
+use crate::specimen::{Load, Response, Specimen};
 use stage::{Ends, GAMMA, Stage};
 use std::f64::consts::PI;
-use valve::{Leakage, Valve};
 
 /// Pressure of the air around, Pa.
 pub const AMBIENT_PA: f64 = 101_325.0;
@@ -66,9 +69,9 @@ pub struct HydraulicDamper {
     pub bore_m: f64,
     /// Diameter of the rod, m.
     pub rod_m: f64,
-    /// Way of the piston from the middle to either end, m.
+    /// Travel of the piston from the middle to either end, m.
     pub half_stroke_m: f64,
-    /// Volume of the rod side that is left at the end of the stroke, m3.
+    /// Volume of the rod side that remains at the end of the stroke, m3.
     pub rod_dead_m3: f64,
     /// The same of the cap side, m3.
     pub cap_dead_m3: f64,
@@ -90,7 +93,7 @@ pub struct HydraulicDamper {
     pub valves: Vec<Valve>,
 }
 
-/// Everything that the damper remembers.
+/// The state of the damper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     /// Position of the piston, m.
@@ -107,7 +110,7 @@ pub struct State {
     pub branch_m: f64,
     /// Temperature of the oil, degrees Celsius.
     pub oil_degc: f64,
-    /// Heat turned out so far, J.
+    /// Heat generated so far, J.
     pub heat_j: f64,
     /// Pressures on the rod and the cap side, Pa absolute.
     pub pressures_pa: [f64; 2],
@@ -155,7 +158,7 @@ impl HydraulicDamper {
     }
 
     /// At rest with the eyes at a displacement, all pressures equal. Without gas preload the joint
-    /// stands at `start` (-1 to 1) in its clearance, else at the end to which the gas pushes it.
+    /// is at `start` (-1 to 1) in its clearance, else at the end to which the gas pushes it.
     pub fn at_rest(&self, displacement_m: f64, start: f64, oil_degc: f64) -> State {
         let oil = self.oil.at(oil_degc);
         let a = 0.5 * self.attachment.clearance_2a_m;
@@ -196,6 +199,7 @@ impl HydraulicDamper {
         step_s: f64,
         ambient_degc: f64,
     ) {
+        debug_assert!(step_s > 0.0, "a step of {step_s} s");
         self.advance_halving(state, x, [start_s, step_s, ambient_degc], 0);
     }
 
@@ -207,7 +211,7 @@ impl HydraulicDamper {
             return;
         }
         if shortest {
-            // No number came out: everything stays where it is.
+            // No solution: the state stays as it is.
             state.unsolved += 1;
             return;
         }
@@ -296,6 +300,9 @@ impl Specimen for HydraulicDamper {
         response.force_n.push(state.force_n);
         response.temperature_degc.push(state.oil_degc);
         for step in 0..load.grid.steps {
+            if load.is_stopped() {
+                break;
+            }
             let start_s = step as f64 * load.grid.step_s;
             self.advance(&mut state, &x, start_s, load.grid.step_s, load.ambient_degc);
             response.force_n.push(state.force_n);

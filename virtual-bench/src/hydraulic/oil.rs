@@ -3,7 +3,7 @@
 //! ```text
 //! s(p) = 1 - (p - p0)/K_l + eps (p0/p)^(1/n)          volume over that of the liquid at p0
 //! beta = -s/s' = K_l [~1 + eps (p0/p)^(1/n)] / [1 + eps (p0/p)^(1/n) K_l/(n p)]
-//! rho = rho0 (1 - 7e-4 (T - T0))       mu = mu0 exp(-k (T - T0))       K_l(T) = K0 - 6 MPa/K (T - T0)
+//! rho = rho0 (1 - 7e-4 (T - T0))     mu = mu0 exp(-k (T - T0))     K_l(T) = K0 - 6 MPa/K (T - T0)
 //! ```
 //!
 //! A chamber that holds the liquid volume W (measured at p0) has the pressure at which
@@ -11,11 +11,11 @@
 //! rest is void: cavitation is the end of the curve, and the oil must come back before the pressure
 //! does. Air is free, never dissolved: no memory of foaming.
 //!
-//! Sources: the modulus of a liquid with polytropic bubbles is textbook hydraulics; 7e-4 /K, 6 MPa/K
-//! and k of 0.02 to 0.035 /K are usual for mineral oil (estimated).
+//! Sources: the modulus of a liquid with polytropic bubbles is textbook hydraulics; 7e-4 /K, 6
+//! MPa/K and k of 0.02 to 0.035 /K are usual for mineral oil (estimated).
 
 /// Pressure at which volumes and air are measured, Pa absolute.
-pub const P0_PA: f64 = 100e3;
+pub(super) const P0_PA: f64 = 100e3;
 
 /// Parameters of the oil.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,8 +87,8 @@ pub struct Filling {
 }
 
 impl OilAt {
-    /// The curve at an unknown that is the pressure down to the vapour pressure, and below it goes on
-    /// as void at that pressure.
+    /// The curve at an unknown that is the pressure down to the vapour pressure, and below it goes
+    /// on as void at that pressure.
     pub fn filling(&self, unknown_pa: f64) -> Filling {
         let pressure = unknown_pa.max(self.vapour_pa);
         let air = if self.air_share > 0.0 {
@@ -101,7 +101,8 @@ impl OilAt {
         if unknown_pa >= self.vapour_pa {
             return Filling { pressure_pa: pressure, swell, swell_per_pa: slope, void: 0.0 };
         }
-        // The void grows as steeply as the oil would have swollen, at least 1 % per vapour pressure.
+        // The void grows as steeply as the oil would have swollen, at least 1 % per vapour
+        // pressure.
         let void_slope = slope.min(-0.01 / self.vapour_pa);
         let void = void_slope * (unknown_pa - self.vapour_pa);
         Filling { pressure_pa: pressure, swell: swell + void, swell_per_pa: void_slope, void }
@@ -110,7 +111,7 @@ impl OilAt {
     /// Bulk modulus with air at a pressure, Pa.
     ///
     /// ```
-    /// use virtual_bench::hydraulic::oil::Oil;
+    /// use virtual_bench::hydraulic::Oil;
     /// let oil = Oil {
     ///     bulk_modulus_pa: 1.5e9, bulk_modulus_pa_per_k: -6e6, air_share: 0.01, air_exponent: 1.4,
     ///     density_kg_per_m3: 870.0, expansion_per_k: 7e-4, viscosity_pa_s: 0.02,

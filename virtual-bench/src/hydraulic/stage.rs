@@ -1,6 +1,6 @@
 //! One implicit stage of the hydraulic damper.
 //!
-//! Over the length g of a stage every state is Y = base + g Y'. What is left are three equations for
+//! Over the length g of a stage every state is Y = base + g Y'. Three equations remain, for
 //! the piston's velocity v and the pressures of both chambers:
 //!
 //! ```text
@@ -9,24 +9,24 @@
 //! W2 s(p2) - V2(x_p) = 0
 //! ```
 //!
-//! Every term rises (or falls) with its own unknown, so that Newton's method with a halved step where
-//! the residual does not fall finds the one solution. Below the vapour pressure the unknown of
-//! a chamber measures its void.
+//! Every term rises (or falls) with its own unknown, so that Newton's method with a halved step
+//! where the residual does not decrease finds the one solution. Below the vapour pressure the
+//! unknown of a chamber measures its void.
 
 use super::HydraulicDamper;
 use super::oil::OilAt;
 use super::valve::Chamber;
 
-/// Length of a stage over that of the step: 1 - 1/sqrt(2), which makes two of them L-stable and of second
-/// order (Alexander 1977).
-pub const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+/// Length of a stage over that of the step: 1 - 1/sqrt(2), which makes two of them L-stable and of
+/// second order (Alexander 1977).
+pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 const ITERATIONS_MAX: u32 = 30;
 const BACKTRACKS_MAX: u32 = 8;
 
 /// The differential states.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ends {
+pub(super) struct Ends {
     /// Position of the piston, m.
     pub piston_m: f64,
     /// Its velocity, m/s.
@@ -42,7 +42,7 @@ pub struct Ends {
 impl Ends {
     /// `self + factor rates`.
     #[must_use]
-    pub fn plus(&self, rates: &Self, factor: f64) -> Self {
+    pub(super) fn plus(&self, rates: &Self, factor: f64) -> Self {
         Self {
             piston_m: self.piston_m + factor * rates.piston_m,
             piston_m_per_s: self.piston_m_per_s + factor * rates.piston_m_per_s,
@@ -54,7 +54,7 @@ impl Ends {
 
     /// `factor (self - base)`.
     #[must_use]
-    pub fn minus(&self, base: &Self, factor: f64) -> Self {
+    pub(super) fn minus(&self, base: &Self, factor: f64) -> Self {
         let zero = Self {
             piston_m: 0.0,
             piston_m_per_s: 0.0,
@@ -68,7 +68,7 @@ impl Ends {
 
 /// One stage to be solved.
 #[derive(Debug, Clone, Copy)]
-pub struct Stage {
+pub(super) struct Stage {
     /// Its length g, s.
     pub length_s: f64,
     /// Displacement between the eyes at its end, m.
@@ -83,7 +83,7 @@ pub struct Stage {
 
 /// A solved stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Solved {
+pub(super) struct Solved {
     /// The states at its end.
     pub ends: Ends,
     /// Pressures of rod and cap side, Pa.
@@ -112,9 +112,14 @@ struct Balance {
 }
 
 impl Stage {
-    /// Finds the solution from a guess. `None` where it is not found; with `must` the last guess is then
-    /// taken and marked.
-    pub fn solve(&self, damper: &HydraulicDamper, guess: [f64; 3], must: bool) -> Option<Solved> {
+    /// Finds the solution from a guess. `None` where it is not found; with `must` the last guess is
+    /// then taken and marked.
+    pub(super) fn solve(
+        &self,
+        damper: &HydraulicDamper,
+        guess: [f64; 3],
+        must: bool,
+    ) -> Option<Solved> {
         let mut unknowns = guess;
         let mut balance = self.balance(damper, unknowns);
         for _ in 0..ITERATIONS_MAX {

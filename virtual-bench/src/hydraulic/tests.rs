@@ -31,7 +31,8 @@ fn sine(amplitude_m: f64, frequency_hz: f64) -> impl Fn(f64) -> f64 {
     move |t| amplitude_m * libm::sin(TAU * frequency_hz * t)
 }
 
-/// The shipped damper without dry friction, rigid, tight, without air, its gas at the pressure around.
+/// The shipped damper without dry friction, rigid, tight, without air, its gas at the pressure
+/// around.
 fn bare(name: &str) -> HydraulicDamper {
     let mut damper = shipped(name);
     damper.friction =
@@ -68,7 +69,8 @@ fn shut_off_it_is_the_spring_of_its_oil() {
 
 #[test]
 fn at_constant_speed_the_force_is_that_of_the_orifice() {
-    // Unidirectional flow through one hole: dp = rho/2 (A v/(Cd A_0))^2, on the ring out, on the rod in.
+    // Unidirectional flow through one hole: dp = rho/2 (A v/(Cd A_0))^2, on the ring out, on the
+    // rod in.
     let mut damper = bare(BOTH[1]);
     damper.leakage.gap_m = 0.0;
     damper.valves.retain(|valve| {
@@ -146,8 +148,8 @@ fn without_refill_a_chamber_boils_and_its_void_must_close_first() {
     let least = states.iter().map(|s| s.pressures_pa[1]).fold(f64::MAX, f64::min);
     assert_eq!(least, damper.oil.vapour_pa);
     let empty = &states[2_500];
-    // The cap side has grown by A2 x, the piston let A1 x through; the rod's A_r x is void, and what the
-    // pressure has pressed together on the rod side.
+    // The cap side has grown by A2 x, the piston let A1 x through; the rod's A_r x is void, and
+    // what the pressure has pressed together on the rod side.
     let void_m3 = empty.voids[1] * damper.volumes_m3(empty.piston_m)[1];
     let squeezed_m3 = damper.volumes_m3(empty.piston_m)[0] - empty.rod_oil_m3;
     let expected = damper.rod_m2() * empty.piston_m - squeezed_m3;

@@ -116,8 +116,8 @@ impl Throttle {
     /// The flow at a pressure difference.
     ///
     /// ```
-    /// use virtual_bench::hydraulic::valve::Throttle;
-    /// # let oil = crate::hydraulic::oil::Oil {
+    /// use virtual_bench::hydraulic::{Oil, Throttle};
+    /// # let oil = Oil {
     /// #     bulk_modulus_pa: 1.5e9, bulk_modulus_pa_per_k: -6e6, air_share: 0.01, air_exponent: 1.4,
     /// #     density_kg_per_m3: 870.0, expansion_per_k: 7e-4, viscosity_pa_s: 0.02,
     /// #     viscosity_per_k: 0.025, reference_degc: 40.0, vapour_pa: 2e3,
@@ -210,8 +210,8 @@ pub struct Leakage {
 }
 
 impl Leakage {
-    /// Flow from rod to cap side, `pi D c^3 (1 + 1.5 e^2) dp/(12 mu L) + pi D c v/2`; the second term is
-    /// oil dragged along by the wall. Also its change per velocity, m2.
+    /// Flow from rod to cap side, `pi D c^3 (1 + 1.5 e^2) dp/(12 mu L) + pi D c v/2`; the second
+    /// term is oil dragged along by the wall. Also its change per velocity, m2.
     pub fn flow(&self, bore_m: f64, dp_pa: f64, v_m_per_s: f64, oil: &OilAt) -> (Flow, f64) {
         let c = self.gap_m;
         let round = std::f64::consts::PI * bore_m;

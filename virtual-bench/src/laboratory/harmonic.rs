@@ -5,8 +5,8 @@
 //! ```
 //!
 //! The frequency is that of the displacement: of the cycle marks first, then corrected by the turn
-//! of the first harmonic from the first to the second half of the cycles. No sample has to fall on the
-//! beginning of a cycle.
+//! of the first harmonic from the first to the second half of the cycles. No sample has to fall on
+//! the beginning of a cycle.
 
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
@@ -24,8 +24,8 @@ pub struct Harmonics {
 }
 
 impl Harmonics {
-    /// Of a signal at a frequency in cycles per sample; phase zero at the first sample. `None` where
-    /// there is too little to fit.
+    /// Of a signal at a frequency in cycles per sample; phase zero at the first sample. `None`
+    /// where there is too little to fit.
     pub fn of(values: &[f64], cycles_per_sample: f64) -> Option<Self> {
         let columns = 2 * ORDERS + 1;
         let mut normal = DMatrix::<f64>::zeros(columns, columns);
@@ -52,12 +52,14 @@ impl Harmonics {
 
     /// Amplitude of an order from 1.
     pub fn amplitude(&self, order: usize) -> f64 {
+        debug_assert!((1..=ORDERS).contains(&order), "no order {order}");
         let (s, c) = self.parts[order - 1];
         libm::hypot(s, c)
     }
 
     /// Phase of an order from 1 against a sine, rad.
     pub fn phase(&self, order: usize) -> f64 {
+        debug_assert!((1..=ORDERS).contains(&order), "no order {order}");
         let (s, c) = self.parts[order - 1];
         libm::atan2(c, s)
     }

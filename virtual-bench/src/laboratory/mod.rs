@@ -1,17 +1,17 @@
 //! What a damper laboratory prints about its tests.
 //!
-//! - Force over velocity, one point per test and direction: median force and velocity while the eyes pass
-//!   the middle fifth of the stroke, where the velocity is highest; against the tolerance of a
-//!   datasheet where there is one.
-//! - Dynamic stiffness by the first harmonic of force over that of the *measured* displacement,
-//!   `K* = F_1/X = K' + j K''`: magnitude, phase (force before displacement), equivalent damping
-//!   `C = K''/w`; and all harmonics of the force from 0 to 7, which a table of first harmonics alone
-//!   would drop. For a damper with relief or clearance these are describing functions at
-//!   that amplitude, not Ce and Ke.
+//! - Force over velocity, one point per test and direction: median force and velocity while the
+//!   eyes pass the middle fifth of the stroke, where the velocity is highest; compared with the
+//!   tolerance of a datasheet where there is one.
+//! - Dynamic stiffness by the first harmonic of force over that of the *measured* displacement, `K*
+//!   = F_1/X = K' + j K''`: magnitude, phase (force before displacement), equivalent damping `C =
+//!   K''/w`; and all harmonics of the force from 0 to 7, which a table of first harmonics alone
+//!   would omit. For a damper with relief or clearance these are describing functions at that
+//!   amplitude, not Ce and Ke.
 //! - Work per cycle, the closed integral of F dx.
 //! - Forces at rest, by position.
 //!
-//! Figures of a periodic test are taken over its steady cycles: the first two are left out where
+//! Figures of a periodic test are taken over its steady cycles: the first two are omitted where
 //! at least three remain. A test without cycles has its extremes only.
 
 pub mod harmonic;
@@ -26,7 +26,7 @@ use serde::Serialize;
 use signal::statistics::{mean, min_max, percentile};
 use std::f64::consts::TAU;
 
-/// Cycles left out at the beginning, if enough remain.
+/// Cycles omitted at the beginning, if enough remain.
 const LEFT_OUT: usize = 2;
 /// Cycles that have to remain.
 const REMAIN: usize = 3;
@@ -77,7 +77,7 @@ pub struct TestFigures {
     pub holds: Vec<Hold>,
     /// Oil temperature at the start and the end, degrees Celsius.
     pub temperature_degc: Option<[f64; 2]>,
-    /// What was mended in the record.
+    /// What was repaired in the record.
     pub repairs: Vec<String>,
 }
 
@@ -142,7 +142,7 @@ pub struct Hold {
 }
 
 impl Laboratory {
-    /// The figures of a list of tests, against the rows of a datasheet (none is allowed).
+    /// The figures of a list of tests, compared with the rows of a datasheet, if there are any.
     pub fn of(tests: &[Measurement], datasheet: &[Limit]) -> Self {
         let mut force_velocity: Vec<ForcePoint> =
             tests.iter().filter_map(|test| force_point(test, datasheet)).collect();
@@ -243,7 +243,7 @@ fn wrapped(angle: f64) -> f64 {
     angle - TAU * libm::rint(angle / TAU)
 }
 
-/// The peak velocity pick-off of a periodic test.
+/// The force at the peak velocity of a periodic test.
 fn force_point(test: &Measurement, datasheet: &[Limit]) -> Option<ForcePoint> {
     let (range, cycles) = steady(test);
     if cycles == 0 {

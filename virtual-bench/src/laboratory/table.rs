@@ -1,6 +1,8 @@
 //! The figures as text for people.
 
 use super::{Dynamic, ForcePoint, Laboratory, TestFigures};
+use files::quoted;
+use report::{Cell, Table};
 use std::fmt;
 
 /// A unit that suits the size of what is printed.
@@ -8,6 +10,163 @@ use std::fmt;
 struct Unit {
     per_si: f64,
     name: &'static str,
+}
+
+/// The units of a table.
+#[derive(Clone, Copy)]
+struct Units {
+    force: Unit,
+    stiffness: Unit,
+    damping: Unit,
+}
+
+impl fmt::Display for Laboratory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let units = Units::of(self);
+        if !self.force_velocity.is_empty() {
+            writeln!(f, "{}", self.force_table(units))?;
+        }
+        if self.tests.iter().any(|test| test.dynamic.is_some()) {
+            writeln!(f, "{}", self.dynamic_table(units))?;
+        }
+        write!(f, "{}", self.test_table(units))?;
+        if self.tests.iter().any(|test| !test.holds.is_empty()) {
+            write!(f, "\n{}", self.hold_table())?;
+        }
+        for test in &self.tests {
+            for repair in &test.repairs {
+                writeln!(f, "note: {}: {repair}", quoted(&test.name))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Laboratory {
+    fn force_table(&self, Units { force, .. }: Units) -> Table {
+        let [out, back] = if self.direction_declared {
+            ["extension", "compression"]
+        } else {
+            ["side A", "side B"]
+        };
+        Table::new("Force over velocity (median over the middle fifth of the stroke)")
+            .text("test")
+            .fixed("velocity", "mm/s", 2)
+            .fixed(out, force.name, 4)
+            .fixed(back, force.name, 4)
+            .text("datasheet")
+            .rows(self.force_velocity.iter().map(|point| {
+                [
+                    point.test.as_str().into(),
+                    (point.velocity_m_per_s * 1e3).into(),
+                    (point.extension_n * force.per_si).into(),
+                    (point.compression_n * force.per_si).into(),
+                    point.verdict(force),
+                ]
+            }))
+    }
+
+    fn dynamic_table(&self, Units { stiffness, damping, .. }: Units) -> Table {
+        let caption = "Dynamic stiffness and damping (first harmonic; describing functions at this \
+                       amplitude)";
+        let rows = self.tests.iter().filter_map(|test| {
+            let (dynamic, hz) = (test.dynamic.as_ref()?, test.frequency_hz?);
+            Some([
+                test.name.as_str().into(),
+                hz.into(),
+                (dynamic.amplitude_m * 1e3).into(),
+                (dynamic.stiffness_real_n_per_m * stiffness.per_si).into(),
+                (dynamic.stiffness_imaginary_n_per_m * stiffness.per_si).into(),
+                (dynamic.stiffness_n_per_m * stiffness.per_si).into(),
+                dynamic.phase_deg.into(),
+                (dynamic.damping_n_s_per_m * damping.per_si).into(),
+                test.work_per_cycle_j.unwrap_or(0.0).into(),
+                dynamic.third_harmonic().into(),
+            ])
+        });
+        Table::new(caption)
+            .text("test")
+            .fixed("f", "Hz", 3)
+            .fixed("X", "mm", 3)
+            .fixed("K'", stiffness.name, 4)
+            .fixed("K''", stiffness.name, 4)
+            .fixed("|K*|", stiffness.name, 4)
+            .fixed("phase", "deg", 2)
+            .fixed("C", damping.name, 2)
+            .fixed("work", "J/cycle", 2)
+            .fixed("F3/F1", "", 3)
+            .rows(rows)
+    }
+
+    fn test_table(&self, Units { force, .. }: Units) -> Table {
+        let oil = |[first, last]: [f64; 2]| Cell::from(format!("{first:.1} to {last:.1}"));
+        Table::new("Tests")
+            .text("test")
+            .fixed("length", "s", 1)
+            .fixed("at", "mm", 2)
+            .fixed("+-", "mm", 3)
+            .number("cycles", "")
+            .fixed("max", force.name, 3)
+            .fixed("min", force.name, 3)
+            .fixed("mean", force.name, 4)
+            .fixed("work", "J/cycle", 2)
+            .text("oil degC")
+            .rows(self.tests.iter().map(|test| {
+                [
+                    test.name.as_str().into(),
+                    test.duration_s.into(),
+                    (test.mean_m * 1e3).into(),
+                    (test.amplitude_m * 1e3).into(),
+                    (test.cycles_used as u64).into(),
+                    (test.force_max_n * force.per_si).into(),
+                    (test.force_min_n * force.per_si).into(),
+                    (test.force_mean_n * force.per_si).into(),
+                    test.work_per_cycle_j.into(),
+                    test.temperature_degc.map_or(Cell::Empty, oil),
+                ]
+            }))
+    }
+
+    fn hold_table(&self) -> Table {
+        let holds = self.tests.iter().flat_map(|test| {
+            test.holds.iter().map(|hold| {
+                [
+                    test.name.as_str().into(),
+                    (hold.displacement_m * 1e3).into(),
+                    hold.duration_s.into(),
+                    hold.force_n.into(),
+                ]
+            })
+        });
+        Table::new("Forces at rest")
+            .text("test")
+            .fixed("at", "mm", 2)
+            .fixed("for", "s", 1)
+            .fixed("force", "N", 1)
+            .rows(holds)
+    }
+}
+
+impl ForcePoint {
+    /// What the datasheet says about this point.
+    fn verdict(&self, unit: Unit) -> Cell {
+        let Some(limit) = &self.limit else { return Cell::Empty };
+        let verdict = if self.within_limit == Some(true) { "within" } else { "OUTSIDE" };
+        let side = |force: Option<f64>| {
+            force.map_or("-".to_owned(), |n| format!("{:.3}", n * unit.per_si))
+        };
+        let (out, back) = (side(limit.extension_n), side(limit.compression_n));
+        let (unit, percent) = (unit.name, limit.tolerance * 100.0);
+        format!("{verdict} {out} / {back} {unit} +-{percent:.0} %").into()
+    }
+}
+
+impl Dynamic {
+    /// The third harmonic of the force over the first.
+    fn third_harmonic(&self) -> f64 {
+        let force = |order: usize| self.harmonics.get(order).map_or(0.0, |h| h.force_n);
+        if force(1) > 0.0 { force(3) / force(1) } else { 0.0 }
+    }
 }
 
 impl Unit {
@@ -19,14 +178,6 @@ impl Unit {
             _ => Self { per_si: 1.0, name: one },
         }
     }
-}
-
-/// The units of a table.
-#[derive(Clone, Copy)]
-struct Units {
-    force: Unit,
-    stiffness: Unit,
-    damping: Unit,
 }
 
 impl Units {
@@ -46,168 +197,4 @@ impl Units {
             damping: Unit::of(dynamic(|d| d.damping_n_s_per_m), ["MNs/m", "kNs/m", "Ns/m"]),
         }
     }
-}
-
-impl fmt::Display for Laboratory {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let units = Units::of(self);
-        let (force, stiffness, damping) =
-            (units.force.name, units.stiffness.name, units.damping.name);
-        let (out, back) = if self.direction_declared {
-            ("extension", "compression")
-        } else {
-            ("side A", "side B")
-        };
-        let width =
-            self.tests.iter().map(|test| test.name.chars().count()).max().unwrap_or(0).max(4);
-        if !self.force_velocity.is_empty() {
-            writeln!(f, "Force over velocity (median over the middle fifth of the stroke)")?;
-            writeln!(
-                f,
-                "{:<width$} {:>9} {:>13} {:>13}  datasheet",
-                "test",
-                "mm/s",
-                format!("{out} {force}"),
-                format!("{back} {force}")
-            )?;
-            for point in &self.force_velocity {
-                point.row(f, width, units.force)?;
-            }
-            writeln!(f)?;
-        }
-        if self.tests.iter().any(|test| test.dynamic.is_some()) {
-            writeln!(
-                f,
-                "Dynamic stiffness and damping (first harmonic; describing functions at this amplitude)"
-            )?;
-            writeln!(
-                f,
-                "{:<width$} {:>7} {:>8} {:>10} {:>10} {:>10} {:>7} {:>9} {:>8} {:>6}",
-                "test",
-                "Hz",
-                "mm",
-                format!("K' {stiffness}"),
-                format!("K'' {stiffness}"),
-                format!("|K*| {stiffness}"),
-                "deg",
-                format!("C {damping}"),
-                "J/cycle",
-                "F3/F1"
-            )?;
-            for test in &self.tests {
-                test.dynamic_row(f, width, units)?;
-            }
-            writeln!(f)?;
-        }
-        writeln!(f, "Tests")?;
-        writeln!(
-            f,
-            "{:<width$} {:>6} {:>8} {:>8} {:>6} {:>9} {:>9} {:>9} {:>8}  oil degC",
-            "test",
-            "s",
-            "at mm",
-            "+- mm",
-            "cycles",
-            format!("max {force}"),
-            format!("min {force}"),
-            format!("mean {force}"),
-            "J/cycle"
-        )?;
-        for test in &self.tests {
-            test.row(f, width, units.force)?;
-        }
-        let mut holds = self.tests.iter().filter(|test| !test.holds.is_empty()).peekable();
-        if holds.peek().is_some() {
-            writeln!(f, "\nForces at rest")?;
-            writeln!(f, "{:<width$} {:>9} {:>9} {:>9}", "test", "at mm", "for s", "force N")?;
-            for test in holds {
-                for hold in &test.holds {
-                    let at_mm = no_minus_zero(hold.displacement_m * 1e3, 100.0);
-                    let for_s = hold.duration_s;
-                    writeln!(
-                        f,
-                        "{:<width$} {at_mm:>9.2} {for_s:>9.1} {:>9.1}",
-                        test.name, hold.force_n
-                    )?;
-                }
-            }
-        }
-        for test in &self.tests {
-            for repair in &test.repairs {
-                writeln!(f, "note: {}: {repair}", test.name)?;
-            }
-        }
-        Ok(())
-    }
-}
-
-impl ForcePoint {
-    fn row(&self, f: &mut fmt::Formatter<'_>, width: usize, unit: Unit) -> fmt::Result {
-        write!(
-            f,
-            "{:<width$} {:>9.2} {:>13.4} {:>13.4}",
-            self.test,
-            self.velocity_m_per_s * 1e3,
-            self.extension_n * unit.per_si,
-            self.compression_n * unit.per_si
-        )?;
-        let Some(limit) = &self.limit else { return writeln!(f, "  -") };
-        let verdict = if self.within_limit == Some(true) { "within" } else { "OUTSIDE" };
-        let side = |force: Option<f64>| {
-            force.map_or("-".to_owned(), |n| format!("{:.3}", n * unit.per_si))
-        };
-        writeln!(
-            f,
-            "  {verdict} {} / {} {} +-{:.0} %",
-            side(limit.extension_n),
-            side(limit.compression_n),
-            unit.name,
-            limit.tolerance * 100.0
-        )
-    }
-}
-
-impl TestFigures {
-    fn dynamic_row(&self, f: &mut fmt::Formatter<'_>, width: usize, units: Units) -> fmt::Result {
-        let (Some(dynamic), Some(hz)) = (&self.dynamic, self.frequency_hz) else { return Ok(()) };
-        let force = |order: usize| dynamic.harmonics.get(order).map_or(0.0, |h| h.force_n);
-        let third = if force(1) > 0.0 { force(3) / force(1) } else { 0.0 };
-        writeln!(
-            f,
-            "{:<width$} {hz:>7.3} {:>8.3} {:>10.4} {:>10.4} {:>10.4} {:>7.2} {:>9.2} {:>8.2} {third:>6.3}",
-            self.name,
-            dynamic.amplitude_m * 1e3,
-            dynamic.stiffness_real_n_per_m * units.stiffness.per_si,
-            dynamic.stiffness_imaginary_n_per_m * units.stiffness.per_si,
-            dynamic.stiffness_n_per_m * units.stiffness.per_si,
-            dynamic.phase_deg,
-            dynamic.damping_n_s_per_m * units.damping.per_si,
-            self.work_per_cycle_j.unwrap_or(0.0),
-        )
-    }
-
-    fn row(&self, f: &mut fmt::Formatter<'_>, width: usize, unit: Unit) -> fmt::Result {
-        let work = self.work_per_cycle_j.map_or("-".to_owned(), |work| format!("{work:.2}"));
-        let oil = match self.temperature_degc {
-            Some([first, last]) => format!("{first:.1} to {last:.1}"),
-            None => "-".to_owned(),
-        };
-        writeln!(
-            f,
-            "{:<width$} {:>6.1} {:>8.2} {:>8.3} {:>6} {:>9.3} {:>9.3} {:>9.4} {work:>8}  {oil}",
-            self.name,
-            self.duration_s,
-            no_minus_zero(self.mean_m * 1e3, 100.0),
-            self.amplitude_m * 1e3,
-            self.cycles_used,
-            self.force_max_n * unit.per_si,
-            self.force_min_n * unit.per_si,
-            no_minus_zero(self.force_mean_n * unit.per_si, 1e4),
-        )
-    }
-}
-
-/// Rounded to one part in `per_unit`, with zero without a sign.
-fn no_minus_zero(value: f64, per_unit: f64) -> f64 {
-    libm::rint(value * per_unit) / per_unit + 0.0
 }

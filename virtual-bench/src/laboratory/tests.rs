@@ -1,7 +1,7 @@
 use super::*;
 use crate::bench_visit::sensors::Sensors;
-use crate::bench_visit::{self, NullGenerator, protocol};
-use crate::series_model::SeriesModel;
+use crate::bench_visit::{self, protocol};
+use crate::series_model::{NullGenerator, SeriesModel};
 
 const DAMPER: SeriesModel = SeriesModel {
     ce_n_s_per_m: 1e6,
@@ -41,8 +41,8 @@ fn a_maxwell_element_has_its_closed_form() {
 
 #[test]
 fn the_printed_figures_of_the_working_sine_come_out() {
-    // 3.5 Hz, 3.46 mm, 2a = 1 mm: peak 18.45 kN, |F1| 19.00 kN, K' 4.03 MN/m, C 170 kN s/m, 42.8 degrees,
-    // 140.4 J, worked out for this project by another program to 0.2 %.
+    // 3.5 Hz, 3.46 mm, 2a = 1 mm: peak 18.45 kN, |F1| 19.00 kN, K' 4.03 MN/m, C 170 kN s/m, 42.8
+    // degrees, 140.4 J, worked out for this project by another program to 0.2 %.
     let figures = Laboratory::of(&visit(DAMPER, &Sensors::of_range(50e3, 0.1)), &[]);
     let test = &figures.tests[0];
     let dynamic = test.dynamic.as_ref().unwrap();

@@ -1,32 +1,36 @@
-//! An independent simulation of a series damper: the source of records in which nothing is
-//! missing.
+//! An independent simulation of a series damper: the source of records that the fitted model
+//! explains completely.
 //!
-//! Attachment with clearance 2a and stiffness Ke, in series with a dashpot that relieves:
+//! Attachment with clearance 2a and stiffness Ke, in series with a dashpot with relief:
 //!
 //! ```text
 //! F = Ke (e -+ a) outside |e| <= a,  0 inside          e = x(t) - x_d
 //! x_d' = F/Ce  up to F_r,   F_r/Ce + (F - F_r)/C2  beyond, odd in F
 //! ```
 //!
-//! It shares no code and no type with the damper of the core, so that a fit by that damper does not
-//! meet its own integration again. The displacement x(t) is any function of time. On each of the five
-//! straight pieces of its speed the piston moves by one Radau IIA step of two stages (third order,
-//! L-stable), which for a straight piece is a closed form,
+//! It shares no code and no type with the damper of the core, so that a fit by that damper is not
+//! tested on its own integration. The displacement x(t) is any function of time. On each of the
+//! five straight pieces of its speed the piston moves by one Radau IIA step of two stages (third
+//! order, L-stable), which for a straight piece is a closed form,
 //!
 //! ```text
 //! x_d += h (3/4 G_1 + (1/4 + z/6) G_2)/(1 + 2 z/3 + z^2/6)     z = h dv/de
-//! G_i = piston speed on the piece at x(t + h/3), x(t + h) with the piston where it stands
+//! G_i = piston speed on the piece at x(t + h/3), x(t + h) with the piston at rest
 //! ```
 //!
-//! and where a step leaves its piece, the instant is bracketed by bisection and the rest of the step
-//! goes on from there.
+//! and where a step crosses into another piece, the instant is bracketed by bisection and the rest
+//! of the step continues from there.
 //!
 //! [`outside`] holds what may be added: disturbances that no effect of the catalogue describes.
 //!
 //! Limits: a visit to another piece that begins and ends within one step is not seen; take steps of
 //! 20 µs. A hard cap (C2 = 0) is a slope of a billionth of Ce.
 
+mod null_generator;
 pub mod outside;
+
+pub use crate::grid::Grid;
+pub use null_generator::NullGenerator;
 
 /// Most pieces that one step may cross.
 const MAX_CROSSINGS: usize = 64;
@@ -50,15 +54,6 @@ pub struct SeriesModel {
     pub c2_n_s_per_m: f64,
 }
 
-/// How a simulation samples time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
-    /// Length of a step, s.
-    pub step_s: f64,
-    /// Number of steps.
-    pub steps: usize,
-}
-
 /// What a simulation gives, one value at the start and after each step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Trace {
@@ -69,8 +64,8 @@ pub struct Trace {
 }
 
 impl SeriesModel {
-    /// The force over time. The joint starts `start_m` away from the middle of its clearance; beyond
-    /// the clearance it starts under force.
+    /// The force over time. The joint starts `start_m` away from the middle of its clearance;
+    /// beyond the clearance it starts under force.
     ///
     /// ```
     /// use virtual_bench::series_model::{Grid, SeriesModel};
@@ -124,6 +119,7 @@ impl SeriesModel {
             trace.force_n.push(self.force_n(x_end_m - piston));
             trace.piston_m.push(piston);
         }
+        debug_assert_eq!(trace.force_n.len(), grid.steps + 1, "a force per step");
         trace
     }
 
@@ -157,6 +153,7 @@ struct Pieces([Piece; 5]);
 
 impl Pieces {
     fn new(model: &SeriesModel, scale: f64) -> Self {
+        debug_assert!(scale > 0.0 && model.ce_n_s_per_m > 0.0, "{scale}, {model:?}");
         let ce = scale * model.ce_n_s_per_m;
         let c2 = scale * model.c2_n_s_per_m.max(LEAST_SLOPE * model.ce_n_s_per_m);
         let a = 0.5 * model.clearance_2a_m;

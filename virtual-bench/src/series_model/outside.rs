@@ -1,25 +1,26 @@
 //! Disturbances that no effect of the catalogue describes: an identification that meets one has to
-//! say that something is there and that it does not know what.
+//! report that something is present that it cannot name.
 //!
-//! | kind | equation | what it stands for |
+//! | kind | equation | what it represents |
 //! | --- | --- | --- |
-//! | speed-synchronous ripple | F + A sin(2 pi m f t + phi), m no integer | the drive of the bench, at m times the test's frequency f |
+//! | speed-synchronous ripple | F + A sin(2 pi m f t + phi), m no integer | the drive of the bench, at m times the frequency f of the test |
 //! | frame resonance | F + G (p - F), p'' + 2 zeta w p' + w^2 p = w^2 F | a mode of the frame between damper and load cell |
 //! | worn band | dashpot force times 1 - d b, b a raised cosine over the position of the piston | a worn length of the bore |
-//! | valve flutter | F + A g sin(2 pi f t + phi), g rises while the piston's speed is above a threshold | a valve that sings; every onset has another phase |
+//! | valve flutter | F + A g sin(2 pi f t + phi), g rises while the piston's speed is above a threshold | a valve that oscillates; every onset has another phase |
 //!
 //! Each has one strength. [`Outside::sized`] sets it to a share of the rms force of a reference
 //! motion; the same disturbance then acts in every test.
 
-use super::{Grid, SeriesModel, Trace};
-use crate::bench_visit::excitation::Excitation;
-use crate::bench_visit::random::Random;
+use super::{SeriesModel, Trace};
+use crate::excitation::Excitation;
+use crate::grid::Grid;
+use crate::random::Random;
 use signal::statistics::rms;
 use std::f64::consts::TAU;
 
-/// Deepest worn band: a twentieth of the damping is left.
+/// Deepest worn band: a twentieth of the damping remains.
 const DEPTH_MAX: f64 = 0.95;
-/// Time in which flutter comes and goes, s.
+/// Time in which flutter rises and decays, s.
 const FLUTTER_RISE_S: f64 = 5e-3;
 
 /// A disturbance with its strength.
@@ -56,17 +57,17 @@ pub enum Outside {
         amplitude_n: f64,
         /// Frequency, Hz.
         frequency_hz: f64,
-        /// Speed of the piston above which it sings, m/s.
+        /// Speed of the piston above which it oscillates, m/s.
         threshold_m_per_s: f64,
     },
 }
 
-/// One motion of a damper: the displacement over time, and what disturbances need to know of the test.
+/// One motion of a damper: the displacement over time, and what disturbances depend on.
 #[derive(Clone, Copy)]
 pub struct Drive<'a> {
     /// Displacement over time, m.
     pub displacement_m: &'a dyn Fn(f64) -> f64,
-    /// The frequency that stands for the test, Hz.
+    /// The characteristic frequency of the test, Hz.
     pub frequency_hz: f64,
     /// Where the joint starts, m from the middle of its clearance.
     pub start_m: f64,
@@ -98,12 +99,12 @@ impl Outside {
         }
     }
 
-    /// This disturbance with the strength at which, under the reference motion, it changes the force
-    /// by `share` of its rms; and the share that it reaches, which is less where a worn band cannot
-    /// be that deep or a threshold is never met.
+    /// This disturbance with the strength at which, under the reference motion, it changes the
+    /// force by `share` of its rms; and the share that it reaches, which is smaller where a worn
+    /// band cannot be that deep or a threshold is never exceeded.
     ///
     /// ```
-    /// use virtual_bench::bench_visit::excitation::Excitation;
+    /// use virtual_bench::excitation::Excitation;
     /// use virtual_bench::series_model::{SeriesModel, outside::Outside};
     /// # let damper = SeriesModel {
     /// #     ce_n_s_per_m: 1e6, ke_n_per_m: 12.5e6, clearance_2a_m: 1e-3,

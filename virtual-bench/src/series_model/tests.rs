@@ -1,5 +1,5 @@
 use super::*;
-use crate::bench_visit::excitation::{Excitation, Leg, Tone};
+use crate::excitation::{Excitation, Leg, Tone};
 use firmware_core::damper::{Damper, DamperState, Motion, Nominal};
 use signal::statistics::rms;
 use std::f64::consts::TAU;
@@ -34,8 +34,9 @@ fn a_linear_chain_has_the_closed_form_of_a_maxwell_element() {
 
 #[test]
 fn the_printed_first_harmonics_come_out() {
-    // 3.5 Hz, 3.46 mm, Ke 12.5 MN/m, relief 15 kN, C2 60 kN s/m: peak force kN and work J per cycle,
-    // worked out for this project by another program, at 0.2 ms backward Euler: good to 0.2 %.
+    // 3.5 Hz, 3.46 mm, Ke 12.5 MN/m, relief 15 kN, C2 60 kN s/m: peak force kN and work J per
+    // cycle, worked out for this project by another program, at 0.2 ms backward Euler: good to 0.2
+    // %.
     let known =
         [(0.2e-3, 18.59, 169.9), (1e-3, 18.45, 140.4), (2e-3, 18.04, 103.3), (4e-3, 16.06, 31.9)];
     for (clearance_2a_m, peak_kn, work_j) in known {

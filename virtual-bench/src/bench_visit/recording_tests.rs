@@ -1,6 +1,7 @@
-use super::scaled;
 use super::*;
-use crate::series_model::SeriesModel;
+use crate::bench_visit::{protocol, scaled};
+use crate::modelled::Modelled;
+use crate::series_model::{NullGenerator, SeriesModel};
 use firmware_core::damper::effects::CATALOGUE;
 use firmware_core::damper::{Damper, Effect, Nominal};
 use signal::statistics::rms;
@@ -79,7 +80,6 @@ fn a_file_has_the_columns_of_the_project() {
     record(&null(), &protocol::short()[6], &sensors, 1).write_csv(&mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
     let mut lines = text.lines();
-    assert_eq!(lines.next(), Some("# extension: positive"));
     assert_eq!(lines.next(), Some("time_s,displacement_m,force_n"));
     let third: Vec<f64> = lines.nth(2).unwrap().split(',').map(|v| v.parse().unwrap()).collect();
     assert_eq!((third.len(), third[0]), (3, 0.002));
@@ -87,7 +87,7 @@ fn a_file_has_the_columns_of_the_project() {
     let mut text = Vec::new();
     record(&null(), &protocol::short()[6], &sensors, 1).write_csv(&mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
-    assert!(text.lines().nth(1).unwrap().ends_with(",temperature_degc"));
+    assert!(text.lines().next().unwrap().ends_with(",temperature_degc"));
     assert_eq!(text.lines().nth(5).unwrap().split(',').count(), 4);
 }
 
@@ -118,7 +118,7 @@ fn a_quick_test_of_a_virtual_visit_with_a_late_sensor_was_turned() {
     for (record, test) in visit.iter().zip(&together) {
         assert_eq!(record.force_n, test.force_n, "{}", record.name);
     }
-    assert!(together[quick].repairs.iter().any(|told| told.contains("comes late")));
+    assert!(together[quick].repairs.iter().any(|repair| repair.contains("comes late")));
     assert_eq!(visit[quick].measurement().unwrap().force_n, together[quick].force_n);
 }
 
@@ -128,10 +128,10 @@ fn a_triangle_of_a_simulation_in_full_digits_was_refused_as_clipped() {
         scaled::whole(1.0).into_iter().find(|test| test.name == "triangle-wide").unwrap();
     let record = record(&null(), &triangle, &Sensors::exact(1000.0), 1);
     assert!(record.is_flat_but_for_rounding());
-    let told = record.measurement().unwrap().repairs;
-    assert!(
-        told.iter().any(|told| told.starts_with("left as it is") && told.ends_with("clipped?"))
-    );
+    let repairs = record.measurement().unwrap().repairs;
+    let is_clipped =
+        |repair: &String| repair.starts_with("left as it is") && repair.ends_with("clipped?");
+    assert!(repairs.iter().any(is_clipped), "{repairs:?}");
 }
 
 #[test]

@@ -49,13 +49,13 @@ pub enum Excitation {
     Path(Path),
 }
 
-/// Moves and pauses with their times worked out.
+/// Moves and pauses with their times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
     stretches: Vec<Stretch>,
 }
 
-/// One move as it is carried out.
+/// One move with its times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Stretch {
     start_s: f64,
@@ -92,7 +92,7 @@ impl Excitation {
     /// short for it. Legs that lead nowhere are pauses.
     ///
     /// ```
-    /// use virtual_bench::bench_visit::excitation::{Excitation, Leg};
+    /// use virtual_bench::excitation::{Excitation, Leg};
     /// let leg = Leg { to_m: 5e-3, speed_m_per_s: 0.02, hold_s: 30.0 };
     /// let ramp = Excitation::path(&[leg], 0.05);
     /// assert_eq!(ramp.at(10.0), (5e-3, 0.0));
@@ -101,7 +101,9 @@ impl Excitation {
     pub fn path(legs: &[Leg], rounding_s: f64) -> Self {
         let (mut from_m, mut start_s) = (0.0, 0.0);
         let mut stretches = Vec::with_capacity(legs.len());
+        debug_assert!(rounding_s > 0.0, "rounding of {rounding_s} s");
         for leg in legs {
+            debug_assert!(leg.speed_m_per_s > 0.0 && leg.hold_s >= 0.0, "{leg:?}");
             let distance = leg.to_m - from_m;
             let speed = leg.speed_m_per_s;
             let tau_s = rounding_s.min(distance.abs() * FRAC_PI_2 / speed);
@@ -118,6 +120,7 @@ impl Excitation {
             start_s += move_s + leg.hold_s;
             from_m = leg.to_m;
         }
+        debug_assert!(stretches.is_sorted_by(|a: &Stretch, b| a.start_s <= b.start_s));
         Self::Path(Path { stretches })
     }
 
@@ -156,7 +159,7 @@ impl Excitation {
         }
     }
 
-    /// When a path is done (s); tones go on for ever.
+    /// When a path ends (s); tones have no end.
     pub fn end_s(&self) -> Option<f64> {
         match self {
             Self::Tones { .. } => None,
@@ -164,8 +167,8 @@ impl Excitation {
         }
     }
 
-    /// The frequency that stands for the test (Hz): of the strongest tone, or one over the mean time
-    /// of two moves.
+    /// The characteristic frequency of the test (Hz): that of the strongest tone, or one over the
+    /// mean time of two moves.
     pub fn frequency_hz(&self) -> f64 {
         match self {
             Self::Tones { tones, .. } => tones
@@ -179,7 +182,8 @@ impl Excitation {
         }
     }
 
-    /// Greatest speed (m/s) and greatest distance from the mean position (m); upper bounds for tones.
+    /// Greatest speed (m/s) and greatest distance from the mean position (m); upper bounds for
+    /// tones.
     pub fn reach(&self) -> (f64, f64) {
         match self {
             Self::Tones { tones, .. } => tones.iter().fold((0.0, 0.0), |(v, x), tone| {
@@ -300,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_for_the_test_is_known() {
+    fn the_characteristic_frequency_is_known() {
         assert_eq!(Excitation::sine(1e-3, 3.5).frequency_hz(), 3.5);
         let (speed, reach) = Excitation::sine(1e-3, 3.5).reach();
         assert!((speed - 0.02199).abs() < 1e-5 && reach == 1e-3);

@@ -23,7 +23,7 @@ impl Random {
     /// A seed of its own for the part of this number.
     ///
     /// ```
-    /// use virtual_bench::bench_visit::random::Random;
+    /// use virtual_bench::random::Random;
     /// assert_ne!(Random::seed_of(1, 0), Random::seed_of(1, 1));
     /// ```
     pub fn seed_of(seed: u64, part: u64) -> u64 {
