@@ -5,9 +5,9 @@
 //! `laboratory.json` with the figures that are printed. Nothing is written before the last test is
 //! recorded.
 
+use crate::error::CommandError;
 use crate::output::print;
 use crate::{exit, output, stop};
-use anyhow::{Context, bail};
 use clap::Args;
 use files::ResultFolder;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -66,7 +66,7 @@ pub(crate) struct CharacteriseArgs {
 ///
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
-pub(crate) fn command(args: &CharacteriseArgs) -> anyhow::Result<ExitCode> {
+pub(crate) fn command(args: &CharacteriseArgs) -> Result<ExitCode, CommandError> {
     let datasheet = args.datasheet.as_deref().map(Limit::load).transpose()?.unwrap_or_default();
     if let Some(first) = args.from.first() {
         return of_records(args, first, &datasheet);
@@ -75,7 +75,9 @@ pub(crate) fn command(args: &CharacteriseArgs) -> anyhow::Result<ExitCode> {
     let (path, visit) = match (&args.physical, &args.model) {
         (Some(path), _) => (path, Visit::of_hydraulic(path, list, args.seed)?),
         (None, Some(path)) => (path, Visit::of_model(path, list, args.seed)?),
-        (None, None) => bail!("no damper: expected MODEL, --physical or --from"),
+        (None, None) => {
+            return Err(CommandError::option("no damper", "MODEL, --physical or --from"));
+        }
     };
     of_visit(args, path, &visit, &datasheet)
 }
@@ -85,7 +87,7 @@ fn of_records(
     args: &CharacteriseArgs,
     first: &Path,
     datasheet: &[Limit],
-) -> anyhow::Result<ExitCode> {
+) -> Result<ExitCode, CommandError> {
     let mut folder = folder(args, first)?;
     folder.check(&[LABORATORY])?;
     let tests = measurement::read_tests(&args.from, args.mapping.as_deref())?;
@@ -100,7 +102,7 @@ fn of_visit(
     path: &Path,
     visit: &Visit,
     datasheet: &[Limit],
-) -> anyhow::Result<ExitCode> {
+) -> Result<ExitCode, CommandError> {
     let mut folder = folder(args, path)?;
     let csv: Vec<String> = visit.tests().iter().map(Test::csv_name).collect();
     let mappings: Vec<String> = csv.iter().map(|name| Companion::name_for(name)).collect();
@@ -125,17 +127,17 @@ fn of_visit(
     finish(args, &folder, &outcome.file, &written)
 }
 
-fn folder(args: &CharacteriseArgs, named_after: &Path) -> anyhow::Result<ResultFolder> {
+fn folder(args: &CharacteriseArgs, named_after: &Path) -> Result<ResultFolder, CommandError> {
     let (out, name) = (args.out.as_deref(), output::stem(named_after));
     Ok(ResultFolder::fresh(out, &name, "characterise", args.overwrite)?)
 }
 
 /// Writes a record and its mapping.
-fn write(folder: &ResultFolder, record: &RawRecord, specimen: &str) -> anyhow::Result<()> {
+fn write(folder: &ResultFolder, record: &RawRecord, specimen: &str) -> Result<(), CommandError> {
     let name = record.csv_name();
     let mut to = BufWriter::new(folder.create_file(&name)?);
     let written = record.write_csv(&mut to).and_then(|()| to.flush());
-    written.with_context(|| folder.file(&name).display().to_string())?;
+    written.map_err(|why| CommandError::File(folder.file(&name), why))?;
     folder.write(&Companion::name_for(&name), &record.companion(specimen).to_toml(&name))?;
     Ok(())
 }
@@ -146,7 +148,7 @@ fn finish(
     folder: &ResultFolder,
     file: &LaboratoryFile,
     written: &str,
-) -> anyhow::Result<ExitCode> {
+) -> Result<ExitCode, CommandError> {
     let json = serde_json::to_string_pretty(file)?;
     folder.write(LABORATORY, &format!("{json}\n"))?;
     if args.json {

@@ -17,6 +17,7 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use vehicle_studies::StudyError;
+use virtual_bench::VisitError;
 
 /// Declares [`CommandError`]: the errors of other crates with their exit codes, and the command
 /// line's own.
@@ -24,7 +25,6 @@ macro_rules! command_error {
     ($($(#[$doc:meta])* $variant:ident($error:ty) => $code:expr;)*) => {
         /// Why a command ended early.
         #[derive(Debug)]
-        #[allow(dead_code, reason = "some commands still return anyhow's error in their place")]
         pub(crate) enum CommandError {
             $($(#[$doc])* $variant($error),)*
             /// An option, or two that do not go together: option with its value, what was expected.
@@ -40,8 +40,6 @@ macro_rules! command_error {
             },
             /// A file that cannot be written: file, the system's reason.
             File(PathBuf, io::Error),
-            /// What has no type yet.
-            Untyped(anyhow::Error),
         }
 
         $(impl From<$error> for CommandError {
@@ -57,12 +55,6 @@ macro_rules! command_error {
                     $(Self::$variant(why) => code_of(why, $code),)*
                     Self::Option(..) | Self::Input { .. } => BAD_INPUT,
                     Self::File(..) => FAILED,
-                    Self::Untyped(why) => {
-                        $(if let Some(why) = why.downcast_ref::<$error>() {
-                            return code_of(why, $code);
-                        })*
-                        why.downcast_ref::<Self>().map_or(BAD_INPUT, Self::exit_code)
-                    }
                 }
             }
         }
@@ -79,7 +71,6 @@ macro_rules! command_error {
                     Self::File(file, why) => {
                         write!(f, "{}: {why}", files::quoted(&file.display().to_string()))
                     }
-                    Self::Untyped(why) => write!(f, "{why:#}"),
                 }
             }
         }
@@ -88,13 +79,13 @@ macro_rules! command_error {
 
 command_error! {
     /// A scenario, vehicle, damper, rig or datasheet.
-    Scenario(ScenarioError) => |_| BAD_INPUT;
+    Scenario(ScenarioError) => |why| input_or_failure(why.is_bad_input());
     /// A measured record.
-    Measurement(MeasurementError) => |_| BAD_INPUT;
+    Measurement(MeasurementError) => |why| input_or_failure(why.is_bad_input());
     /// A file that is not read.
-    InputFile(InputError) => |_| BAD_INPUT;
+    InputFile(InputError) => |why| input_or_failure(why.is_bad_input());
     /// A folder that takes no result.
-    Folder(FolderError) => |why| input_or_failure(!matches!(why, FolderError::Disk(..)));
+    Folder(FolderError) => |why| input_or_failure(why.is_bad_input());
     /// Shards that do not belong together.
     Shards(SignalError) => |why| input_or_failure(why.is_bad_input());
     /// Records that no damper follows.
@@ -103,6 +94,8 @@ command_error! {
     Study(StudyError) => |why| input_or_failure(why.is_bad_input());
     /// A campaign, a reproduction or a reference that cannot be computed.
     Evidence(EvidenceError) => |why| input_or_failure(why.is_bad_input());
+    /// A virtual visit that cannot be made.
+    Visit(VisitError) => |why| input_or_failure(why.is_bad_input());
     /// A report page that is not written.
     Report(report::Error) => |_| FAILED;
     /// A run or a rig that ended early.
@@ -126,15 +119,6 @@ impl CommandError {
     }
 }
 
-impl From<anyhow::Error> for CommandError {
-    fn from(why: anyhow::Error) -> Self {
-        match why.downcast() {
-            Ok(typed) => typed,
-            Err(why) => Self::Untyped(why),
-        }
-    }
-}
-
 /// The exit code of an error that knows whether the input is at fault.
 const fn input_or_failure(is_bad_input: bool) -> u8 {
     if is_bad_input { BAD_INPUT } else { FAILED }
@@ -148,7 +132,6 @@ fn code_of<E>(why: &E, code: impl Fn(&E) -> u8) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use anyhow::Context;
     use std::path::Path;
 
     #[test]
@@ -165,17 +148,5 @@ mod tests {
         let option = CommandError::Option("--seeds 0".into(), "1 to 1000".into());
         assert_eq!(option.exit_code(), BAD_INPUT);
         assert_eq!(option.to_string(), "--seeds 0: expected 1 to 1000");
-    }
-
-    #[test]
-    fn an_error_without_a_type_keeps_its_context_and_the_code_of_its_cause() {
-        let full = io::Error::from(io::ErrorKind::StorageFull);
-        let error = CommandError::from(Err::<(), _>(full).context("a.csv").unwrap_err());
-        assert_eq!(error.exit_code(), FAILED);
-        assert!(error.to_string().starts_with("a.csv: "), "{error}");
-        assert_eq!(CommandError::from(anyhow::anyhow!("what")).exit_code(), BAD_INPUT);
-        let typed =
-            anyhow::Error::from(CommandError::File("a".into(), io::ErrorKind::Other.into()));
-        assert!(matches!(CommandError::from(typed), CommandError::File(..)));
     }
 }

@@ -11,7 +11,7 @@ use crate::bench_visit::protocol::{self, Test};
 use crate::bench_visit::sensors::Sensors;
 use crate::bench_visit::test_list::TestList;
 use crate::bench_visit::{RawRecord, measurements, visit_until};
-use crate::error::BenchError;
+use crate::error::VisitError;
 use crate::hydraulic::HydraulicDamper;
 use crate::laboratory::{Laboratory, Limit};
 use crate::modelled::Modelled;
@@ -92,7 +92,7 @@ impl Visit {
     ///
     /// # Errors
     /// A model that does not fit.
-    pub fn of_model(path: &Path, list: TestList, seed: u64) -> Result<Self, BenchError> {
+    pub fn of_model(path: &Path, list: TestList, seed: u64) -> Result<Self, VisitError> {
         let damper = DamperFile::load_model(path)?.build(&Source::read(path)?)?;
         let specimen = Box::new(Modelled { damper });
         Ok(Self { file: path.to_owned(), origin: Origin::Model, specimen, list, seed })
@@ -102,12 +102,12 @@ impl Visit {
     ///
     /// # Errors
     /// A damper that does not fit, or a test beyond its stroke.
-    pub fn of_hydraulic(path: &Path, list: TestList, seed: u64) -> Result<Self, BenchError> {
+    pub fn of_hydraulic(path: &Path, list: TestList, seed: u64) -> Result<Self, VisitError> {
         let damper = HydraulicDamper::load(path)?;
         for test in &list.tests {
             let reach_m = test.mean_m.abs() + test.excitation.reach().1;
             if reach_m > damper.half_stroke_m {
-                return Err(BenchError::Reach {
+                return Err(VisitError::Reach {
                     file: path.to_owned(),
                     test: test.name.clone(),
                     reach_m,
@@ -135,7 +135,7 @@ impl Visit {
         datasheet: &[Limit],
         stop: &AtomicBool,
         begins: &mut dyn FnMut(usize),
-    ) -> Result<Outcome, BenchError> {
+    ) -> Result<Outcome, VisitError> {
         let sensors = self.sensors(stop, begins);
         let (specimen, tests) = (self.specimen.as_ref(), &self.list.tests);
         let records = visit_until(stop, specimen, tests, &sensors, self.seed, begins);

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 /// Why there is no visit, or no figures.
 #[derive(Debug)]
-pub enum BenchError {
+pub enum VisitError {
     /// A damper, a list of tests or a datasheet does not fit.
     Scenario(ScenarioError),
     /// A record does not fit.
@@ -26,7 +26,7 @@ pub enum BenchError {
     },
 }
 
-impl BenchError {
+impl VisitError {
     /// True where the user's input is at fault, false where an operation failed.
     pub const fn is_bad_input(&self) -> bool {
         match self {
@@ -36,7 +36,7 @@ impl BenchError {
     }
 }
 
-impl fmt::Display for BenchError {
+impl fmt::Display for VisitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scenario(error) => write!(f, "{error}"),
@@ -54,7 +54,7 @@ impl fmt::Display for BenchError {
     }
 }
 
-impl std::error::Error for BenchError {
+impl std::error::Error for VisitError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Scenario(error) => Some(error),
@@ -64,13 +64,13 @@ impl std::error::Error for BenchError {
     }
 }
 
-impl From<ScenarioError> for BenchError {
+impl From<ScenarioError> for VisitError {
     fn from(error: ScenarioError) -> Self {
         Self::Scenario(error)
     }
 }
 
-impl From<MeasurementError> for BenchError {
+impl From<MeasurementError> for VisitError {
     fn from(error: MeasurementError) -> Self {
         Self::Measurement(error)
     }

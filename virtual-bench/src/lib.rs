@@ -14,7 +14,7 @@
 //! characterisation  a visit with its figures, as one command makes it
 //! ```
 //!
-//! What is wrong with an input is one line ([`BenchError`]). Every random number comes from a seed
+//! What is wrong with an input is one line ([`VisitError`]). Every random number comes from a seed
 //! ([`random`]).
 //!
 //! Layers: above `measurement`, whose [`Measurement`](measurement::Measurement) a record becomes;
@@ -33,4 +33,4 @@ pub mod random;
 pub mod series_model;
 pub mod specimen;
 
-pub use error::BenchError;
+pub use error::VisitError;
