@@ -26,7 +26,7 @@ macro_rules! command_error {
         /// Why a command ended early.
         #[derive(Debug)]
         pub(crate) enum CommandError {
-            $($(#[$doc])* $variant($error),)*
+            $($(#[$doc])* $variant(Box<$error>),)*
             /// An option, or two that do not go together: option with its value, what was expected.
             Option(String, String),
             /// Input that fits its format and not the command: file, found, expected.
@@ -44,7 +44,7 @@ macro_rules! command_error {
 
         $(impl From<$error> for CommandError {
             fn from(why: $error) -> Self {
-                Self::$variant(why)
+                Self::$variant(Box::new(why))
             }
         })*
 
@@ -139,7 +139,7 @@ mod tests {
         let full = || io::Error::from(io::ErrorKind::StorageFull);
         let scenario = || ScenarioError::mismatch(Path::new("a.toml"), "no");
         let silent = BenchError::SilentRigs { nodes: vec![1], bus: "memory".to_owned() };
-        let folder = |error| CommandError::Folder(error).exit_code();
+        let folder = |error: FolderError| CommandError::from(error).exit_code();
         assert_eq!(CommandError::from(scenario()).exit_code(), BAD_INPUT);
         assert_eq!(CommandError::from(full()).exit_code(), FAILED);
         assert_eq!(CommandError::from(silent).exit_code(), SAFE_STATE);

@@ -120,7 +120,10 @@ fn write(
     for prediction in identification.predictions() {
         let [csv, mapping] = prediction_files(&prediction.test.record.name);
         folder.write(&csv, &prediction.to_csv())?;
-        folder.write(&mapping, &prediction.to_mapping())?;
+        folder.write(
+            &mapping,
+            &prediction.to_mapping(&format!("{}.csv", prediction.test.record.name)),
+        )?;
     }
     Ok(())
 }

@@ -126,7 +126,7 @@ fn folder(
 }
 
 /// Makes the figures; those that are done when the command is stopped.
-fn make(recipes: &[Recipe], basis: &Basis<'_>) -> Result<Vec<Figure>, EvidenceError> {
+fn make(recipes: &[Recipe], basis: &Basis<'_>) -> Result<Vec<Figure>, CommandError> {
     let bar = progress::bar("the first figure");
     let mut figures = Vec::new();
     for (done, recipe) in recipes.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::bench_options::{RealtimeArgs, WireArgs};
 use crate::error::CommandError;
-use crate::exit::SAFE_STATE;
+use crate::exit::{INTERRUPTED, SAFE_STATE};
 use crate::output::print;
 use crate::stop;
 use can_protocol::Node;
@@ -11,6 +11,7 @@ use hil_host::bus::BusChoice;
 use hil_host::rig::process::{self, Options};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::Ordering;
 
 #[derive(Debug, Args)]
 pub(crate) struct RigArgs {
@@ -60,5 +61,9 @@ pub(crate) fn command(args: &RigArgs) -> Result<ExitCode, CommandError> {
     } else {
         print(&process::summary_text(&summary))?;
     }
-    Ok(if summary.is_safe() { ExitCode::from(SAFE_STATE) } else { ExitCode::SUCCESS })
+    Ok(match () {
+        () if summary.is_safe() => ExitCode::from(SAFE_STATE),
+        () if stop.load(Ordering::Relaxed) => ExitCode::from(INTERRUPTED),
+        () => ExitCode::SUCCESS,
+    })
 }

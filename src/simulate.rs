@@ -1,6 +1,7 @@
 //! `yawbench simulate`: a model's force on a record, free-running from its displacement.
 
 use crate::error::CommandError;
+use crate::output;
 use clap::Args;
 use firmware_core::damper::Damper;
 use identification::result::Models;
@@ -121,7 +122,7 @@ impl Place {
 
     fn write(&self, prediction: &Prediction<'_>) -> Result<(), CommandError> {
         self.write_file(&self.csv, &prediction.to_csv())?;
-        self.write_file(&self.mapping, &prediction.to_mapping())
+        self.write_file(&self.mapping, &prediction.to_mapping(&output::file_name(&self.csv)))
     }
 
     fn write_file(&self, path: &Path, text: &str) -> Result<(), CommandError> {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub enum IdentificationError {
     /// A record or its mapping is at fault.
-    Record(MeasurementError),
+    Record(Box<MeasurementError>),
     /// The datasheet is at fault.
     Datasheet(ScenarioError),
     /// A file is a training record and a hold-out record.
@@ -70,7 +70,7 @@ impl std::error::Error for IdentificationError {}
 
 impl From<MeasurementError> for IdentificationError {
     fn from(error: MeasurementError) -> Self {
-        Self::Record(error)
+        Self::Record(Box::new(error))
     }
 }
 

@@ -9,6 +9,7 @@ use super::fit::Fit;
 use super::identify::Identification;
 use super::result::Models;
 use super::test_set::{Test, TestSet};
+use measurement::mapping::{Companion, Extension};
 use std::fmt::Write as _;
 
 /// A test with measured and simulated forces.
@@ -53,14 +54,13 @@ impl Prediction<'_> {
         text
     }
 
-    /// The mapping for the CSV file: which sign means extension.
-    pub fn to_mapping(&self) -> String {
-        let known = self.test.record.direction_declared;
-        let extension = if known { "positive" } else { "unknown" };
-        format!(
-            "# Mapping for the CSV file of the same name: which sign means extension.\n\
-             extension = \"{extension}\"\n"
-        )
+    /// The mapping for the CSV file of this name: which sign means extension, and the specimen.
+    pub fn to_mapping(&self, csv_name: &str) -> String {
+        let record = &self.test.record;
+        let known = record.direction_declared;
+        let extension = if known { Extension::Positive } else { Extension::Unknown };
+        Companion { specimen: record.specimen.clone(), extension, temperature: false }
+            .to_toml(csv_name)
     }
 
     fn columns(&self) -> Vec<(&'static str, Option<&[f64]>)> {
@@ -132,6 +132,10 @@ mod tests {
         assert_eq!(lines.next(), Some(names));
         assert_eq!(lines.next(), Some("0,0,,,,1.5"));
         assert_eq!(lines.count(), test.record.len() - 1);
-        assert!(prediction.to_mapping().ends_with("\nextension = \"positive\"\n"));
+        let mapping = prediction.to_mapping("a.csv");
+        assert!(
+            mapping.ends_with("mapping_for = \"a.csv\"\nextension = \"positive\"\n"),
+            "{mapping}"
+        );
     }
 }

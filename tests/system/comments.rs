@@ -53,7 +53,6 @@ fn is_too_long(line: &str, mark: &str) -> bool {
 }
 
 #[test]
-#[ignore = "comments are being wrapped; the merge of the house enables this"]
 fn comments_wrap_at_100_columns() {
     let mut long = Vec::new();
     for path in sources(repository()) {

@@ -35,7 +35,11 @@ fn hash(run: &Run, profile: &str) -> Result<String, String> {
     let out = run.target.join("xtask-run").join(profile);
     let mut command = std::process::Command::new(run.target.join(profile).join("yawbench"));
     command.args(["run", "scenarios/ss9-160kmh.toml", "--pace", "fast", "--duration", "3"]);
-    command.args(["--json", "--out"]).arg(&out).current_dir(&run.root).stderr(Stdio::inherit());
+    command
+        .args(["--json", "--overwrite", "--out"])
+        .arg(&out)
+        .current_dir(&run.root)
+        .stderr(Stdio::inherit());
     let output = command.output().map_err(|error| format!("yawbench ({profile}): {error}"))?;
     let text = String::from_utf8_lossy(&output.stdout);
     let line = text.lines().find(|line| line.contains("\"trajectory_hash\""));

@@ -11,11 +11,9 @@ pub mod measured;
 mod npy;
 mod queues;
 mod row;
-mod run_folder;
 
 pub use bus_log::{BusEvent, BusLog};
 pub use input_kind::InputKind;
 pub use npy::NpyWriter;
 pub use queues::{Batch, Drain, EVENTS, Queues, ROWS, Recorder};
 pub use row::{FrameBytes, Row};
-pub use run_folder::RunFolder;

@@ -88,7 +88,6 @@ fn violations(tree: &Tree, benign: &[(&[&str], &str)]) -> Vec<String> {
 }
 
 #[test]
-#[ignore = "circles are being removed; the merge of the house enables this"]
 fn no_arrow_runs_up_and_no_files_use_each_other_in_a_circle() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let tree = Tree::read(root);
