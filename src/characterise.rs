@@ -28,7 +28,7 @@ const LABORATORY: &str = "laboratory.json";
 /// Options of `characterise`.
 #[derive(Debug, Args)]
 pub(crate) struct CharacteriseArgs {
-    /// The damper: a model file with a [damper] table.
+    /// The damper: a model file, which has a damper table.
     #[arg(required_unless_present_any = ["physical", "from"], conflicts_with_all = ["physical", "from"])]
     model: Option<PathBuf>,
     /// The damper: a hydraulic damper from chambers, valves and oil.

@@ -5,7 +5,6 @@ use crate::exit::INTERRUPTED;
 use crate::output::print;
 use crate::{progress, stop, validation};
 use clap::Args;
-use evidence::error::EvidenceError;
 use evidence::reproduce::calibration::{Calibrated, UNKNOWNS, calibrate};
 use evidence::reproduce::locomotive::Locomotive;
 use evidence::reproduce::row::{Figure, Row};

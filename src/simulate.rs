@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Options of `simulate`.
 #[derive(Debug, Args)]
 pub(crate) struct SimulateArgs {
-    /// The damper: a model file with a [damper] table, such as `identify` writes.
+    /// The damper: a model file, which has a damper table, such as `identify` writes.
     model: PathBuf,
     /// The record: its displacement drives the model, its force shows where the dashpot starts. A
     /// record without a force column is driven too, from rest in the middle of the clearance.

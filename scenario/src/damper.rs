@@ -1,5 +1,5 @@
 //! A damper in a file: the nominal parameters, the effects that it has beyond them, and, where
-//! the user asked for one, an empirical map ([`crate::empirical`]).
+//! the user asked for one, an empirical map (`crate::empirical`).
 //!
 //! Values stand in the `[damper]` of a scenario, a slot or a rig, or in a file of their own, a
 //! **model**, that `file` names:

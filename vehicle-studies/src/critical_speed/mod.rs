@@ -3,7 +3,7 @@
 //! | module | question |
 //! | --- | --- |
 //! | [`ascent`] | from which speed on does class-6 track throw the vehicle into a hunting motion that stays when the track is perfect again? |
-//! | [`stability`] | the same with the irregularity kept on, by guiding forces and EN 14363's limit |
+//! | `stability` | the same with the irregularity kept on, by guiding forces and EN 14363's limit |
 //! | [`fold`] | below which speed does no hunting motion stay, however it began? |
 //! | [`linear`] | from which speed on does a small motion grow, with the dampers as they are at one stroke? |
 //!

@@ -5,7 +5,7 @@
 //! | [`sperling`] | the index of GB 5599-85 (20 s windows) and of GB/T 5599-2019 (5 s windows) |
 //! | [`weighting`] | Wb and Wd, the weightings behind EN 12299's mean comfort |
 //! | [`grade`] | what is excellent, good, qualified; the words of EN 12299 |
-//! | [`assessment`] | [`Ride::of`]: all of it for one vehicle over the tracks of several seeds |
+//! | `assessment` | [`Ride::of`]: all of it for one vehicle over the tracks of several seeds |
 //!
 //! The track is straight, with the irregularity of the scenario: random by its wavelengths with the
 //! study's seeds, or measured; a scenario without any is refused. The vehicle has no longitudinal
