@@ -3,7 +3,7 @@
 //! The image calls the entry points of `firmware-core` ([`model`]) and `can-protocol` ([`bus`])
 //! with inputs that the compiler cannot see through. Its panic handler calls a function that does
 //! not exist: while the optimiser can prove every panic away the handler is dead and falls out; a
-//! single path that is left keeps it, and the image does not link. There is no allocator, so a heap
+//! single remaining path keeps it, and the image does not link. There is no allocator, so a heap
 //! would stop the build even earlier.
 //!
 //! The inputs are opaque, not sensible, and no board is driven: the image is evidence and the

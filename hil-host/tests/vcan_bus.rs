@@ -23,14 +23,14 @@ use std::time::Duration;
 const NODE: Node = Node::ALL[0];
 const OPTIONS: Options = Options { exit_after_run: true, realtime: RealtimeOptions::NONE };
 
-/// Longer than anything here takes: only a failure waits for it.
+/// Longer than every wait here: only a failure reaches it.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// A virtual interface of this test's own; it goes with the value.
+/// A virtual interface of this test's own; it is removed when the value is dropped.
 struct Vcan(String);
 
 impl Vcan {
-    /// An interface, or `None` with a word on standard error; a failure where one is required.
+    /// An interface, or `None` with a message on standard error; a failure where one is required.
     fn new() -> Option<Self> {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
         if std::env::var_os("VCAN_ELSEWHERE").is_some_and(|value| value == "1") {

@@ -36,9 +36,9 @@ pub(crate) fn errors(identification: &Identification) -> Table {
     let percent = |share: Option<f64>| Cell::from(share.map(|share| 100.0 * share));
     let table = Table::new("Error of free-run simulation")
         .text("model")
-        .number("fitted tests, rms", "N")
+        .number("training tests, rms", "N")
         .number_with_digits("of the force", "%", 3)
-        .number("held-out tests, rms", "N")
+        .number("hold-out, rms", "N")
         .number_with_digits("of the force", "%", 3);
     let rows = models(result).into_iter().chain(map).map(|(name, errors)| {
         [

@@ -178,7 +178,7 @@ mod tests {
         assert!(
             visit[2].report(true).is_some_and(|report| report.contains("as in the other tests"))
         );
-        // Alone a late test is left as it is, and what says nothing decides nothing.
+        // Alone a late test is kept as it is, and an undecided test decides nothing.
         assert!(!disagree(&[test(-10.0)]) && disagree(&[test(-30.0)]) && !disagree(&[test(0.0)]));
         assert!(test(0.0).report(false).is_some_and(|report| report.contains("too little")));
     }

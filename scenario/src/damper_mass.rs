@@ -17,7 +17,7 @@ use firmware_core::vehicle::{Anchor, BodyId, Vehicle};
 /// Moves the mass of the damper in a slot to the bodies; gives the damper without it.
 ///
 /// # Errors
-/// None in practice: what is left of a possible damper is possible.
+/// None in practice: a valid damper stays valid without its mass.
 pub(crate) fn give_to_bodies(
     vehicle: &mut Vehicle,
     slot: usize,

@@ -2,7 +2,7 @@
 
 use crate::support::command::{folder, output, repository, yawbench};
 
-/// Runs a scenario text in a folder with the vehicles beside it; gives exit code and error text.
+/// Runs a scenario text in a folder that also holds the vehicles; returns the error text.
 fn refused(name: &str, scenario: &str, vehicle: Option<(&str, &str)>, args: &[&str]) -> String {
     let place = folder(name);
     let vehicles = place.join("vehicles");
@@ -79,7 +79,7 @@ fn a_speed_at_which_creep_is_too_stiff_is_refused() {
 }
 
 #[test]
-fn effects_that_nobody_knows_are_refused_with_the_catalogue() {
+fn unknown_effects_are_refused_with_the_catalogue() {
     let effect = "[[damper.effect]]\nname = \"stiction\"\nforce_n = 100.0\n";
     let text = refused("effect", &format!("{GOOD}{effect}"), None, &[]);
     has(&text, &["case.toml", "stiction", "seal_friction", "rubber_hysteresis"]);
@@ -105,7 +105,7 @@ fn places_nodes_and_buses_that_do_not_exist_are_refused() {
 }
 
 #[test]
-fn a_comparison_that_cannot_be_is_refused_before_the_run() {
+fn an_impossible_comparison_is_refused_before_the_run() {
     let text = refused("compare-key", &format!("{GOOD}[compare]\ndampers = {{}}\n"), None, &[]);
     has(&text, &["case.toml:6", "dampers", "`name` or `damper`"]);
     let compare = |damper: &str| format!("{GOOD}[compare.damper]\n{damper}\n");
@@ -135,7 +135,7 @@ fn options_out_of_range_are_named_with_their_range() {
         ("--bus", "can0", "memory or socketcan:INTERFACE"),
     ] {
         let text = refused("option", GOOD, None, &[option, found]);
-        has(&text, &[option, "found ", found, &format!("expected {expected}")]);
+        has(&text, &[&format!("{option} {found}: expected {expected}")]);
     }
 }
 
@@ -160,7 +160,7 @@ fn too_much_load_on_a_bus_is_refused_before_the_run() {
 }
 
 #[test]
-fn an_output_folder_that_cannot_be_made_is_bad_input() {
+fn an_output_folder_that_cannot_be_created_is_bad_input() {
     let place = folder("no-place");
     std::fs::write(place.join("file"), "").unwrap();
     let scenario = repository().join("scenarios/ss9-160kmh.toml");

@@ -1,5 +1,5 @@
 //! `yawbench campaign`: the same seed gives the same table, whole, in shards, or stopped
-//! and gone on with; and what it refuses.
+//! and continued; and what it refuses.
 
 use crate::support::command::{folder, output, read, yawbench};
 use std::path::Path;
@@ -38,8 +38,8 @@ fn a_seed_gives_the_same_table_whole_in_shards_and_after_a_stop() {
     assert!(again.starts_with(&lines[..first]) && again.lines().count() == 3, "{again}");
 }
 
-/// Damping that depends on the position and an asymmetry: alone each of them mends some tests and
-/// spoils others.
+/// Damping that depends on the position and an asymmetry: alone each of them improves some tests
+/// and worsens others.
 #[test]
 fn case_582_was_left_unexplained_as_neither_of_its_two_effects_helps_alone() {
     let place = folder("campaign-pair");
@@ -56,7 +56,7 @@ fn case_582_was_left_unexplained_as_neither_of_its_two_effects_helps_alone() {
 }
 
 #[test]
-fn what_does_not_go_together_is_refused() {
+fn contradictory_options_are_refused() {
     let place = folder("campaign-refused");
     for (args, said) in [
         (&["--cases", "3"][..], "--seed <S> is missing"),
@@ -77,7 +77,7 @@ fn what_does_not_go_together_is_refused() {
 }
 
 #[test]
-fn the_options_that_identify_had_for_it_name_the_new_command() {
+fn the_former_options_of_identify_name_the_new_command() {
     for (args, said) in [
         (["identify", "--campaign", "3", "--seed", "1"], "`yawbench campaign --cases N --seed S`"),
         (["identify", "--out", "x", "--merge", "a.jsonl"], "`yawbench campaign --merge JSONL...`"),

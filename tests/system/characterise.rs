@@ -75,7 +75,7 @@ fn a_visit_leaves_records_that_give_the_same_figures_when_they_are_read_again() 
 }
 
 #[test]
-fn a_result_was_overwritten_without_a_word() {
+fn a_result_was_overwritten_without_a_warning() {
     let place = place("again");
     std::fs::write(place.join("list.toml"), ONE_TEST).unwrap();
     let visit = ["model.toml", "--tests", "list.toml", "--out", "a"];
@@ -125,7 +125,7 @@ fn a_record_has_its_names_in_line_1_and_its_direction_in_a_mapping() {
 }
 
 #[test]
-fn ctrl_c_ended_a_visit_without_a_word() {
+fn ctrl_c_ended_a_visit_without_a_message() {
     let place = place("stop");
     let list = ONE_TEST.replace("2.0", "3600.0");
     std::fs::write(place.join("list.toml"), list).unwrap();

@@ -1,4 +1,4 @@
-//! `[compare]`: a run beside the same run with another damper.
+//! `[compare]`: a run compared with the same run with another damper.
 
 use crate::support::command::{folder, output, repository, yawbench};
 use crate::support::record::Record;
@@ -72,7 +72,7 @@ fn one_line(text: &str) -> String {
 }
 
 #[test]
-fn a_damper_compared_with_itself_changes_nothing_in_no_quantity() {
+fn a_damper_compared_with_itself_changes_no_quantity() {
     let damper = one_line(AIR);
     let scenario = format!("damper = {damper}\n{}{SLOTS}[compare]\ndamper = {damper}\n", head(1.0));
     // On the clock and without one: the pace changes no bit on the memory bus.
@@ -95,7 +95,7 @@ fn a_damper_compared_with_itself_changes_nothing_in_no_quantity() {
 
 #[test]
 fn before_is_a_plain_run_with_that_damper() {
-    // The scenario's own dampers are all different; none of it is left in the run compared with.
+    // The scenario's own dampers are all different; none of them remains in the comparison run.
     let own = "[damper]\nclearance_2a_m = 4e-3\n[[slot]]\nplace = \"front left\"\non = \"rig\"\n\
                watch = {}\nvirtual_wear = { clearance_2a_m = 1e-3 }\n[[slot]]\n\
                place = \"rear right\"\non = \"modelled\"\ndamper = { ke_n_per_m = 5e6 }\n";
@@ -156,7 +156,7 @@ fn before_is_a_plain_run_with_that_damper() {
 }
 
 #[test]
-fn the_example_shows_what_air_in_the_oil_does_and_its_files_give_the_same_again() {
+fn the_example_shows_the_effect_of_air_in_the_oil_and_its_files_repeat_it() {
     let place = folder("example");
     let args = ["--pace", "fast", "--duration", "12"];
     let example = repository().join("scenarios/ss9-before-and-after.toml");
@@ -228,7 +228,7 @@ fn people_see_a_second_table_and_a_run_without_comparison_has_none() {
 }
 
 #[test]
-fn models_of_an_identification_stand_on_either_side() {
+fn an_identified_model_can_be_on_either_side() {
     let place = folder("models");
     std::fs::write(place.join("sheet.toml"), "damper = { ke_n_per_m = 11e6 }\n").unwrap();
     std::fs::create_dir(place.join("found")).unwrap();
@@ -253,7 +253,7 @@ fn models_of_an_identification_stand_on_either_side() {
 }
 
 #[test]
-fn a_vehicle_that_leaves_its_track_is_told_and_its_figures_are_none() {
+fn a_vehicle_that_leaves_its_track_is_reported_and_has_no_figures() {
     let scenario =
         format!("{}[compare]\nname = \"sheet\"\ndamper = {}\n", head(10.0), one_line(AIR));
     let (out, summary, code) = run("derailed", &scenario, &["--pace", "fast"]);

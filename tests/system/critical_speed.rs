@@ -35,8 +35,8 @@ fn run(place: &Path, args: &[&str]) -> String {
 
 #[test]
 fn a_bogie_of_the_literature_meets_its_numbers() {
-    // Hopf point 68.66 m/s = 247.2 km/h (published); fold 66.69 m/s = 240.1 km/h (solved apart from
-    // this).
+    // Hopf point 68.66 m/s = 247.2 km/h (published); fold 66.69 m/s = 240.1 km/h (solved
+    // independently).
     let place = bogie("critical-bogie");
     let out = ["--out=found", "--from-kmh=225", "--to-kmh=265", "--seeds=1", "--json"];
     let json = run(&place, &[&out[..], &["--stroke-mm=1", "bogie.toml"]].concat());
@@ -49,9 +49,9 @@ fn a_bogie_of_the_literature_meets_its_numbers() {
     let fold = point["fold"]["dies"]["kmh"].as_f64().unwrap();
     let hunts = point["ascent"]["mean_kmh"].as_f64().unwrap();
     println!("Hopf {hopf}, fold {fold}, hunts from {hunts} km/h");
-    // The speed that is told is the last unstable one of a halved step.
+    // The reported speed is the last unstable one of a halved step.
     assert!((0.0..0.5).contains(&(hopf - 3.6 * 68.666)), "{hopf}");
-    // Just below the fold a motion dies slowly: 12 s at a speed may not see it.
+    // Just below the fold a motion decays slowly: 12 s at one speed may not show it.
     assert!((fold - 3.6 * 66.69).abs() < 0.5, "{fold}");
     assert!((fold - 0.5..hopf + 0.5).contains(&hunts), "{hunts}");
     assert_eq!(point["equivalent_conicity_at_3_mm"], 0.05);
@@ -123,7 +123,7 @@ fn points_are_the_same_whole_in_shards_and_after_a_stop() {
     let result = output(yawbench().args(part).args(VARIED).current_dir(&place));
     let errors = String::from_utf8_lossy(&result.stderr);
     assert_eq!(result.status.code(), Some(2));
-    assert!(errors.contains("--merge: point 1, 3 of 3 not found, expected all"), "{errors}");
+    assert!(errors.contains("--merge: found no point 1, 3 of 3, expected all of them"), "{errors}");
     assert!(!place.join("part").exists());
 
     // Stopped within a line: that point is found again and no other.
@@ -149,16 +149,16 @@ fn points_are_the_same_whole_in_shards_and_after_a_stop() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
+fn impossible_requests_get_one_line_and_nothing_is_written() {
     let place = bogie("critical-refused");
-    for (args, told) in [
+    for (args, message) in [
         (&["--vary=vehicle.body.frame.mass_kg=1:2:2"][..], "body has no \"frame\""),
         (&["--vary=damper.ke_n_per_mm=1e3:2e3:2"], "unknown field `ke_n_per_mm`"),
         (&["--vary=vehicle.body.bogie.mass_kg=-1,2"], "[[body]] number 0: mass_kg = -1"),
         (&["--vary=damper.ke_n_per_m*=0.5,2"], "expected one to multiply"),
         (&["--vary=speed_kmh"], "expected KEY=from:to:n"),
         (&["--from-kmh=300", "--to-kmh=200"], "expected 0 < from < to"),
-        (&["--stroke-mm=0"], "a clearance leaves no damper"),
+        (&["--stroke-mm=0"], "at zero stroke a damper with clearance has no force"),
         (&["--stroke-mm", "-1"], "--stroke-mm -1: expected 0.001 to 500"),
         (&["--method=fold", "--stroke-mm=1"], "expected --method linear or both"),
         (&["--method=fold", "--criterion=en14363"], "expected --method nonlinear"),
@@ -177,7 +177,7 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
         );
         let errors = String::from_utf8_lossy(&result.stderr);
         assert_eq!(result.status.code(), Some(2), "{args:?}: {errors}");
-        assert!(errors.contains(told), "{args:?}: {errors}");
+        assert!(errors.contains(message), "{args:?}: {errors}");
         assert!(!place.join("out").exists(), "{args:?}");
     }
     // Points of one study are not taken for those of another.

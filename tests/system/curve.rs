@@ -1,5 +1,5 @@
-//! `yawbench curve`: its schema, what it tells of a curve, the same bytes in shards and on one
-//! core, and what it refuses.
+//! `yawbench curve`: its schema, what it reports about a curve, the same bytes in shards and on
+//! one core, and what it refuses.
 
 use crate::support::command::{folder, output, read, repository, yawbench};
 use crate::support::schema;
@@ -31,18 +31,18 @@ fn run(place: &Path, args: &[&str]) -> String {
 }
 
 #[test]
-fn a_curve_is_told_section_by_section_and_the_same_in_shards_and_on_one_core() {
-    let place = curve("curve-told");
+fn a_curve_is_reported_by_section_and_is_the_same_in_shards_and_on_one_core() {
+    let place = curve("curve-reported");
     let varied = |more: &[&str]| run(&place, &[&VARIED[..], more].concat());
     let text = varied(&["--out=whole"]);
-    for told in [
+    for message in [
         "left curve of 450 m, cant 0.080 m",
         "80 m of run-in, entry 80 to 140 m, curve 140 to 260 m, exit 260 to 320 m",
         "class-6 track, wavelengths 1 to 100 m, seeds 1 to 2",
         "limits at 206.0 kN an axle: sum of Y 78.7 kN",
         "simulated",
     ] {
-        assert!(text.contains(told), "{told}: {text}");
+        assert!(text.contains(message), "{message}: {text}");
     }
     let json = read(&place.join("whole/curve.json"));
     let found: Value = serde_json::from_str(&json).unwrap();
@@ -87,9 +87,9 @@ fn a_curve_is_told_section_by_section_and_the_same_in_shards_and_on_one_core() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
+fn impossible_requests_get_one_line_and_nothing_is_written() {
     let place = curve("curve-refused");
-    for (scenario, args, told) in [
+    for (scenario, args, message) in [
         ("straight.toml", &[][..], "straight.toml: the track has no curve"),
         ("curve.toml", &["--vary=track.curve.radius_m=50,400"], "radius_m = 50"),
         ("curve.toml", &["--vary=track.curve.raduis_m=400,500"], "unknown field `raduis_m`"),
@@ -102,7 +102,7 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
         );
         let errors = String::from_utf8_lossy(&result.stderr);
         assert_eq!(result.status.code(), Some(2), "{args:?}: {errors}");
-        assert!(errors.contains(told), "{args:?}: {errors}");
+        assert!(errors.contains(message), "{args:?}: {errors}");
         assert!(!place.join("out").exists(), "{args:?}");
     }
 }

@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 const DAMPER: &str = "[damper]\nclearance_2a_m = 1e-3\nf_relief_n = 15e3\nc2_n_s_per_m = 60e3\n\
     [[damper.effect]]\nname = \"asymmetric_damping\"\ndamping_asymmetry = 0.05\n\
     relief_asymmetry = 0.05\n";
-/// A tenth off, and no word of clearance or slope beyond relief.
+/// A tenth off, without clearance and without slope beyond relief.
 const SHEET: &str = "[damper]\nce_n_s_per_m = 1.1e6\nke_n_per_m = 11e6\nf_relief_n = 16e3\n";
 /// Sines: millimetres, hertz, seconds. Short, but with some forty whole cycles for chance to fail
 /// in.

@@ -205,7 +205,7 @@ fn deviations(result: &Value, predictions: &Path) -> [f64; 2] {
     })
 }
 
-/// The folder of the records, or a word on what is skipped.
+/// The folder of the records, or a message on what is skipped.
 fn records(skipped: &str) -> Option<PathBuf> {
     let named = std::env::var_os("YAWBENCH_RECORDS").map(PathBuf::from);
     let there =

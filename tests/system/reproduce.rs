@@ -1,5 +1,5 @@
 //! `yawbench reproduce`: a figure of the study in table, file and page; `--validation`: every
-//! reference is met in all three; what cannot be is refused.
+//! reference is met in all three; impossible requests are refused.
 
 use crate::support::command::{folder, output, read, repository, yawbench};
 use crate::support::schema;
@@ -10,10 +10,10 @@ fn every_reference_is_met_and_written_down() {
     let place = folder("reproduce-validation");
     let result =
         output(yawbench().args(["reproduce", "--validation", "--out=found"]).current_dir(&place));
-    let (told, errors) =
+    let (printed, errors) =
         (String::from_utf8_lossy(&result.stdout), String::from_utf8_lossy(&result.stderr));
-    println!("{told}");
-    assert_eq!(result.status.code(), Some(0), "{told}{errors}");
+    println!("{printed}");
+    assert_eq!(result.status.code(), Some(0), "{printed}{errors}");
     let found: Value = serde_json::from_str(&read(&place.join("found/validation.json"))).unwrap();
     let schema = read(&repository().join("docs/schema/validation.schema.json"));
     let schema: Value = serde_json::from_str(&schema).unwrap();
@@ -23,20 +23,20 @@ fn every_reference_is_met_and_written_down() {
     for reference in found["references"].as_array().unwrap() {
         let title = reference["title"].as_str().unwrap();
         assert!(page.contains(&title.replace('\'', "&#39;")), "{title}");
-        assert!(told.contains(title), "{title}");
+        assert!(printed.contains(title), "{title}");
     }
     // The pair that is quoted elsewhere is named, and said not to follow from this parameter set.
     assert!(page.contains("66.61 m/s") && page.contains("62.02 m/s"));
 }
 
 #[test]
-fn a_figure_is_set_beside_the_study() {
+fn a_figure_is_compared_with_the_study() {
     let place = folder("reproduce-figure");
     let scenario = repository().join("scenarios/ss9-160kmh.toml");
     let arguments = ["reproduce", "--figure=4", "--seeds=1", "--out=out", "--scenario"];
     let result = output(yawbench().args(arguments).arg(&scenario).current_dir(&place));
-    let told = String::from_utf8_lossy(&result.stdout);
-    assert_eq!(result.status.code(), Some(0), "{told}");
+    let printed = String::from_utf8_lossy(&result.stdout);
+    assert_eq!(result.status.code(), Some(0), "{printed}");
     let found: Value = serde_json::from_str(&read(&place.join("out/reproduce.json"))).unwrap();
     let schema = read(&repository().join("docs/schema/reproduce.schema.json"));
     let schema: Value = serde_json::from_str(&schema).unwrap();
@@ -46,7 +46,7 @@ fn a_figure_is_set_beside_the_study() {
     let rms: Vec<f64> = rows.iter().take(3).map(|row| row["ours"].as_f64().unwrap()).collect();
     assert!(rms[0] > rms[1] && rms[1] > rms[2] && rms[2] > 0.0, "{rms:?}");
     assert!(read(&place.join("out/report.html")).contains("Figure 4"));
-    assert!(told.contains("wheelset above bogie above carbody"), "{told}");
+    assert!(printed.contains("wheelset above bogie above carbody"), "{printed}");
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn figure_5_runs_slower_than_the_substeps_of_its_scenario_allow() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_in_one_line_and_nothing_is_written() {
+fn impossible_requests_get_one_line_and_nothing_is_written() {
     let place = folder("reproduce-refused");
     let scenario = repository().join("scenarios/ss9-160kmh.toml");
     let scenario = scenario.to_str().unwrap();

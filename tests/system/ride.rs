@@ -40,13 +40,13 @@ fn run(place: &Path, args: &[&str]) -> String {
 fn a_coach_rides_worse_the_faster_it_runs_and_says_on_which_track() {
     let place = coach("ride-coach");
     let text = run(&place, &[&VARIED[..], &["--out=found"]].concat());
-    for told in [
+    for message in [
         "80 to 160 km/h on straight class-6 track times 0.5, wavelengths 2 to 80 m, seeds 1",
         "20 s of each after 3 s of run-in",
         "simulated",
         "coaches",
     ] {
-        assert!(text.contains(told), "{told}: {text}");
+        assert!(text.contains(message), "{message}: {text}");
     }
     let json = read(&place.join("found/ride.json"));
     let found: Value = serde_json::from_str(&json).unwrap();
@@ -111,9 +111,9 @@ fn points_are_the_same_whole_in_shards_after_a_stop_and_on_one_core() {
 }
 
 #[test]
-fn a_vehicle_off_the_track_is_told_and_the_exit_code_is_1() {
+fn a_vehicle_off_the_track_is_reported_and_the_exit_code_is_1() {
     let place = coach("ride-off-the-track");
-    // A feather for a carbody: the weight is gone from the wheels.
+    // A carbody of almost no mass: the wheels lose their load.
     let light = ["ride", "--vary=vehicle.body.carbody.mass_kg=1e-3", "--seeds=1", "--out=off"];
     let result = output(yawbench().args(light).arg("coach.toml").current_dir(&place));
     let text = String::from_utf8_lossy(&result.stdout);
@@ -125,7 +125,7 @@ fn a_vehicle_off_the_track_is_told_and_the_exit_code_is_1() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
+fn impossible_requests_get_one_line_and_nothing_is_written() {
     let place = coach("ride-refused");
     let bogie = repository().join("scenarios/vehicles/cooperrider-bogie.toml");
     let bogie = format!(
@@ -136,7 +136,7 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
     let rough = read(&place.join("coach.toml"));
     let perfect = rough.split("[track").next().unwrap();
     std::fs::write(place.join("perfect.toml"), perfect).unwrap();
-    for (scenario, args, told) in [
+    for (scenario, args, message) in [
         ("coach.toml", &["--vary=vehicle.body.frame.mass_kg=1:2:2"][..], "body has no \"frame\""),
         ("coach.toml", &["--vary=speed_kmh=0,100"], "speed_kmh = 0"),
         ("coach.toml", &["--section-s=19"], "--section-s 19: expected 20"),
@@ -153,7 +153,7 @@ fn what_cannot_be_asked_is_refused_in_one_line_and_nothing_is_written() {
             output(yawbench().args(["ride", scenario, "--out=out"]).args(args).current_dir(&place));
         let errors = String::from_utf8_lossy(&result.stderr);
         assert_eq!(result.status.code(), Some(2), "{args:?}: {errors}");
-        assert!(errors.contains(told), "{args:?}: {errors}");
+        assert!(errors.contains(message), "{args:?}: {errors}");
         assert_eq!(errors.lines().count(), 1, "{args:?}: {errors}");
         assert!(!place.join("out").exists(), "{args:?}");
     }

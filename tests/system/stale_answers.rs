@@ -35,7 +35,7 @@ fn cone(place: &Path, one_in: u32) {
     std::fs::write(place.join("wheel.csv"), text).unwrap();
 }
 
-/// A folder with a scenario of Cooperrider's bogie, which is computed in no time.
+/// A folder with a scenario of Cooperrider's bogie, which is quick to compute.
 fn bogie(name: &str) -> PathBuf {
     let place = folder(name);
     let vehicle = repository().join("scenarios/vehicles/cooperrider-bogie.toml");

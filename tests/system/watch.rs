@@ -26,26 +26,26 @@ fn watched(effects: &[Effect]) -> Run {
     run
 }
 
-/// What a watch said in a run.
+/// What a watch reported in a run.
 struct Course {
     /// First cycle with drift.
     raised: Option<u64>,
     learnt_n: f64,
     /// Cycle, residual and measured force of every measurement that the model was compared with.
     compared: Vec<(u64, f64, f64)>,
-    /// What went out on the bus.
-    told: Vec<Residual>,
+    /// Residuals sent on the bus.
+    sent: Vec<Residual>,
 }
 
-/// The bus of the rig, with an ear on it.
+/// The bus of the rig, listened to.
 struct Tap {
     bus: MemoryBus,
-    told: Vec<Residual>,
+    sent: Vec<Residual>,
 }
 
 impl Bus for Tap {
     fn send(&mut self, frame: &Frame) -> Sent {
-        self.told.extend(Residual::decode(frame.id(), frame.data()));
+        self.sent.extend(Residual::decode(frame.id(), frame.data()));
         self.bus.send(frame)
     }
     fn receive(&mut self) -> Option<WireFrame> {
@@ -63,12 +63,12 @@ fn course(run: &Run) -> Course {
     let track = run.track.view();
     let session = session(run, &track);
     let (mut state, [bus]) = ready(run, &session);
-    let mut buses = vec![Tap { bus, told: Vec::new() }];
+    let mut buses = vec![Tap { bus, sent: Vec::new() }];
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
     let mut on_bus = Buses::new(&mut buses, &mut recorder);
     let mut course =
-        Course { raised: None, learnt_n: f64::NAN, compared: Vec::new(), told: Vec::new() };
+        Course { raised: None, learnt_n: f64::NAN, compared: Vec::new(), sent: Vec::new() };
     for _ in 0..run.cycles() {
         let row = session.cycle(&mut state, &mut on_bus, Tick::default());
         if row.drift[0] == Watch::Steady && course.learnt_n.is_nan() {
@@ -83,7 +83,7 @@ fn course(run: &Run) -> Course {
         // The modelled dampers are not watched.
         assert_eq!(row.drift[1..], [Watch::None; 3]);
     }
-    course.told = buses.into_iter().flat_map(|tap| tap.told).collect();
+    course.sent = buses.into_iter().flat_map(|tap| tap.sent).collect();
     course
 }
 
@@ -123,11 +123,11 @@ fn a_damper_that_wears_raises_the_flag_at_its_cycle() {
     assert_eq!(course.raised, raised_by_the_rule(&course.compared));
     // It changes with the physics and with nothing else, as the trajectory hash does.
     assert_eq!(course.raised, Some(9316));
-    // The bus is told every 50 cycles: first drift in cycle 9351.
-    assert_eq!(course.told.len(), 240);
-    let drift = course.told.iter().position(|residual| residual.watch == Watch::Drift);
+    // The bus carries a residual every 50 cycles: first drift in cycle 9351.
+    assert_eq!(course.sent.len(), 240);
+    let drift = course.sent.iter().position(|residual| residual.watch == Watch::Drift);
     assert_eq!(drift, Some(9350 / 50));
     let sequence =
-        course.told.iter().enumerate().all(|(i, told)| usize::from(told.counter) == i % 15);
-    assert!(sequence && course.told[0].rms_n.is_none());
+        course.sent.iter().enumerate().all(|(i, residual)| usize::from(residual.counter) == i % 15);
+    assert!(sequence && course.sent[0].rms_n.is_none());
 }

@@ -1,7 +1,7 @@
 //! A virtual CAN interface for one test, and can-utils on it.
 //!
 //! Needs a kernel with CAN and the right to make interfaces, or `VCAN_IFACE` naming one that is
-//! up. Where there is neither, a test says aloud that it was skipped, or fails if `REQUIRE_VCAN=1`.
+//! up. Where there is neither, a test reports that it was skipped, or fails if `REQUIRE_VCAN=1`.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -23,13 +23,13 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// Tests of one program that share `VCAN_IFACE` take turns.
 static SHARED: Mutex<()> = Mutex::new(());
 
-/// A virtual CAN interface that is up and takes FD frames; one of our own goes with the value.
+/// A virtual CAN interface that is up and takes FD frames; one of our own is removed on drop.
 pub(crate) struct Interface {
     name: String,
     shared: Option<MutexGuard<'static, ()>>,
 }
 
-/// An interface for this test alone, or `None` with a word about why on standard error.
+/// An interface for this test alone, or `None` with the reason on standard error.
 ///
 /// # Panics
 ///
@@ -99,7 +99,7 @@ impl Candump {
     /// Ends the recording; every frame sent before, in the order of the log.
     ///
     /// A signal would end candump with frames still in its queue. So marks are sent until the log
-    /// shows one: what came before it is then in the file too.
+    /// shows one: every earlier frame is then in the file too.
     pub(crate) fn stop(self) -> Vec<CanAnyFrame> {
         let socket = CanSocket::open(&self.interface).expect("a CAN socket");
         let mark = CanDataFrame::new(ExtendedId::MAX, &[]).expect("an empty frame");
@@ -205,7 +205,7 @@ fn is_one(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|value| value == "1")
 }
 
-/// Past the test harness, which keeps what a passing test prints to itself.
+/// Bypasses the test harness, which captures the output of a passing test.
 fn aloud(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// Tests of this file take turns: paced processes must not share a processor with others.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// An interface and the machine for oneself.
+/// An interface, with exclusive use of the machine.
 fn alone() -> Option<(Interface, MutexGuard<'static, ()>)> {
     let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     interface().map(|interface| (interface, turn))
@@ -331,7 +331,8 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
     cansend(&vcan, "7AA#0011223344556677");
     let sent = hear(&socket, MEASUREMENT, 4);
     assert_eq!(sent.len(), 4, "the frames from outside");
-    // Who owes the next frame goes first: the other one has waited for too long by its own clock.
+    // The side that owes the next frame resumes first: the other one has waited for too long by its
+    // own clock.
     if last_id == Some(COMMAND.raw()) {
         resume(rig.id());
         assert_eq!(hear(&socket, MEASUREMENT, 1).len(), 1, "the rig's answer");

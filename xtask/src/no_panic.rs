@@ -10,7 +10,7 @@ use std::process::Command;
 use crate::run::{Outcome, Run};
 use crate::stream::shown;
 
-/// What the panic handler calls and nobody has.
+/// The function that the panic handler calls; it is defined nowhere.
 const MISSING: &str = "there_is_a_way_to_panic";
 /// Parts of mangled names that only panics and heaps bring; the first is `core::panicking`.
 const FORBIDDEN: [&str; 4] = ["9panicking", "panic_fmt", "panic_bounds_check", "__rust_alloc"];

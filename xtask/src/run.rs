@@ -11,7 +11,7 @@ use crate::stream::{self, Ended};
 /// What a step came to.
 pub(crate) enum Outcome {
     Passed,
-    /// Could not run here, and nobody required it; the reason.
+    /// Could not run here, and was not required; the reason.
     Skipped(String),
     /// The reason in one line.
     Failed(String),

@@ -78,7 +78,7 @@ fn cantools_and_the_codec_read_each_other() {
     if !cantools_is_there() {
         let required = env::var("REQUIRE_CANTOOLS").is_ok_and(|value| value == "1");
         assert!(!required, "REQUIRE_CANTOOLS=1, but {} has no cantools", python());
-        // Past the test harness, which swallows what a passing test prints.
+        // Bypasses the test harness, which captures the output of a passing test.
         let _ = writeln!(std::io::stderr(), "SKIPPED: cantools test: no cantools in {}", python());
         return;
     }

@@ -1,4 +1,4 @@
-//! What goes in comes out, within half an lsb; what does not fit says so; nothing panics.
+//! A round trip keeps values within half an lsb; what does not fit is reported; nothing panics.
 use crate::support::samples;
 use can_protocol::signal::FixedPoint;
 use can_protocol::{

@@ -23,7 +23,7 @@
 //! instead of 1 ms, and the same core fits them: what its laws share with nature is not tested by
 //! that. Cases in which nothing is missing and those outside the catalogue come from an integration
 //! of its own ([`virtual_bench::series_model`]), and the full hydraulic damper
-//! ([`virtual_bench::hydraulic`]) carries effects that nobody wrote into the model. Rates for
+//! ([`virtual_bench::hydraulic`]) has effects that are not written into the model. Rates for
 //! effects of the catalogue are thus upper bounds of what real records will give.
 
 mod case;

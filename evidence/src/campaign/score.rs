@@ -227,7 +227,7 @@ impl CaseResult {
         self.named.first().is_some_and(|first| self.truth.iter().any(|truth| first.may_be(truth)))
     }
 
-    /// Something was found that nobody knows.
+    /// An unexplained residual was found.
     pub fn says_unexplained(&self) -> bool {
         self.unexplained.is_some()
     }

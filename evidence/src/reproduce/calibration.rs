@@ -3,12 +3,13 @@
 //! | number | fixed on | as |
 //! | --- | --- | --- |
 //! | conicity of small motions of the JM3-like wheel | 212 km/h at Ke = 3 MN/m | a soft damper does not open its relief before the vehicle hunts |
-//! | its conicity of large motions | 170 km/h at 2a = 8 mm | with its dampers hanging the vehicle is left to its wheels |
+//! | its conicity of large motions | 170 km/h at 2a = 8 mm | with its dampers inside their clearance the vehicle depends on its wheels alone |
 //! | relief force | 250 km/h at Ke = 12.5 MN/m, 2a = 0.2 mm | the cycle is as large as the relieved damper lets it |
 //!
 //! One after the other, twice, since each moves the others a little. A number stays inside the
-//! range that the reduced model found possible; where the speed is not met inside, it stands at the
-//! end, and that is stated. Three numbers on three speeds: calibration, and no test of anything.
+//! range that the reduced model found possible; where the speed is not met inside, it is at the end
+//! of the range, and that is stated. Three numbers on three speeds: calibration, and no test of
+//! anything.
 
 use super::basis::Basis;
 use super::locomotive::Locomotive;
@@ -66,7 +67,7 @@ pub struct Calibrated {
     pub aim_kmh: f64,
     /// The speed it gives, with the other numbers as they then were (km/h).
     pub reached_kmh: Option<f64>,
-    /// It stands at the end of its range.
+    /// It is at the end of its range.
     pub at_end_of_range: bool,
 }
 

@@ -59,9 +59,9 @@ pub(super) fn over_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let rides = ridden(basis, &SPEEDS_KMH.map(|kmh| (damper, kmh, kmh)))?;
     let mut rows: Vec<Row> = rides.iter().flat_map(|ridden| ridden.rows("5")).collect();
     rows.extend(FIELD_TEST.map(|(quantity, percent)| {
-        Row::new("5", quantity, [], "%", None)
-            .paper(percent, Role::Predicted)
-            .note("the study's own distance to its field test, whose record is not public")
+        Row::new("5", quantity, [], "%", None).paper(percent, Role::Predicted).note(
+            "the error of the study's model against its field test, whose record is not public",
+        )
     }));
     Ok(Figure {
         number: "5",
@@ -92,7 +92,7 @@ pub(super) fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError>
     rows.push(
         Row::new("14", "lateral_ride_index_change", [], "%", change(Direction::Lateral))
             .paper(3.5, Role::Predicted)
-            .note("greatest less smallest over the smallest"),
+            .note("greatest minus smallest, relative to the smallest"),
     );
     rows.push(
         Row::new("14", "vertical_ride_index_change", [], "%", change(Direction::Vertical))
@@ -149,7 +149,7 @@ pub(super) fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError>
             let at = [("speed_kmh", SPEED_KMH)];
             rows.push(
                 Row::new("17", quantity, at, "1", index(&without.ride, direction))
-                    .note("what every large clearance must tend to"),
+                    .note("the limit for large clearances"),
             );
         }
     }

@@ -145,7 +145,10 @@ fn rows(figure: &'static str, passed: &[Passed]) -> Vec<Row> {
         let percent = ends.map(|(first, last)| 100.0 * (last / first - 1.0));
         let range = values.as_deref().and_then(statistics::min_max);
         let spread = range.map_or(String::new(), |(low, high)| {
-            format!("from the first to the last; all within {:.1} %", 100.0 * (high / low - 1.0))
+            format!(
+                "change from the first to the last; all within {:.1} %",
+                100.0 * (high / low - 1.0)
+            )
         });
         rows.push(Row::new(figure, change, [], "%", percent).note(spread));
     }

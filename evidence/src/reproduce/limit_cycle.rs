@@ -199,7 +199,7 @@ fn histories<'a>(found: impl Iterator<Item = &'a Vec<Excursion>>) -> Plot {
     let mut plot = Plot::new("Lateral position of wheelset 4")
         .x("time", "s")
         .y("lateral position", "mm")
-        .caption("300 m of irregular track first, perfect track behind it; the first seed.");
+        .caption("300 m of irregular track, then perfect track; the first seed.");
     for runs in found {
         if let Some(run) = runs.first() {
             let (time_s, lateral_mm): (Vec<f64>, Vec<f64>) = run

@@ -1,5 +1,5 @@
-//! The study of 2014 on the yaw dampers of an SS9, figure by figure: what it says compared with
-//! what comes out here.
+//! The study of 2014 on the yaw dampers of an SS9, figure by figure: its statements compared
+//! with our results.
 //!
 //! "A locomotive's dynamic response to in-service parameter variations of its hydraulic yaw
 //! damper", Nonlinear Dynamics (2014). Its appendix with the parameters is not public: the vehicle
@@ -12,10 +12,10 @@
 //! | `comfort` | figures 5 and 12 to 17: spectra and ride indices |
 //! | `working_point` | what was tried where figures 8 and 13 are not met |
 //! | `oil` | figure 6 and conclusion (4): oil temperature and air |
-//! | `limit_cycle` | figures 9 and 11: what a wheelset does behind the rough track |
+//! | `limit_cycle` | figures 9 and 11: the motion of a wheelset after the rough track |
 //! | `critical_speeds` | figures 10a and 10b: over stiffness and clearance |
 //! | `curving` | figures 18 and 19: the curve of 400 m |
-//! | `spread` | what the inputs that are neither known nor fitted do to critical speeds |
+//! | `spread` | the effect on critical speeds of inputs that are neither known nor fitted |
 
 mod basis;
 pub mod calibration;

@@ -7,8 +7,7 @@
 //! to the records as `identify` does it, and critical speeds follow. The study says that neither
 //! matters much in normal running.
 //!
-//! Limits: the physical damper is illustrative, no maker's; with every fit stands how much of the
-//! force it leaves.
+//! Limits: the physical damper is illustrative, not a product; every fit states its residual force.
 
 use super::basis::Basis;
 use super::row::{Figure, Row};
@@ -37,7 +36,7 @@ struct Estimated {
     degc: f64,
     air_share: f64,
     nominal: Nominal,
-    /// Force that the nominal damper leaves, as a share of the force.
+    /// Residual force of the nominal damper, as a share of the force.
     left: f64,
     critical_kmh: Option<f64>,
     range: String,
@@ -55,10 +54,9 @@ pub(super) fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, EvidenceE
     let speeds: Option<Vec<f64>> = found.iter().map(|found| found.critical_kmh).collect();
     let spread = speeds.and_then(|speeds| signal::statistics::min_max(&speeds));
     let percent = spread.map(|(low, high)| 100.0 * (high / low - 1.0));
-    rows.push(
-        Row::new("6", "critical_speed_change_over_oil", [], "%", percent)
-            .note("greatest less smallest over the smallest; the study: not obvious, limited"),
-    );
+    rows.push(Row::new("6", "critical_speed_change_over_oil", [], "%", percent).note(
+        "greatest minus smallest, relative to the smallest; the study: not obvious, limited",
+    ));
     let of = |pick: fn(&Estimated) -> f64| -> (Vec<f64>, Vec<f64>) {
         let usual = found.iter().filter(|found| found.air_share == OIL[0].1);
         usual.map(|found| (found.degc, pick(found))).unzip()
@@ -77,7 +75,8 @@ pub(super) fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, EvidenceE
         ],
         rows,
         remarks: vec![
-            "The hydraulic damper is illustrative (scenarios/dampers/hydraulic-yaw-damper.toml), no maker's."
+            "The hydraulic damper is illustrative (scenarios/dampers/hydraulic-yaw-damper.toml), \
+             not a product."
                 .to_owned(),
         ],
         ..Figure::default()
@@ -116,7 +115,8 @@ fn estimated(basis: &Basis<'_>, degc: f64, air_share: f64) -> Result<Estimated, 
 fn rows_of(found: &Estimated) -> Vec<Row> {
     let at = || [("oil_degc", found.degc), ("air_share_at_one_bar", found.air_share)];
     let row = |quantity, unit, value| Row::new("6", quantity, at(), unit, Some(value));
-    let left = format!("the nominal damper leaves {:.1} % of the force", 100.0 * found.left);
+    let left =
+        format!("the residual of the nominal damper is {:.1} % of the force", 100.0 * found.left);
     vec![
         row("ce", "kN s/m", 1e-3 * found.nominal.ce_n_s_per_m).note(left),
         row("ke", "MN/m", 1e-6 * found.nominal.ke_n_per_m),

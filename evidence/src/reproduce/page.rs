@@ -1,4 +1,4 @@
-//! The reproduction as one report: for every figure what the study says, our numbers, the plots.
+//! The reproduction as one report: for every figure the study's statement, our numbers, the plots.
 
 use super::locomotive::Locomotive;
 use super::row::{Figure, Role, Row};
@@ -7,7 +7,7 @@ use report::{Cell, Report, Section, Table};
 /// The report.
 pub fn page(figures: &[Figure], locomotive: &Locomotive) -> Report {
     let mut report = Report::new("The SS9 yaw-damper study, reproduced")
-        .subtitle("What the study of 2014 says beside what comes out here")
+        .subtitle("The 2014 study compared with our results")
         .fact("scenario", &locomotive.title);
     for line in &locomotive.about {
         report = report.fact("vehicle", line);
@@ -23,16 +23,17 @@ fn overview(figures: &[Figure]) -> Section {
     let published: Vec<&Row> =
         figures.iter().flat_map(|figure| &figure.rows).filter(|row| row.paper.is_some()).collect();
     let count = |role: Role| published.iter().filter(|row| row.role == role).count();
-    Section::new("The study's numbers beside ours")
+    Section::new("The study's numbers compared with ours")
         .text(&format!(
-            "Of {} numbers {} were calibrated on, {} were known when start values were chosen, {} are predicted. \
-             Masses and suspension are those of a public locomotive of the same class, not of the SS9.",
+            "Of {} numbers, {} were used for calibration, {} were known when start values were \
+             chosen, and {} are predicted. Masses and suspension are those of a public locomotive \
+             of the same class, not of the SS9.",
             published.len(),
             count(Role::Calibrated),
             count(Role::Informed),
             count(Role::Predicted)
         ))
-        .table(table("Numbers that the study's text gives", &published))
+        .table(table("Numbers given in the study's text", &published))
 }
 
 fn section(figure: &Figure) -> Section {
@@ -74,7 +75,7 @@ fn table(caption: &str, rows: &[&Row]) -> Table {
     }))
 }
 
-/// Conditions in the units of the trade.
+/// Conditions in the usual units of the field.
 pub fn conditions(row: &Row) -> String {
     let words = row.at.iter().map(|(name, value)| match *name {
         "ke_n_per_m" => format!("Ke {} MN/m", 1e-6 * value),

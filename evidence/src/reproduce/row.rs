@@ -3,22 +3,22 @@
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// A figure of the study: what it says, what came out here.
+/// A figure of the study: its statement and our results.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
     /// Its number in the study, such as `10a`.
     pub number: &'static str,
     /// What it shows.
     pub title: &'static str,
-    /// What the study says of it.
+    /// The study's statement about it.
     pub said: &'static str,
     /// The numbers.
     pub rows: Vec<Row>,
     /// The numbers in fewer lines, where the report shows them so.
     pub table: Option<report::Table>,
-    /// What they were drawn from.
+    /// Plots of the numbers.
     pub plots: Vec<report::Plot>,
-    /// Where study and model part, and what was tried.
+    /// Where study and model differ, and what was tried.
     pub remarks: Vec<String>,
 }
 
@@ -37,19 +37,19 @@ pub struct Row {
     pub ours: Option<f64>,
     /// Unit of both.
     pub unit: &'static str,
-    /// Ours less theirs over theirs.
+    /// Our number minus the study's, relative to the study's.
     pub relative_error: Option<f64>,
-    /// What ours could know of theirs.
+    /// How our number depends on the study's.
     pub role: Role,
-    /// Range over seeds, and what one should know.
+    /// Range over seeds, and remarks.
     pub note: String,
 }
 
-/// What our number could know of the study's.
+/// How our number depends on the study's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// A parameter was fixed on this very number.
+    /// A parameter was calibrated on this number.
     Calibrated,
     /// The number was known when start values were chosen.
     Informed,
@@ -79,7 +79,7 @@ impl Row {
         }
     }
 
-    /// The study's number, and what ours could know of it.
+    /// The study's number, and how ours depends on it.
     #[must_use]
     pub fn paper(mut self, paper: f64, role: Role) -> Self {
         self.paper = Some(paper);
@@ -88,7 +88,7 @@ impl Row {
         self
     }
 
-    /// What one should know.
+    /// A remark.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Self {
         self.note = note.into();

@@ -1,9 +1,10 @@
-//! What inputs do to critical speeds that are neither known nor fitted.
+//! The effect on critical speeds of inputs that are neither known nor fitted.
 //!
 //! Bogie yaw inertia, wheelbase and primary lateral stiffness of the SS9 are in no public source;
-//! the analogue's stand in their place. Each is moved by as much as it may be off, one at a time,
-//! everything else, the calibrated numbers too, as it was. A calibration made anew would take up
-//! part of it. Two tracks are enough for a difference: the seeds spread by less than the inputs.
+//! those of the analogue are used instead. Each is changed by its uncertainty, one at a time;
+//! everything else, including the calibrated numbers, stays. A new calibration would compensate
+//! part of the change. Two tracks are enough for a difference: the seeds spread by less than the
+//! inputs.
 
 use super::basis::Basis;
 use super::critical_speeds::PUBLISHED;
@@ -17,7 +18,7 @@ use scenario::setting::Setting;
 use vehicle_studies::critical_speed::Procedure;
 use vehicle_studies::critical_speed::ascent::Ascent;
 
-/// An input, and by which share it may be off.
+/// An input and its relative uncertainty.
 struct Input {
     name: &'static str,
     share: f64,
@@ -72,7 +73,7 @@ impl Input {
     }
 }
 
-/// Critical speeds with every input at both ends of what it may be.
+/// Critical speeds with every input at both ends of its range.
 ///
 /// # Errors
 /// The vehicle cannot be changed so, or does not run steadily.
@@ -108,7 +109,7 @@ pub(super) fn of_inputs(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
             ];
             let change = match (speed, before) {
                 (Some(speed), Some(before)) => format!("{:+.1} km/h", speed - before),
-                _ => "beyond the range of speeds".to_owned(),
+                _ => "beyond the speed range".to_owned(),
             };
             rows.push(
                 Row::new("10", "critical_speed_with_another_input", at, "km/h", *speed)
@@ -118,7 +119,7 @@ pub(super) fn of_inputs(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     }
     Ok(Figure {
         number: "10",
-        title: "What inputs that are not known do to critical speeds",
+        title: "Effect of unknown inputs on critical speeds",
         said: "nothing: the study's appendix with the inputs is not public",
         table: Some(compact(&as_it_is, &ends, &speeds)),
         plots: vec![drawn(&as_it_is, &ends, &speeds)],
@@ -142,8 +143,7 @@ fn speeds_kmh(
 
 /// A line for every end of every input: critical speeds of the published cases.
 fn compact(as_it_is: &[Option<f64>], ends: &[(&Input, f64)], speeds: &[Vec<Option<f64>>]) -> Table {
-    let table =
-        Table::new("Critical speeds with an input at an end of what it may be").text("input");
+    let table = Table::new("Critical speeds with one input at an end of its range").text("input");
     let table = PUBLISHED.iter().fold(table, |table, (ke_n_per_m, clearance_2a_m, ..)| {
         let (ke, clearance) = (1e-6 * ke_n_per_m, 1e3 * clearance_2a_m);
         table.number(&format!("Ke {ke}, 2a {clearance}"), "km/h")

@@ -131,7 +131,7 @@ const CHANGES: [Change; 17] = [
     },
 ];
 
-/// What is left of the gap after each change.
+/// The remaining gap after each change.
 ///
 /// # Errors
 /// The vehicle does not run.
@@ -146,26 +146,26 @@ pub(super) fn tried(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
         rows: rows.concat(),
         table: Some(compact(&rows)),
         remarks: vec![
-            "One change at a time; frequency by two definitions, zero crossings and peak of the spectrum; \
-             means over tracks."
+            "One change at a time. Frequency has two definitions: zero crossings and the peak of \
+             the spectrum. All numbers are means over tracks."
                 .to_owned(),
         ],
         ..Figure::default()
     })
 }
 
-/// A line for every change: our numbers, and what is left to the study's.
+/// A line for every change: our numbers, and the remaining gap to the study's.
 fn compact(rows: &[[Row; 4]]) -> Table {
-    let table = Table::new("What was changed, and what is left of the gap")
+    let table = Table::new("Changes and the remaining gap")
         .text("change")
         .number("stroke", "mm")
-        .number("left", "mm")
+        .number("gap", "mm")
         .number("zero crossings", "Hz")
-        .number("left", "Hz")
+        .number("gap", "Hz")
         .number("spectral peak", "Hz")
-        .number("left", "Hz")
+        .number("gap", "Hz")
         .number("bogie's peak", "Hz")
-        .number("left", "Hz");
+        .number("gap", "Hz");
     table.rows(CHANGES.iter().zip(rows).map(|(change, rows)| {
         let pairs = rows
             .iter()
@@ -199,9 +199,9 @@ fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<[Row; 4], EvidenceError
     let at = || [("ke_n_per_m", WORKING_KE_N_PER_M), ("clearance_2a_m", WORKING_2A_M)];
     let row = |quantity, unit, ours: Option<f64>, study: f64| {
         let row = Row::new("8", quantity, at(), unit, ours);
-        let left = ours.map(|ours| format!("; {:+.2} {unit} left", ours - study));
-        // The study's number and the error to it stand once, at figure 8; here is what is left of
-        // the gap.
+        let left = ours.map(|ours| format!("; remaining gap {:+.2} {unit}", ours - study));
+        // The study's number and the error to it are given once, at figure 8; here is the
+        // remaining gap.
         row.note(format!("{}{}", change.name, left.unwrap_or_default()))
     };
     let stroke_mm = mean(&|signals| Some(1e3 * working_point_of(&front(signals)?.extension_m)?.0));

@@ -46,15 +46,16 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
             .to_owned(),
         source: "Parameters: Iwnicki, Vehicle System Dynamics 30 (1998) 295-313, from public copies. Known \
                  values: springs and masses by hand.",
-        tolerance: "Equilibrium: 1e-8 m/s2 and forces to 1e-9, ten times what Newton's method is asked \
-                    for. Frequencies: 1e-5 of their value, what differences of width 1e-8 leave. On its \
-                    wheels the carbody bounces more slowly by what rails and wheels give way elastically, \
-                    half the ratio of the stiffnesses of springs and contacts: not more than a thousandth."
+        tolerance: "Equilibrium: 1e-8 m/s2 and forces to 1e-9, ten times what Newton's method is \
+                    asked for. Frequencies: 1e-5 of their value, the error of differences of width \
+                    1e-8. On its wheels the carbody bounces more slowly because rails and wheels \
+                    deflect elastically, by half the ratio of the stiffnesses of springs and \
+                    contacts: at most a thousandth."
             .to_owned(),
         limits: vec![
-            "The benchmark's published result numbers were not at hand; a set of its parameters and \
-             numbers by hand were. Longitudinal traction rods are left out, there is no longitudinal \
-             motion."
+            "The benchmark's published results were not available; its parameters are, and the \
+             known numbers are calculated by hand. Longitudinal traction rods are omitted, as \
+             there is no longitudinal motion."
                 .to_owned(),
         ],
         checks,
@@ -75,7 +76,7 @@ fn standing(vehicle: &Vehicle, table: &ContactTable) -> Result<Vec<Check>, Evide
     let mut checks = Vec::new();
     for (at, found) in [("at rest", &rest), ("at 160 km/h", &steady)] {
         let residual = found.residual_m_per_s2;
-        checks.push(Check::at_most("acceleration left", at, residual, 1e-8).unit("m/s2"));
+        checks.push(Check::at_most("residual acceleration", at, residual, 1e-8).unit("m/s2"));
         let values = [weight_n, carried_n(vehicle, &found.state)];
         checks.push(Check::within("force carried by the rails", at, values, 1e-9).unit("N"));
     }
@@ -93,7 +94,7 @@ fn standing(vehicle: &Vehicle, table: &ContactTable) -> Result<Vec<Check>, Evide
         ("secondary", secondary_m, down(0) - bogies_m),
         ("primary", primary_m, bogies_m - wheelsets_m),
     ] {
-        checks.push(Check::within("springs give way", at, [known_m, ours_m], 1e-9).unit("m"));
+        checks.push(Check::within("spring compression", at, [known_m, ours_m], 1e-9).unit("m"));
     }
     Ok(checks)
 }

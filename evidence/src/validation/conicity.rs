@@ -57,8 +57,8 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
                     h2/8 times its second derivative; twice that."
             .to_owned(),
         limits: vec![format!(
-            "{beyond} rows of the benchmark have amplitudes that its tables do not reach; there is no \
-             radius difference to go by, our function gives none, and they are not compared."
+            "{beyond} rows of the benchmark have amplitudes beyond its tables; without a radius \
+             difference our function returns no conicity, and these rows are not compared."
         )],
         checks,
         plots,

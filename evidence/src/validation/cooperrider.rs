@@ -66,20 +66,20 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
         title: "Cooperrider's bogie",
         what: "Seven degrees of freedom, conical wheels, prescribed creep coefficients, a linear flange: \
                the vehicle of scenarios/vehicles/cooperrider-bogie.toml in the code that runs the SS9, \
-               against the published Hopf point and against solutions apart from that code."
+               against the published Hopf point and against solutions independent of that code."
             .to_owned(),
         source: "Hopf point 68.66 m/s: example 10 at bifurcation.de, with the shear force corrected by \
                  Hassard (1999); equations: Kaas-Petersen, Acta Mechanica 61 (1986) 89-107. The rest was \
                  computed by two programs of our own.",
-        tolerance: "Hopf point: half a printed digit, and as much again for the printed digits of G pi a b \
-                    (6.563e6 N, or 6.569e6 N from its factors). Eigenvalues: 1e-5 1/s, what differences of \
-                    width 1e-8 leave; between the two in this program 1e-5 too. Limit cycle: \
-                    twice what a step of 0.25 ms leaves, which is a third of what \
-                    halving it changed (second order), and the distance \
-                    of samples from the peak. Fold: the interval that the other program \
-                    found, and a step of 0.02 km/h above, where a descent ends."
+        tolerance: "Hopf point: half a printed digit, and as much again for the printed digits of \
+                    G pi a b (6.563e6 N, or 6.569e6 N from its factors). Eigenvalues: 1e-5 1/s, \
+                    the error of differences of width 1e-8; between the two in this program 1e-5 \
+                    too. Limit cycle: twice the error of a step of 0.25 ms, which is a third of \
+                    the change on halving it (second order), and the distance of samples from the \
+                    peak. Fold: the interval that the other program found, and a step of 0.02 km/h \
+                    above, where a descent ends."
             .to_owned(),
-        limits: vec![not_reproduced(dies), beside_the_other_program(&written)],
+        limits: vec![not_reproduced(dies), against_the_other_program(&written)],
         checks,
         plots: vec![bifurcation(&fold, &fine, &written)],
     })
@@ -145,12 +145,13 @@ fn not_reproduced(dies: f64) -> String {
     let [printed, swapped, product, undamped] =
         [printed, swapped, product, undamped].map(|set| set.hopf_m_per_s());
     format!(
-        "The pair 66.61 m/s (linear) and 62.02 m/s (fold) that is often quoted for this bogie is not \
-         reproduced by this parameter set: its Hopf point is {printed:.2} m/s and its cycle dies at \
-         {dies:.2} m/s. Nor is it a misprint we could find: with G pi a b from Hassard's factors the Hopf point \
-         is {product:.2} m/s, without yaw damping {undamped:.2} m/s, with the two creep coefficients \
-         exchanged {swapped:.2} m/s. It belongs to another set, whose source we have not seen. Carbody \
-         springs and dampers (d2, k4, k5, D1, h1) hardly move the Hopf point and are not proven by it."
+        "The pair 66.61 m/s (linear) and 62.02 m/s (fold) that is often quoted for this bogie is \
+         not reproduced by this parameter set: its Hopf point is {printed:.2} m/s and its cycle \
+         dies at {dies:.2} m/s. No misprint that we could find explains it: with G pi a b from \
+         Hassard's factors the Hopf point is {product:.2} m/s, without yaw damping {undamped:.2} \
+         m/s, with the two creep coefficients exchanged {swapped:.2} m/s. It belongs to another \
+         set, whose source was not available. Carbody springs and dampers (d2, k4, k5, D1, h1) \
+         hardly move the Hopf point and are not proven by it."
     )
 }
 
@@ -214,7 +215,7 @@ impl Cycle {
     }
 }
 
-/// What a step of 0.25 ms leaves, twice: a third of what halving it changed.
+/// Twice the error of a step of 0.25 ms: a third of the change on halving it.
 fn left(fine: f64, coarse: f64) -> f64 {
     2.0 / 3.0 * (coarse - fine).abs()
 }
@@ -242,7 +243,7 @@ fn limit_cycles(fine: &[Cycle], coarse: &[Cycle], written: &[Cycle]) -> Vec<Chec
 }
 
 /// How far the other program's limit cycles are, in words: their accuracy is not known.
-fn beside_the_other_program(written: &[Cycle]) -> String {
+fn against_the_other_program(written: &[Cycle]) -> String {
     let off = |of: &dyn Fn(usize) -> f64| -> String {
         let words = LIMIT_CYCLES
             .iter()
@@ -252,7 +253,7 @@ fn beside_the_other_program(written: &[Cycle]) -> String {
     };
     format!(
         "Limit cycles by a third program, of unknown accuracy, differ from the equations written out by (mm) {}; \
-         (Hz) {}. They are drawn, and not held against us.",
+         (Hz) {}. They are plotted and not used as a criterion.",
         off(&|index| LIMIT_CYCLES[index].1 - written[index].amplitude_mm),
         off(&|index| LIMIT_CYCLES[index].2 - written[index].frequency_hz)
     )
@@ -292,7 +293,8 @@ fn bifurcation(fold: &Fold, fine: &[Cycle], written: &[Cycle]) -> Plot {
         .scatter("third program", &speeds, &other)
         .at("Hopf point", HOPF_M_PER_S)
         .caption(
-            "Left of the Hopf point the bogie runs quietly or hunts, as it began; left of the fold it does \
-             not hunt. The amplitude followed down is the greatest position of any wheelset.",
+            "Left of the Hopf point the bogie runs stably or hunts, depending on its start; left \
+             of the fold it does not hunt. The amplitude followed down is the greatest position of \
+             any wheelset.",
         )
 }

@@ -63,14 +63,16 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
         source: "Examples tractcurv and fastsim of the open program CONTACT (Vollebregt, Apache-2.0); \
                  closed form of pure creepage.",
         tolerance: format!(
-            "Flexibility: half a printed digit. Closed form: one cell in {CELLS}; the last cell of a strip \
-             holds two {CELLS}ths of its force in adhesion, and whether it slides is seen at its middle. CONTACT's FASTSIM lets its first cell grow \
-             over its whole length from the leading edge, half a cell too far on average; that adds \
-             3 pi dx / (16 a) = {:.1} % in adhesion, and less where it slides. Ours may lie below by that, \
-             and by {:.1} % either way for printed digits and the edge of the grid. With spin, CONTACT's \
-             values on two grids are continued in a straight line to cells without length; tolerance is \
-             the step of that continuation. CONTACT blends its three flexibilities into one as creepage \
-             grows, here by up to 1.6 %; ours has no such rule, and this case runs on those that it prints.",
+            "Flexibility: half a printed digit. Closed form: one cell in {CELLS}; the last cell of \
+             a strip holds two {CELLS}ths of its force in adhesion, and whether it slides is \
+             decided at its middle. CONTACT's FASTSIM lets its first cell grow over its whole \
+             length from the leading edge, half a cell too far on average; that adds 3 pi dx / (16 \
+             a) = {:.1} % in adhesion, and less where it slides. Ours may lie below by that, and \
+             by {:.1} % either way for printed digits and the edge of the grid. With spin, \
+             CONTACT's values on two grids are continued in a straight line to cells without \
+             length; tolerance is the step of that continuation. CONTACT blends its three \
+             flexibilities into one as creepage grows, here by up to 1.6 %; ours has no such rule, \
+             and this case uses those that CONTACT prints.",
             100.0 * their_excess,
             100.0 * OTHER
         ),
@@ -183,9 +185,9 @@ fn full_theory(creepages: &[f64], full: &[f64], ours: &[f64], spin: f64) -> Stri
         format!("{:.1} % short of it at a creepage of {}", short(index), creepages[index])
     });
     format!(
-        "The simplified theory is not the full one: against CONTACT the traction curve is at most {most}; \
-         with spin, on Kalker's own flexibilities, it is {:.1} % beyond (ours {spin:.4}, full theory {SPIN_FULL}). That is the price of \
-         FASTSIM; CONTACT's own pays the same.",
+        "The simplified theory is not the full one: against CONTACT the traction curve is at most \
+         {most}; with spin, on Kalker's own flexibilities, it is {:.1} % beyond (ours {spin:.4}, \
+         full theory {SPIN_FULL}). This is a limit of FASTSIM; the one in CONTACT has it too.",
         100.0 * (spin / SPIN_FULL - 1.0)
     )
 }

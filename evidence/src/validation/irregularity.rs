@@ -81,21 +81,24 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
         ),
         source: "Equations (1) and (2) of \"A locomotive's dynamic response to in-service parameter \
                  variations of its hydraulic yaw damper\", Nonlinear Dynamics (2014).",
-        tolerance: "The amplitudes of the cosines are exact, so a band is off by two things only. Its \
-                    edges: a line of the spectrum (1e-4 cycles/m) at each may be counted on the other side. \
-                    And beats: neighbouring cosines, df apart, average out over the length L only to \
-                    1/(pi df L), with random signs over the N of a band; three times \
-                    1/(pi df L sqrt N). Closed integral: 1e-8, the accuracy of the rule."
+        tolerance: "The amplitudes of the cosines are exact, so a band has two sources of error \
+                    only. Its edges: a line of the spectrum (1e-4 cycles/m) at each may be counted \
+                    on the other side. And beats: neighbouring cosines, df apart, average out over \
+                    the length L only to 1/(pi df L), with random signs over the N of a band; \
+                    three times 1/(pi df L sqrt N). Closed integral: 1e-8, the accuracy of the \
+                    rule."
             .to_owned(),
         limits: vec![
-            "What the generator draws at random are phases; a real track's amplitudes are random too.".to_owned(),
+            "The generator draws only phases at random; the amplitudes of a real track are random \
+             too."
+                .to_owned(),
         ],
         checks,
         plots,
     })
 }
 
-/// Three times what beats of `count` cosines leave of their variance, the lowest at a frequency
+/// Three times the error of variance from beats of `count` cosines, the lowest at a frequency
 /// (cycles/m).
 fn beats(count: f64, lowest: f64) -> f64 {
     let ratio = libm::pow(BAND.longest / BAND.shortest, 1.0 / COSINES);

@@ -30,7 +30,7 @@ const HEADS: [&str; 11] = [
 const POISSON: [f64; 3] = [0.0, 0.25, 0.5];
 /// Steel.
 const STEEL: f64 = 0.28;
-/// The numbers are copied or follow from a formula: nothing but rounding is left.
+/// The numbers are copied or follow from a formula: only rounding errors remain.
 const ROUNDING: f64 = 1e-12;
 
 /// The comparison.

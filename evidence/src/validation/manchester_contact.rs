@@ -7,8 +7,8 @@
 //! law of creep ([`firmware_core::wheel_rail::wheel`]), FASTSIM on a fine grid.
 //!
 //! Three definitions are brought together. CONTACT divides by the rolling speed `(V + |W| r)/2`,
-//! ours by `V`; it tells what the rail does against the wheel and what the rail feels; and its axes
-//! are those of the track, ours those of a wheel.
+//! ours by `V`; it gives the motion of the rail against the wheel and the force on the rail; its
+//! axes are those of the track, ours those of a wheel.
 
 use super::check::{Check, Reference};
 use super::{columns, fastsim};
@@ -99,16 +99,17 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
 
 fn tolerance(fastsim_share: f64) -> String {
     format!(
-        "Per case, from what is left out. Where wheel and rail nearly conform, the contact may lie anywhere the \
-         gap is within a few micrometres of its smallest: ours is a mean over 5 um, theirs the middle of the \
-         interpenetrating region. Ours leaves out that a yawed wheel reaches ahead of its axle, which lowers \
-         it by r yaw2 tan2(angle) / 2. So position, angle and rolling radius may differ by as much as they \
-         vary over all places where the gap, with or without that term, is within 5 um of its smallest. \
-         Creepages follow from angle and radius, with terms of second order in yaw, yaw2/2, and the roll of \
-         the axle in spin, which ours leaves out. Normal force: the load turned by the angle's tolerance. \
-         Tangential forces: {:.2} % of the friction limit, the distance of FASTSIM from the full theory (its \
-         own section), the direction of creepage turned by the tolerances of its parts, and the normal force \
-         turned by that of the angle. Half a printed digit is added.",
+        "Per case, from the effects left out. Where wheel and rail nearly conform, the contact may \
+         lie anywhere the gap is within a few micrometres of its smallest: ours is a mean over 5 \
+         um, theirs the middle of the interpenetrating region. Ours leaves out that a yawed wheel \
+         reaches ahead of its axle, which lowers it by r yaw2 tan2(angle) / 2. So position, angle \
+         and rolling radius may differ by as much as they vary over all places where the gap, with \
+         or without that term, is within 5 um of its smallest. Creepages follow from angle and \
+         radius, with terms of second order in yaw, yaw2/2, and the roll of the axle in spin, \
+         which ours leaves out. Normal force: the load turned by the angle's tolerance. Tangential \
+         forces: {:.2} % of the friction limit, the distance of FASTSIM from the full theory (its \
+         own section), the direction of creepage turned by the tolerances of its parts, and the \
+         normal force turned by that of the angle. Half a printed digit is added.",
         100.0 * fastsim_share
     )
 }

@@ -1,5 +1,5 @@
-//! Ours against what is known: published numbers, closed forms, and numbers that were computed
-//! twice.
+//! Our results compared with known numbers: published numbers, closed forms, and numbers computed
+//! independently.
 //!
 //! One file per reference. Each computes its numbers when it is asked, compares them with the known
 //! ones as [`Check`]s with tolerances that its [`Reference`] derives, and says what is left out.
@@ -13,7 +13,7 @@
 //! | `irregularity` | the spectra of the SS9 study |
 //! | `ride` | the formula of the index, published weighting factors |
 //! | `coach` | springs and masses by hand |
-//! | `energy`, `symmetry` | what no model may break |
+//! | `energy`, `symmetry` | laws that every model must obey |
 
 mod check;
 mod coach;

@@ -1,4 +1,4 @@
-//! The page: for every reference what it is, what the tolerance means, a table, and plots.
+//! The page: for every reference a description, the tolerance, a table, and plots.
 
 use super::{Check, Reference, text};
 use report::{Cell, Plot, Report, Section, Table, Tile};
@@ -13,10 +13,11 @@ pub fn page(references: &[Reference]) -> Report {
     let missed = Tile::count("comparisons that miss", misses.len() as u64);
     let mut overview = Section::new("Overview")
         .text(
-            "Numbers of this program beside numbers that are known: benchmarks of the field, published values, \
-             closed forms, solutions computed twice, and what no model may break. All of ours were \
-             computed for this page. Tolerances are derived: each section says from what. \"Used\" is the \
-             share of the tolerance that the difference takes up, 100 % at its end.",
+            "Numbers of this program compared with known numbers: benchmarks of the field, \
+             published values, closed forms, independent solutions, and laws that every model must \
+             obey. All our numbers were computed for this page. Every section states how its \
+             tolerances are derived. \"Used\" is the difference as a share of the tolerance, 100 % \
+             at its limit.",
         )
         .tiles([
             Tile::count("references", references.len() as u64),
@@ -27,7 +28,9 @@ pub fn page(references: &[Reference]) -> Report {
     for miss in &misses {
         overview = overview.warning(miss);
     }
-    let report = Report::new("Validation").subtitle("Ours against what is known").section(overview);
+    let report = Report::new("Validation")
+        .subtitle("Our results compared with known numbers")
+        .section(overview);
     references.iter().map(section).fold(report, Report::section)
 }
 
@@ -69,8 +72,8 @@ fn section(reference: &Reference) -> Section {
     }
     if reference.checks.len() > shown(reference).len() {
         section = section.text(
-            "Where a quantity is compared at many places, the one that uses most of its tolerance is shown; \
-             all are in validation.json.",
+            "Where a quantity is compared at many places, the comparison that uses most of its \
+             tolerance is shown; all are in validation.json.",
         );
     }
     match reference.plots.as_slice() {

@@ -72,13 +72,14 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
         source: "Sperling: GB/T 5599-2019, annex E. Wd: ISO 2631-1:1997, table 3; Wb: ISO 8041-1:2017, table \
                  B.1 (the weightings of EN 12299), as quoted in the open library phonometry.",
         tolerance: "Sines on a line: 1e-9, rounding. Factors: half a printed digit. Sines in the time domain: \
-                    2e-3, what fading in and out of a weighting leaves in the middle of the record."
+                    2e-3, the error in the middle of the record from fading a weighting in and out."
             .to_owned(),
         limits: vec![
-            "A sine between two lines reads up to 4 % low: no window is applied, as the standards name none."
+            "A sine between two lines reads up to 4 % low: no window is applied, as the standards \
+             specify none."
                 .to_owned(),
-            "Wd at 10 Hz, a misprint of the table, and the other third octaves of Wb are not compared: no \
-             published factors of Wb were at hand but three."
+            "Wd at 10 Hz, a misprint of the table, and the other third octaves of Wb are not \
+             compared: only three published factors of Wb were available."
                 .to_owned(),
         ],
         checks,

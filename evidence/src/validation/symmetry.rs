@@ -42,7 +42,7 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let same =
         |quantity: &str, off: bool| Check::at_most(quantity, at, f64::from(u8::from(off)), 0.0);
     let checks = vec![
-        Check::at_least("the carbody moves", at, moved_mm, 1.0).unit("mm"),
+        Check::at_least("shift of the carbody", at, moved_mm, 1.0).unit("mm"),
         same("positions differ", image.position != expected.position),
         same("velocities differ", image.half_velocity != expected.half_velocity),
         same("rails differ", image.rail_position != expected.rail_position),
@@ -56,9 +56,9 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
                wheelset pushed aside, four yaw dampers; and the same on the other side. 1 where any bit differs."
             .to_owned(),
         source: "Symmetry of the vehicle.",
-        tolerance: "None: the mirror image has to be met to the last bit.".to_owned(),
+        tolerance: "None: the mirror image must match to the last bit.".to_owned(),
         limits: vec![
-            "Other rigid motions of the whole are no test here: gravity, speed and track single out their \
+            "Other rigid motions of the whole are not tested: gravity, speed and track have fixed \
              directions."
                 .to_owned(),
         ],

@@ -40,7 +40,7 @@ fn kalkers_table_and_asymptotes_are_met_exactly() {
 }
 
 #[test]
-fn fastsim_follows_its_closed_form_and_contacts_own() {
+fn fastsim_matches_its_closed_form_and_that_of_contact() {
     assert_met(fastsim::reference);
 }
 
@@ -60,12 +60,12 @@ fn generated_track_has_the_spectra_of_the_study() {
 }
 
 #[test]
-fn the_coach_stands_and_vibrates_as_by_hand() {
+fn the_coach_matches_equilibrium_and_frequencies_by_hand() {
     assert_met(coach::reference);
 }
 
 #[test]
-fn energy_stays_and_goes_where_dampers_take_it() {
+fn energy_is_conserved_or_dissipated_by_dampers() {
     assert_met(energy::reference);
 }
 
@@ -79,9 +79,9 @@ fn a_miss_is_named_in_table_and_page() {
     let mut reference = symmetry::reference().unwrap();
     reference.checks.push(Check::near("length", "in the middle", [2.0, 2.5], 0.1).unit("m"));
     let references = [reference];
-    let told = text::text(&references);
+    let printed = text::text(&references);
     let miss = "MISS mirror: length, in the middle: 2.50000 m, known 2.00000, allowed ±0.10";
-    assert!(told.contains(miss) && !told.contains("all "), "{told}");
+    assert!(printed.contains(miss) && !printed.contains("all "), "{printed}");
     let page = page::page(&references).to_html().unwrap();
     assert!(page.contains("Misses: length, in the middle"));
 }

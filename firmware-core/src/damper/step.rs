@@ -21,7 +21,7 @@ const MAX_PIECES: u32 = 8;
 /// Most pieces tried for one switch.
 const MAX_TRIES: u32 = 40;
 
-/// Shortest piece tried, and how closely a switch is met, over what is left of the step.
+/// Shortest piece tried, and how closely a switch is met, relative to the remainder of the step.
 const LEAST: f64 = 1e-9;
 
 /// A step as the caller gave it.

@@ -1,6 +1,6 @@
 //! Every effect of the catalogue, and every pair, at 1 ms against an independent integration.
 //!
-//! The nominal damper and blows are held against steps of 1 microsecond; all else, being hundreds
+//! The nominal damper and blows are compared with steps of 1 microsecond; all else, being hundreds
 //! of cases, against steps of 4, which are themselves within 0.015 % of 1 microsecond, as
 //! `reference_has_converged` shows. Single effects run over four motions, pairs over two shorter
 //! ones with relief, clearance, small and large strokes in them.
@@ -10,7 +10,7 @@ use crate::sizes::catalogue_at;
 use firmware_core::damper::effects::{Cavitation, PositionDependentDamping, SealFriction};
 use firmware_core::damper::{Damper, Effect, Nominal};
 
-/// The promise of the design: 0.05 % of rms force at 1 ms.
+/// The requirement of the design: 0.05 % of rms force at 1 ms.
 const PROMISE: f64 = 5e-4;
 
 /// Laws of the attachment that are replaced by straight pieces, and what these may add in motions

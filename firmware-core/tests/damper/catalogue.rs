@@ -1,6 +1,5 @@
-//! Every effect of the catalogue carries what campaign and tests need, so that a new one is its
-//! file and its line in the list. The tests of that
-//! go through the catalogue.
+//! Every effect of the catalogue carries what the campaign and the tests need, so that a new effect
+//! needs only its file and its line in the list. These tests go through the catalogue.
 
 use crate::sizes::{catalogue_at, effects_at};
 use firmware_core::damper::effects::{CATALOGUE, Draw};

@@ -249,7 +249,7 @@ fn late_and_switching_dampers_are_kept_and_restored() {
 }
 
 #[test]
-fn no_effect_gives_work() {
+fn no_effect_generates_energy() {
     for seed in 1..=25 {
         let mut scatter = Scatter::seeded(seed);
         let nominal = scatter.nominal();
@@ -257,7 +257,7 @@ fn no_effect_gives_work() {
         let w = scatter.log(1.0, 60.0);
         let per_cycle = (6.3 / w / 1e-3) as u32;
         let mut effects = void_and_outside(&nominal);
-        // A late force gives work where the damper is a spring; that is its nature.
+        // A delayed force generates energy where the damper acts as a spring; this is expected.
         effects.pop();
         let mut sets = combinations(&effects);
         sets.extend(effects_at(INSIDE, &nominal, 1.0).map(|effect| vec![effect]));
@@ -330,7 +330,8 @@ fn absurd_motion_stays_bounded_and_finite() {
 
 #[test]
 fn every_three_effects_fit_together() {
-    // Three are refused for nothing; what the tables cannot hold is refused by name (`law`).
+    // No three are refused without a reason; what the tables cannot hold is refused by name
+    // (`law`).
     let viscous = Nominal { f_relief_n: f64::INFINITY, ..Nominal::NEW };
     let capped = Nominal { c2_n_s_per_m: 0.0, clearance_2a_m: 0.0, ..Nominal::NEW };
     for nominal in [Nominal::NEW, viscous, capped] {

@@ -90,15 +90,14 @@ impl Comparison {
         let mut warnings = Vec::new();
         if self.state == End::Safe {
             warnings.push(format!(
-                "with {} the model left its track after {:.1} s: before covers only what came until \
-                 then",
+                "with {} the model left its track after {:.1} s: before covers only the time \
+                 until then",
                 self.name, self.duration_s
             ));
         }
         if run_state == End::Safe {
             warnings.push(
-                "the run ended in the safe state: after covers only what came until then"
-                    .to_owned(),
+                "the run ended in the safe state: after covers only the time until then".to_owned(),
             );
         }
         if !self.modelled_instead.is_empty() {

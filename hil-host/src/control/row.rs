@@ -28,7 +28,7 @@ impl Session<'_> {
         row
     }
 
-    /// What went to the rigs and what came back.
+    /// What was sent to the rigs and what they returned.
     fn rigs(&self, row: &mut Row, state: &SessionState) {
         for (port, memory) in self.ports.iter().zip(&state.ports) {
             let (slot, view) = (port.slot, memory.watch.view);

@@ -100,7 +100,7 @@ impl Drain<'_> {
         events: &Sender<Vec<BusEvent>>,
     ) {
         loop {
-            // Read before draining: what came before `done` is drained after it.
+            // Read before draining: what was queued before `done` is drained after it.
             let last = done.load(Ordering::Acquire);
             let mut found = false;
             loop {

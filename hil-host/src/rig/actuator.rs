@@ -194,7 +194,7 @@ mod tests {
     fn it_stops_with_its_own_deceleration_and_in_front_of_the_end() {
         for start_m in [0.0, 0.0992, -0.05, 0.0999] {
             let mut state = RamState { displacement_m: start_m, velocity_m_per_s: 0.08 };
-            // v^2 / 2a is 0.32 mm, more than is left at 99.9 mm.
+            // v^2 / 2a is 0.32 mm, more than the remaining stroke at 99.9 mm.
             let hardest = (0.08_f64 * 0.08 / (2.0 * (0.1 - start_m))).max(DECELERATION_M_PER_S2);
             let mut steps = 0;
             while state.velocity_m_per_s != 0.0 && steps < 1000 {

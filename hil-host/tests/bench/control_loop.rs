@@ -40,7 +40,7 @@ struct Disturbed {
     bus: MemoryBus,
     from_outside: VecDeque<WireFrame>,
     measurements: Vec<WireFrame>,
-    /// The rig is cut off after so many measurements: nothing of it arrives.
+    /// The rig is disconnected after this number of measurements.
     most: usize,
 }
 
@@ -51,7 +51,7 @@ impl Disturbed {
         Self { bus, from_outside, measurements: Vec::new(), most: usize::MAX }
     }
 
-    /// What anyone may put on a bus: garbage, frames with a wrong CRC, old ones, foreign ids.
+    /// Disturbances on a bus: garbage, frames with a wrong CRC, old ones, foreign ids.
     fn disturb(&mut self) {
         let [.., old, _, _, last] = self.measurements.as_slice() else { panic!("too early") };
         let mut broken = last.data().to_vec();

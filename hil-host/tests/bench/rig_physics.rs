@@ -31,8 +31,8 @@ fn sine(setup: &RigSetup, cycles: u32, with_velocity: bool) -> Vec<Reading> {
         .collect()
 }
 
-/// How long after the instant that a command speaks of the ram is where it said, by the phase over
-/// the last seven periods. A cycle's reading is taken at its end.
+/// The delay of the ram after the instant that a command refers to, from the phase over the last
+/// seven periods. A cycle's reading is taken at its end.
 fn delay_s(setup: &RigSetup, with_velocity: bool) -> f64 {
     let (settling, measured) = (2000_u32, 2000_u32);
     let readings = sine(setup, settling + measured, with_velocity);
@@ -46,11 +46,11 @@ fn delay_s(setup: &RigSetup, with_velocity: bool) -> f64 {
 }
 
 #[test]
-fn the_default_rig_is_half_a_millisecond_late_and_one_at_most() {
+fn the_default_rig_lags_by_half_a_millisecond_and_by_one_at_most() {
     let delay = delay_s(&setup(), true);
     assert!((delay - 0.5e-3).abs() < 0.01e-3, "{delay} s");
     assert!(delay <= 1e-3);
-    // A command without velocity is held for its cycle: that cycle, and what the lag leaves of it.
+    // A command without velocity is held for its cycle: that cycle, and the remaining lag.
     let left = libm::exp(-2.0);
     let held = 1e-3 * (1.0 + left / (1.0 - left));
     let delay = delay_s(&setup(), false);
@@ -139,7 +139,7 @@ fn it_comes_to_rest_without_a_jump_of_velocity() {
 
 /// A fixture in series with the damper's own stiffness is one softer spring, exactly.
 #[test]
-fn a_fixture_is_a_softer_damper_stiff_or_soft() {
+fn a_fixture_in_series_acts_as_a_softer_damper() {
     for fixture_n_per_m in [100.0e6, 12.5e6, 2.0e6] {
         let fixture = RigSetup { fixture_m_per_n: 1.0 / fixture_n_per_m, ..quiet() };
         let ke = 1.0 / (1.0 / Nominal::NEW.ke_n_per_m + fixture.fixture_m_per_n);

@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// Gives the rig what is written down, and keeps what it says.
+/// Gives the rig the scripted frames, and keeps its answers.
 #[derive(Default)]
 struct Script {
     to_rig: VecDeque<WireFrame>,
@@ -89,7 +89,7 @@ fn the_summary_is_json_with_these_keys() {
 }
 
 #[test]
-fn a_stop_ends_it_before_anything_was_heard() {
+fn a_stop_ends_the_rig_before_any_frame_arrives() {
     let host = Host::new(Profile::Classical);
     let mut rig = RigNode::new(&quiet(), host.node, host.profile);
     let stop = AtomicBool::new(true);

@@ -40,7 +40,7 @@ fn states(messages: &[Message]) -> Vec<RunState> {
 }
 
 #[test]
-fn before_a_command_it_is_init_and_says_so_to_a_sync_at_once() {
+fn before_a_command_the_rig_is_in_init_and_answers_a_sync_at_once() {
     let host = Host::new(Profile::Classical);
     let mut rig = RigNode::new(&setup(), host.node, host.profile);
     for _ in 0..100 {

@@ -87,9 +87,9 @@ fn errors(identification: &Identification, tried: &Empirical, fitted: &FittedMap
     let kept = if tried.kept { "kept" } else { "not kept" };
     Table::new("Error of free-run simulation, without the map and with it")
         .text("model")
-        .number("fitted tests, rms", "N")
+        .number("training tests, rms", "N")
         .number_with_digits("of the force", "%", 3)
-        .number("held-out tests, rms", "N")
+        .number("hold-out, rms", "N")
         .number_with_digits("of the force", "%", 3)
         .number_with_digits("squared error removed on left-out pieces", "%", 3)
         .row(row(before, result.errors.with_effects, Cell::Empty))

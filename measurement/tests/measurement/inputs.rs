@@ -16,7 +16,7 @@ fn refused(path: &Path, mapping: Option<&Path>) -> String {
 }
 
 #[test]
-fn what_is_no_table_of_text_is_named_and_not_read() {
+fn a_file_that_is_no_text_table_is_named_and_not_read() {
     let folder = Folder::new("kinds");
     let pipe = folder.join("pipe.csv");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());

@@ -185,7 +185,7 @@ fn what_does_not_fit_is_named() {
 }
 
 #[test]
-fn thinning_and_gaps_are_told_under_the_plot() {
+fn thinning_and_gaps_are_stated_under_the_plot() {
     let x: Vec<f64> = (0..10_000).map(f64::from).collect();
     let mut y = x.clone();
     y[17] = f64::INFINITY;

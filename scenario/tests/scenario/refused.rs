@@ -64,7 +64,7 @@ fn a_file_of_another_kind_is_named_as_such() {
 }
 
 #[test]
-fn an_option_out_of_range_is_named_and_no_line_of_the_scenario() {
+fn an_option_out_of_range_is_named_without_a_line_of_the_scenario() {
     let path = shipped().join("ss9-160kmh.toml");
     let said = |overrides| Run::load(&path, overrides).unwrap_err().to_string();
     let duration = |duration_s| Overrides { duration_s: Some(duration_s), speed_kmh: None };
@@ -113,7 +113,7 @@ fn text_of_a_file_is_escaped_and_cut_in_messages() {
 }
 
 #[test]
-fn what_is_no_regular_file_is_not_read() {
+fn a_file_that_is_not_regular_is_not_read() {
     let folder = Folder::new("devices");
     for more in [
         "[damper]\nfile = \"/dev/zero\"\n",

@@ -2,7 +2,7 @@
 //!
 //! Root mean squares within 1 %, peaks of the axle force and of Y/Q within 2 %, both read as an
 //! acceptance test reads them (20 Hz low-pass, sliding mean over 2 m). The raw peaks over all
-//! substeps stand beside them and meet the same bound. A raw peak among samples of 1 kHz does not
+//! substeps are printed too and meet the same bound. A raw peak among samples of 1 kHz does not
 //! converge: when a flange strikes, wheel and rail ring on their contact at about 450 Hz, so a
 //! sample sees whatever two milliseconds leave to chance (with worn dampers, wheelset 1 at 9.73 s:
 //! 66.4 kN against 71.6 kN, while the crests are 72.7 and 74.5 kN).

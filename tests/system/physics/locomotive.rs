@@ -12,7 +12,7 @@ pub(crate) fn scenario(name: &str) -> Run {
     Run::load(&folder().join(name), Overrides::default()).unwrap()
 }
 
-/// A scenario from its text, as if it stood beside the shipped ones.
+/// A scenario from its text, as if its file were in the folder of the shipped ones.
 pub(crate) fn scenario_from(text: &str) -> Run {
     let source = Source::from_text(&folder().join("test.toml"), text);
     Run::from_source(&source, Overrides::default()).unwrap()

@@ -108,7 +108,7 @@ fn critical(equipped: &Equipped, procedure: &Procedure, seed: u64) -> Result<Cri
     failed.map_or(Ok(found), Err)
 }
 
-/// What is left of the motion at one speed (km/h) behind the rough beginning of a track.
+/// The residual motion at one speed (km/h) after the rough beginning of a track.
 fn settled(
     equipped: &Equipped,
     procedure: &Procedure,

@@ -42,7 +42,7 @@ impl EntrainedAir {
     /// ```
     /// use firmware_core::damper::effects::EntrainedAir;
     /// let air = EntrainedAir { toe_m: 1e-3, air_force_n: 500.0 };
-    /// // Pressure three times that at rest: 3^(-1/1.4) = 0.456 of the volume is left.
+    /// // Pressure three times that at rest: 3^(-1/1.4) = 0.456 of the volume remains.
     /// assert!((air.squeezed_m(1000.0) - 0.5438e-3).abs() < 1e-7);
     /// ```
     pub fn squeezed_m(&self, force_n: f64) -> f64 {

@@ -81,7 +81,7 @@ impl CreepLaw {
     }
 }
 
-/// Shen, Hedrick and Elkins's saturation: share of the linear force that is left when the linear
+/// Shen, Hedrick and Elkins's saturation: share of the linear force that remains when the linear
 /// force is `u` times the friction limit.
 #[inline(always)]
 fn cubic_saturation(u: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! The body as it is written: valves side by side and in a row, dry friction, gas, oil that thins.
+//! The equations of the body: valves side by side and in a row, dry friction, gas, oil that thins.
 
 use firmware_core::damper::effects::{
     AsymmetricDamping, Cavitation, GasPreload, OrificeLeakage, PositionDependentDamping,
@@ -6,7 +6,7 @@ use firmware_core::damper::effects::{
 };
 use firmware_core::damper::{Effect, Nominal};
 
-/// What the piston feels besides the force.
+/// What acts on the piston in addition to the force.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Piston {
     pub(crate) position_m: f64,

@@ -1,4 +1,4 @@
-//! The attachment as it is written: clearance, spring, rubber, air and fixture in a row.
+//! The equations of the attachment: clearance, spring, rubber, air and fixture in a row.
 
 use firmware_core::damper::effects::{
     AerationMemory, ClearanceGrowth, EntrainedAir, FixtureCompliance, RubberHysteresis,

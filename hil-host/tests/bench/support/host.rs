@@ -1,4 +1,4 @@
-//! A host in a few lines, for tests of the rig in virtual time.
+//! A minimal host, for tests of the rig in virtual time.
 
 use can_protocol::{Command, Frame, Mode, Node, PROTOCOL_VERSION, Pace, Profile, RunState, Sync};
 use core::num::{NonZeroU8, NonZeroU16};

@@ -1,4 +1,4 @@
-//! A rig that is fed by hand.
+//! A rig that a test feeds frame by frame.
 
 use super::host::{Host, setup};
 use can_protocol::{Frame, Measurement, Message, Pace};
@@ -23,7 +23,7 @@ pub(crate) fn give(rig: &mut RigNode, frame: &Frame) {
     rig.on_frame(&WireFrame::from(frame));
 }
 
-/// Everything that the rig has to say.
+/// All messages that the rig has to send.
 pub(crate) fn answers(rig: &mut RigNode) -> Vec<Message> {
     std::iter::from_fn(|| rig.take_frame())
         .map(|frame| Message::decode(frame.id(), frame.data()).unwrap())
