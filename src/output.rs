@@ -1,7 +1,7 @@
 //! What commands print on standard output.
 //!
-//! A reader that closes the pipe early (`yawbench ride … | head`) is no error and leaves the exit code
-//! as it is. A full disk is an error.
+//! A reader that closes the pipe early (`yawbench ride … | head`) is no error and leaves the exit
+//! code as it is. A full disk is an error.
 
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;

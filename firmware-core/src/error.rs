@@ -19,7 +19,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whether the user's input is at fault. Always so here: the numbers come from the user's files.
+    /// Whether the user's input is at fault. Always so here: the numbers come from the user's
+    /// files.
     ///
     /// ```
     /// use firmware_core::Error;

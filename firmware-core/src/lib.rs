@@ -13,7 +13,8 @@
 //! 5. [`wheel_rail`]: contact tables, Hertz, Kalker, the creep laws, one file each.
 //! 6. [`track`]: curvature, cant, irregularity.
 //! 7. [`compensation`]: what is done to the displacement on its way to a rig.
-//! 8. [`lanes`] and [`fnv`], on which the rest stands: one number per vehicle of a batch, and a hash.
+//! 8. [`lanes`] and [`fnv`], on which the rest stands: one number per vehicle of a batch, and a
+//!    hash.
 //!
 //! The layers, each using only those to its right:
 //!
@@ -22,10 +23,10 @@
 //!      -> guard, compensation, damper
 //! ```
 //!
-//! Parameters are `&self`, memory is `&mut state`; every state can be copied as a snapshot. Whatever
-//! can be wrong with parameters is an [`Error`] when they are built. What happens in a step is a
-//! state: a lost force, a derailment, a model that diverges. A debug build checks with assertions
-//! what the code itself guarantees, such as slots, lanes and indices.
+//! Parameters are `&self`, memory is `&mut state`; every state can be copied as a snapshot.
+//! Whatever can be wrong with parameters is an [`Error`] when they are built. What happens in a
+//! step is a state: a lost force, a derailment, a model that diverges. A debug build checks with
+//! assertions what the code itself guarantees, such as slots, lanes and indices.
 //!
 //! Axes: x forward, y right, z down. SI units; the unit is the end of a name.
 #![no_std]

@@ -1,7 +1,8 @@
 //! Unbounded coordinates for bounded parameters, so that a solver for free ones can be used.
 //!
 //! ```text
-//! spread   lower > 0, upper / lower large   ln t = ln lower + L / (1 + e^-u), L = ln(upper / lower)
+//! spread   lower > 0, upper / lower large   ln t = ln lower + L / (1 + e^-u),
+//!                                           L = ln(upper / lower)
 //! from 0   lower = 0                        t = s ln(1 + e^u), capped at upper
 //! of either sign                            t = d sinh u, capped at both bounds
 //! between                                   t = lower + (upper - lower) / (1 + e^-u)

@@ -1,15 +1,15 @@
 //! From measured records to the effect that a damper model lacks.
 //!
 //! ```text
-//! records -> nominal model refitted -> screening -> fits of the best few -> left-out pieces -> accepted
-//!                                          ^                                                   |
-//!                                          +---------------------------------------------------+
+//! records -> nominal refitted -> screening -> fits of the best few -> left-out pieces -> accepted
+//!                                    ^                                                   |
+//!                                    +---------------------------------------------------+
 //! ```
 //!
 //! All models run on the damper of `firmware_core`, in free-run simulation from the measured
-//! displacement, so a model that is found here is what `run`, the rig emulator and the firmware use.
-//! [`identify`] does it all: a [`Question`] in, an [`Identification`] out, with a [`Control`] that
-//! reports progress and ends the work early.
+//! displacement, so a model that is found here is what `run`, the rig emulator and the firmware
+//! use. [`identify`] does it all: a [`Question`] in, an [`Identification`] out, with a [`Control`]
+//! that reports progress and ends the work early.
 //!
 //! Read in this order; a file uses only those above it.
 //!

@@ -19,7 +19,10 @@
 //!     .section(
 //!         Section::new("Forces")
 //!             .text("The front left damper is the one on the rig.")
-//!             .tiles([Tile::number("largest force", 18.0, "kN"), Tile::text("state", "ok").good()])
+//!             .tiles([
+//!                 Tile::number("largest force", 18.0, "kN"),
+//!                 Tile::text("state", "ok").good(),
+//!             ])
 //!             .plot(
 //!                 Plot::new("Yaw damper force")
 //!                     .x("time", "s")

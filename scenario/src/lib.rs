@@ -8,12 +8,12 @@
 //! Read [`run`] first. The parts of the file follow: [`vehicle`] and [`wheel_rail`], whose numbers
 //! carry their provenance ([`quantity`]); [`damper`], the damper of each slot, and [`watch`], the
 //! model that a rig is compared with; [`track`] and [`irregularity`]; [`rig`]; [`compare`].
-//! [`setting`] changes single numbers by their key, as studies do. [`datasheet::Datasheet`] converts
-//! a maker's data into a nominal damper.
+//! [`setting`] changes single numbers by their key, as studies do. [`datasheet::Datasheet`]
+//! converts a maker's data into a nominal damper.
 //!
 //! What is computed from them: wheel and rail [`profile`]s become the contact table of the step
-//! ([`contact_geometry`], [`conicity`]), [`equilibrium`] is the steady motion, [`minimum_speed`] the
-//! speed below which the substeps are too coarse, [`typical`] what is unusual about a damper.
+//! ([`contact_geometry`], [`conicity`]), [`equilibrium`] is the steady motion, [`minimum_speed`]
+//! the speed below which the substeps are too coarse, [`typical`] what is unusual about a damper.
 //!
 //! Files are read through [`source`], with the limits of the crate `files`; `Run::inputs` holds the
 //! hash of each, by its role. [`ScenarioError`] is the one error: a line with file, line, key, what

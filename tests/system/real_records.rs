@@ -7,7 +7,8 @@
 //! they skip. The table of `docs/identified-records.md` comes from
 //!
 //! ```text
-//! YAWBENCH_RECORDS=DIR cargo test --release --test system real_records -- --ignored --nocapture --test-threads 1
+//! YAWBENCH_RECORDS=DIR cargo test --release --test system real_records -- \
+//!   --ignored --nocapture --test-threads 1
 //! ```
 
 use crate::support::command::{folder, output, repository, yawbench};

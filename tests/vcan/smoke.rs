@@ -29,7 +29,8 @@ fn fd(id: u16, data: &[u8]) -> CanFdFrame {
 
 /// As `cansend` spells it: identifier, `#`, data; `##` and 1 for bit-rate switch in FD.
 ///
-/// Without FDF: newer kernels set that flag in every FD frame that they hand out, older ones do not.
+/// Without FDF: newer kernels set that flag in every FD frame that they hand out, older ones do
+/// not.
 fn spelled(frame: &CanAnyFrame) -> String {
     let CanAnyFrame::Fd(frame) = frame else { return format!("{frame:X}") };
     let flags = (frame.flags() - FdFlags::FDF).bits();

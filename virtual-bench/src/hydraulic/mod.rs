@@ -4,7 +4,8 @@
 //! ```text
 //! eye --[ seat with clearance, rubber ]-- rod, m --[ piston in twin tube ]-- eye with load cell
 //!
-//! W1' = -(flows out of the rod side)      W1 s(p1) = V1(x_p) = A1 (l - x_p) + dead      A1 = A2 - A_r
+//! W1' = -(flows out of the rod side)      W1 s(p1) = V1(x_p) = A1 (l - x_p) + dead
+//!                                         A1 = A2 - A_r
 //! W2' = -(flows out of the cap side)      W2 s(p2) = V2(x_p) = A2 (l + x_p) + dead
 //! V_g' = -(flows into the reservoir)      p3 = p30 (V_g0/V_g)^n
 //! F = A1 (p1 - pa) - A2 (p2 - pa) + F_f(v, p1 - p2)          m v' = F_attachment(x - x_p) - F
