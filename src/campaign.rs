@@ -64,7 +64,7 @@ pub(crate) fn command(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
     }
     folder.create()?;
     let bar = progress::bar("the first cases");
-    let computed = campaign.run(shard, &folder, stop::flag(), &|case, done, of| {
+    let computed = campaign.run(shard, &folder, stop::flag_of_saved_work(), &|case, done, of| {
         progress::show(&bar, [done, of], last(case));
     });
     bar.finish_and_clear();

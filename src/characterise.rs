@@ -129,7 +129,11 @@ fn of_visit(
 
 fn folder(args: &CharacteriseArgs, named_after: &Path) -> Result<ResultFolder, CommandError> {
     let (out, name) = (args.out.as_deref(), output::stem(named_after));
-    Ok(ResultFolder::fresh(out, &name, "characterise", args.overwrite)?)
+    let folder = ResultFolder::fresh(out, &name, "characterise", args.overwrite)?;
+    let options = [&args.model, &args.physical, &args.mapping, &args.datasheet];
+    let inputs = args.from.iter().chain(options.into_iter().flatten());
+    folder.refuse_inputs(inputs.map(PathBuf::as_path))?;
+    Ok(folder)
 }
 
 /// Writes a record and its mapping.

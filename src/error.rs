@@ -63,7 +63,9 @@ macro_rules! command_error {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 match self {
                     $(Self::$variant(why) => write!(f, "{why}"),)*
-                    Self::Option(option, expected) => write!(f, "{option}: expected {expected}"),
+                    Self::Option(option, expected) => {
+                        write!(f, "{}: expected {expected}", files::quoted(option))
+                    }
                     Self::Input { file, found, expected } => {
                         let file = file.display().to_string();
                         write!(f, "{}: found {found}, expected {expected}", files::quoted(&file))

@@ -60,6 +60,9 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     let (question, warnings) = question(args)?;
     let out = args.out.as_deref();
     let mut folder = ResultFolder::fresh(out, "identify", "identify", args.overwrite)?;
+    let options = args.datasheet.iter().chain(&args.mapping);
+    let inputs = args.train.iter().chain(&args.holdout).chain(options);
+    folder.refuse_inputs(inputs.map(PathBuf::as_path))?;
     check(&folder, &question)?;
     // Only now: where the input is refused, the error stands alone.
     for warning in warnings {

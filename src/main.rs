@@ -104,7 +104,7 @@ fn main() -> ExitCode {
                 && why.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
         {
             let command = std::env::args().nth(1);
-            eprintln!("error: {}", usage::one_line(&why, command.as_deref()));
+            output::complain(&usage::one_line(&why, command.as_deref()));
             return ExitCode::from(exit::BAD_INPUT);
         }
         // Help or version, on standard output.
@@ -113,7 +113,7 @@ fn main() -> ExitCode {
     match run(&cli.command) {
         Ok(code) => code,
         Err(why) => {
-            eprintln!("error: {why}");
+            output::complain(&why.to_string());
             ExitCode::from(why.exit_code())
         }
     }

@@ -28,3 +28,8 @@ pub(crate) fn stem(path: &Path) -> String {
 pub(crate) fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
+
+/// Prints an error on standard error. Where nothing takes it, the exit code still says it.
+pub(crate) fn complain(error: &str) {
+    let _ = writeln!(io::stderr(), "error: {error}");
+}

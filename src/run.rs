@@ -87,6 +87,7 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         slow_down: args.slow_down,
         out: args.out.clone(),
         overwrite: args.overwrite,
+        inputs: vec![args.scenario.clone()],
         name: stem(&args.scenario),
         realtime: args.realtime.options(),
     };

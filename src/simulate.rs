@@ -9,8 +9,9 @@ use identification::{Prediction, TestSet, simulate, start_deflection_m};
 use measurement::{read_motions, read_tests};
 use scenario::damper::DamperFile;
 use scenario::source::Source;
-use std::fs::OpenOptions;
+use std::fs::File;
 use std::io::Write as _;
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
 /// Options of `simulate`.
@@ -101,7 +102,10 @@ impl Place {
             let found = "the ending .toml, which the mapping has".to_owned();
             return refused(found, "another one, such as .csv");
         }
-        let inputs = [Some(&args.record), Some(&args.model), args.mapping.as_ref()];
+        // The mapping next to the record is read without being named.
+        let companion = args.record.with_extension("toml");
+        let inputs =
+            [Some(&args.record), Some(&companion), Some(&args.model), args.mapping.as_ref()];
         for output in [&csv, &mapping] {
             let shown = output.display().to_string();
             let shown = files::quoted(&shown);
@@ -111,6 +115,10 @@ impl Place {
             if inputs.into_iter().flatten().any(|input| is_same(output, input)) {
                 let found = format!("{shown}, which is an input of this command");
                 return refused(found, "another file");
+            }
+            if output.symlink_metadata().is_ok_and(|about| !about.is_file()) {
+                let found = format!("{shown}, which is no regular file");
+                return refused(found, "a new file or one to replace");
             }
             if !args.overwrite && output.symlink_metadata().is_ok() {
                 let found = format!("{shown}, which exists");
@@ -125,21 +133,27 @@ impl Place {
         self.write_file(&self.mapping, &prediction.to_mapping(&output::file_name(&self.csv)))
     }
 
+    /// Writes a new file and renames it, so that no other name of an earlier file is changed.
     fn write_file(&self, path: &Path, text: &str) -> Result<(), CommandError> {
-        let mut options = OpenOptions::new();
-        options.write(true);
-        if self.overwrite {
-            options.create(true).truncate(true);
-        } else {
-            options.create_new(true);
+        let failed = |why| CommandError::File(path.to_owned(), why);
+        if !self.overwrite {
+            let mut file = File::create_new(path).map_err(failed)?;
+            return file.write_all(text.as_bytes()).map_err(failed);
         }
-        let written = options.open(path).and_then(|mut file| file.write_all(text.as_bytes()));
-        written.map_err(|why| CommandError::File(path.to_owned(), why))
+        let new = path.with_extension(format!("{}.new", std::process::id()));
+        let write = || {
+            File::create_new(&new)?.write_all(text.as_bytes())?;
+            std::fs::rename(&new, path)
+        };
+        write().map_err(|why| {
+            let _ = std::fs::remove_file(&new);
+            failed(why)
+        })
     }
 }
 
 /// True for two paths to the same existing file.
 fn is_same(one: &Path, other: &Path) -> bool {
-    let existing = |path: &Path| std::fs::canonicalize(path).ok();
-    existing(one).is_some_and(|one| Some(one) == existing(other))
+    let node = |path: &Path| path.metadata().ok().map(|about| (about.dev(), about.ino()));
+    node(one).is_some_and(|one| Some(one) == node(other))
 }

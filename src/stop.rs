@@ -2,11 +2,17 @@
 //! the process at once.
 
 use crate::exit;
+use crate::output;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// Set by the first signal.
 static STOP: AtomicBool = AtomicBool::new(false);
+/// Finished items are on disk: the process may end at any moment.
+static SAVED: AtomicBool = AtomicBool::new(false);
+/// How long items at work may take to finish after the first signal.
+const GRACE: Duration = Duration::from_secs(3);
 
 /// The flag that the first Ctrl-C or SIGTERM sets. The first call installs the handler; until then
 /// a signal ends the process as usual.
@@ -23,9 +29,23 @@ pub(crate) fn flag() -> &'static AtomicBool {
     &STOP
 }
 
+/// The same for a command whose finished items are on disk at once: the items at work have
+/// [`GRACE`] to finish, and are lost after it.
+pub(crate) fn flag_of_saved_work() -> &'static AtomicBool {
+    SAVED.store(true, Ordering::Relaxed);
+    flag()
+}
+
 /// Runs on a thread of its own, not inside the signal's handler.
 fn on_signal() {
     if STOP.swap(true, Ordering::Relaxed) {
         std::process::exit(i32::from(exit::INTERRUPTED));
+    }
+    if SAVED.load(Ordering::Relaxed) {
+        std::thread::spawn(|| {
+            std::thread::sleep(GRACE);
+            output::complain("interrupted: what is finished is saved; the same command continues");
+            std::process::exit(i32::from(exit::INTERRUPTED));
+        });
     }
 }

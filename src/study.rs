@@ -149,7 +149,7 @@ fn compute<S: Study>(
     let show = |point: &GridPoint<S::Answer>, done, of| {
         progress::show(&bar, [done, of], format!("point {} of {items}", point.index + 1));
     };
-    let computed = shards::run(&work, shard, folder, stop::flag(), &point, &show);
+    let computed = shards::run(&work, shard, folder, stop::flag_of_saved_work(), &point, &show);
     bar.finish_and_clear();
     Ok(computed?)
 }

@@ -16,6 +16,8 @@ pub enum FolderError {
     Other(PathBuf, String, String, Vec<String>),
     /// A file is in the way that the program did not write.
     Occupied(PathBuf),
+    /// The result to be replaced is an input of the command: the input.
+    IsInput(PathBuf),
     /// The folder's manifest cannot be believed: file, why.
     Manifest(PathBuf, String),
     /// A disk that fails: file, the system's word.
@@ -47,6 +49,12 @@ impl fmt::Display for FolderError {
                 "{}: is there already and was not written by this program, expected another --out",
                 quoted(&shown(path))
             ),
+            Self::IsInput(path) => write!(
+                f,
+                "{}: is an input of this command and part of the result to be replaced, expected \
+                 another --out",
+                quoted(&shown(path))
+            ),
             Self::Manifest(path, why) => write!(f, "{}: {why}", quoted(&shown(path))),
             Self::Disk(path, why) => write!(f, "{}: {why}", quoted(&shown(path))),
         }
@@ -61,6 +69,7 @@ impl FolderError {
             | Self::Holds(..)
             | Self::Other(..)
             | Self::Occupied(..)
+            | Self::IsInput(..)
             | Self::Manifest(..) => true,
             Self::Disk(..) => false,
         }

@@ -9,6 +9,7 @@ use crate::identity::Identity;
 use crate::manifest::{self, Manifest};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
 /// The folder of a result.
@@ -115,6 +116,9 @@ impl ResultFolder {
     /// [`FolderError::NoPlace`], [`FolderError::Occupied`].
     pub fn check(&self, names: &[&str]) -> Result<(), FolderError> {
         let ours = Manifest::of(&self.path)?;
+        if let Some(held) = ours.as_ref().filter(|_| self.overwrite) {
+            self.check_removable(held)?;
+        }
         for name in std::iter::once(&manifest::NAME).chain(names) {
             let known = ours
                 .as_ref()
@@ -129,6 +133,25 @@ impl ResultFolder {
         for path in new {
             // Another process may have put files there by now.
             let _ = std::fs::remove_dir(path);
+        }
+        Ok(())
+    }
+
+    /// Refuses to replace a result that the command itself reads, under whatever name.
+    ///
+    /// # Errors
+    /// [`FolderError::IsInput`].
+    pub fn refuse_inputs<'a>(
+        &self,
+        inputs: impl IntoIterator<Item = &'a Path>,
+    ) -> Result<(), FolderError> {
+        let Some(held) = Manifest::of(&self.path)? else { return Ok(()) };
+        let node = |path: &Path| path.metadata().ok().map(|about| (about.dev(), about.ino()));
+        let listed: Vec<_> = held.files.iter().filter_map(|name| node(&self.file(name))).collect();
+        for input in inputs {
+            if node(input).is_some_and(|node| listed.contains(&node)) {
+                return Err(FolderError::IsInput(input.to_owned()));
+            }
         }
         Ok(())
     }
@@ -241,14 +264,10 @@ impl ResultFolder {
 
     /// Removes what a manifest lists; a folder in it goes when it is empty.
     fn remove(&self, held: &Manifest) -> Result<(), FolderError> {
+        self.check_removable(held)?;
         for name in &held.files {
             let path = self.file(name);
             let folder = path.parent().unwrap_or(&self.path);
-            let through_a_link =
-                folder != self.path && folder.symlink_metadata().is_ok_and(|about| !about.is_dir());
-            if through_a_link {
-                return Err(FolderError::Occupied(folder.to_owned()));
-            }
             match std::fs::remove_file(&path) {
                 Err(why) if why.kind() != io::ErrorKind::NotFound => {
                     return Err(FolderError::Disk(path, why));
@@ -258,6 +277,23 @@ impl ResultFolder {
             if folder != self.path {
                 // Not empty where the user has put something there too.
                 let _ = std::fs::remove_dir(folder);
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks every listed file before the first one goes: a refusal leaves the result whole.
+    fn check_removable(&self, held: &Manifest) -> Result<(), FolderError> {
+        for name in &held.files {
+            let path = self.file(name);
+            if path.symlink_metadata().is_ok_and(|about| about.is_dir()) {
+                return Err(FolderError::Occupied(path));
+            }
+            let folder = path.parent().unwrap_or(&self.path);
+            let through_a_link =
+                folder != self.path && folder.symlink_metadata().is_ok_and(|about| !about.is_dir());
+            if through_a_link {
+                return Err(FolderError::Occupied(folder.to_owned()));
             }
         }
         Ok(())

@@ -57,6 +57,7 @@ impl Manifest {
 /// True for `file` and `folder/file`.
 pub(crate) fn is_inside(name: &str) -> bool {
     let mut parts = Path::new(name).components();
-    let plain = parts.by_ref().all(|part| matches!(part, Component::Normal(_)));
+    let plain = parts.by_ref().all(|part| matches!(part, Component::Normal(_)))
+        && !name.chars().any(char::is_control);
     plain && (1..=2).contains(&Path::new(name).components().count())
 }

@@ -47,6 +47,8 @@ pub struct RunOptions {
     pub out: Option<PathBuf>,
     /// Whether an earlier result in `out` is replaced.
     pub overwrite: bool,
+    /// Files that were read for the run: a result that holds one of them is not replaced.
+    pub inputs: Vec<PathBuf>,
     /// Name for the default folder.
     pub name: String,
     /// Real-time set-up.

@@ -85,12 +85,47 @@ fn the_folder_may_be_a_link_but_no_entry_is_followed() {
 }
 
 #[test]
+fn an_overwrite_that_is_refused_leaves_the_result_whole() {
+    let at = place("whole");
+    let out = at.join("out");
+    let mut first = fresh(&out, false).unwrap();
+    first.create().unwrap();
+    first.write("a.json", "1").unwrap();
+    first.write("b.json", "1").unwrap();
+    std::fs::remove_file(out.join("b.json")).unwrap();
+    std::fs::create_dir(out.join("b.json")).unwrap();
+    let mut second = fresh(&out, true).unwrap();
+    assert!(matches!(second.check(&[]), Err(FolderError::Occupied(_))));
+    assert!(second.create().is_err());
+    assert_eq!(read(out.join("a.json")), "1");
+    std::fs::remove_dir_all(&at).unwrap();
+}
+
+#[test]
+fn a_result_that_the_command_reads_is_not_replaced() {
+    let at = place("input");
+    let out = at.join("out");
+    let mut folder = fresh(&out, false).unwrap();
+    folder.create().unwrap();
+    folder.write("sine.csv", "1").unwrap();
+    std::fs::write(out.join("mine.csv"), "mine").unwrap();
+    std::fs::hard_link(out.join("sine.csv"), at.join("other-name.csv")).unwrap();
+    let again = fresh(&out, true).unwrap();
+    for input in [out.join("sine.csv"), at.join("other-name.csv")] {
+        let refused = again.refuse_inputs([input.as_path()]).unwrap_err().to_string();
+        assert!(refused.contains("is an input of this command"), "{refused}");
+    }
+    again.refuse_inputs([out.join("mine.csv").as_path(), at.join("none").as_path()]).unwrap();
+    std::fs::remove_dir_all(&at).unwrap();
+}
+
+#[test]
 fn a_manifest_that_names_what_is_outside_is_not_believed() {
     let at = place("outside");
     std::fs::write(at.join("mine"), "mine").unwrap();
     let out = at.join("out");
     std::fs::create_dir(&out).unwrap();
-    for name in ["../mine", "/etc/passwd", "a/b/c", ".", ""] {
+    for name in ["../mine", "/etc/passwd", "a/b/c", ".", "", "x\0y"] {
         let manifest = json!({"format": 1, "command": "run", "identity": null, "files": [name]});
         std::fs::write(out.join("manifest.json"), manifest.to_string()).unwrap();
         let said = fresh(&out, true).unwrap_err().to_string();

@@ -36,10 +36,16 @@ impl FromStr for BusChoice {
     fn from_str(text: &str) -> Result<Self, InvalidBus> {
         match text.split_once(':') {
             None if text == "memory" => Ok(Self::Memory),
-            Some(("socketcan", name)) if !name.is_empty() => Ok(Self::SocketCan(name.to_owned())),
+            Some(("socketcan", name)) if is_interface(name) => Ok(Self::SocketCan(name.to_owned())),
             _ => Err(InvalidBus { found: text.to_owned() }),
         }
     }
+}
+
+/// What Linux takes for the name of an interface: 1 to 15 bytes, no white space, no slash.
+fn is_interface(name: &str) -> bool {
+    let plain = |c: char| !(c.is_control() || c.is_whitespace() || c == '/');
+    (1..=15).contains(&name.len()) && name.chars().all(plain)
 }
 
 impl fmt::Display for BusChoice {

@@ -69,11 +69,13 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
     let mut folder =
         ResultFolder::fresh(options.out.as_deref(), &options.name, "run", options.overwrite)?;
     folder.check(&FILES)?;
+    folder.refuse_inputs(options.inputs.iter().map(PathBuf::as_path))?;
+    let other = run.compared(|slot| plan.is_emulated(slot))?;
+    let mut buses = open_buses(run, options, &plan)?;
+    // Only now: where the bus is refused, the error stands alone.
     for line in &load.lines {
         eprintln!("{line}");
     }
-    let other = run.compared(|slot| plan.is_emulated(slot))?;
-    let mut buses = open_buses(run, options, &plan)?;
 
     let track = run.track.view();
     let mut pace = pace(options);
