@@ -140,7 +140,8 @@ impl Datasheet {
     /// let sheet = Datasheet::from_source(&Source::from_text("sheet.toml".as_ref(), text))?;
     /// assert_eq!(sheet.nominal.f_relief_n, 15e3);
     /// assert_eq!(sheet.nominal.ke_n_per_m, 1e8);
-    /// assert!(sheet.warnings[0].starts_with("v_relief 0.02 m/s does not agree with F_relief / Ce"));
+    /// let warning = "v_relief 0.02 m/s does not agree with F_relief / Ce";
+    /// assert!(sheet.warnings[0].starts_with(warning));
     /// # Ok::<(), scenario::source::ScenarioError>(())
     /// ```
     pub fn from_source(source: &Source) -> Result<Self, ScenarioError> {

@@ -119,8 +119,8 @@ impl Throttle {
     /// use virtual_bench::hydraulic::{Oil, Throttle};
     /// # let oil = Oil {
     /// #     bulk_modulus_pa: 1.5e9, bulk_modulus_pa_per_k: -6e6, air_share: 0.01,
-    /// #     air_exponent: 1.4, density_kg_per_m3: 870.0, expansion_per_k: 7e-4, viscosity_pa_s: 0.02,
-    /// #     viscosity_per_k: 0.025, reference_degc: 40.0, vapour_pa: 2e3,
+    /// #     air_exponent: 1.4, density_kg_per_m3: 870.0, expansion_per_k: 7e-4,
+    /// #     viscosity_pa_s: 0.02, viscosity_per_k: 0.025, reference_degc: 40.0, vapour_pa: 2e3,
     /// # }.at(40.0);
     /// let hole = Throttle::Orifice { discharge: 0.7, area_m2: 2e-6 / 0.7, transition_pa: 10e3 };
     /// // Cd A = 2 mm2 at 5.2 MPa: 2e-6 * sqrt(2 * 5.2e6 / 870) = 0.22 litres a second.
