@@ -7,6 +7,7 @@
 use crate::error::FolderError;
 use crate::identity::Identity;
 use crate::manifest::{self, Manifest};
+use rustix::fs::Access;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 use std::os::unix::fs::MetadataExt as _;
@@ -120,19 +121,35 @@ impl ResultFolder {
             self.check_removable(held)?;
         }
         for name in std::iter::once(&manifest::NAME).chain(names) {
-            let known = ours
-                .as_ref()
-                .is_some_and(|ours| *name == manifest::NAME || ours.files.contains(*name));
-            if !known && self.file(name).symlink_metadata().is_ok() {
+            let known = |held: Option<&Manifest>| {
+                held.is_some_and(|held| *name == manifest::NAME || held.files.contains(*name))
+            };
+            // Another shard of this study may have made the folder since the manifest was read.
+            let taken = !known(ours.as_ref())
+                && self.file(name).symlink_metadata().is_ok()
+                && !known(Manifest::of(&self.path)?.as_ref());
+            if taken {
                 return Err(FolderError::Occupied(self.file(name)));
             }
         }
-        let new: Vec<&Path> = self.path.ancestors().take_while(|path| !path.exists()).collect();
-        std::fs::create_dir_all(&self.path)
-            .map_err(|why| FolderError::NoPlace(self.path.clone(), why))?;
-        for path in new {
-            // Another process may have put files there by now.
-            let _ = std::fs::remove_dir(path);
+        self.check_place()
+    }
+
+    /// Whether the folder can be made. Nothing is tried: a shard that begins at the same time may
+    /// be making it.
+    fn check_place(&self) -> Result<(), FolderError> {
+        let no_place = |why| Err(FolderError::NoPlace(self.path.clone(), why));
+        for path in self.path.ancestors() {
+            let path = if path == Path::new("") { Path::new(".") } else { path };
+            match path.metadata() {
+                Ok(about) if about.is_dir() => {
+                    let allowed = rustix::fs::access(path, Access::WRITE_OK | Access::EXEC_OK);
+                    return allowed.or_else(|why| no_place(why.into()));
+                }
+                Ok(_) => return no_place(io::ErrorKind::NotADirectory.into()),
+                Err(why) if why.kind() == io::ErrorKind::NotFound => {}
+                Err(why) => return no_place(why),
+            }
         }
         Ok(())
     }
@@ -332,7 +349,11 @@ impl ResultFolder {
 /// True for anything but an empty folder or nothing at all.
 fn holds_anything(path: &Path) -> bool {
     match std::fs::read_dir(path) {
-        Ok(mut entries) => entries.next().is_some(),
+        // A file that another shard is about to rename has this ending.
+        Ok(entries) => {
+            let names = entries.flatten().map(|entry| entry.file_name());
+            names.into_iter().any(|name| !name.to_string_lossy().ends_with(".new"))
+        }
         Err(_) => path.symlink_metadata().is_ok(),
     }
 }

@@ -19,7 +19,7 @@ pub(super) fn datasheet(identification: &Identification, worst: Option<&Shown<'_
     section = section.text(&format!(
         "The test shown is {name}: it has the largest error of the refitted model.{}",
         if given {
-            "All models are given the measured displacement only, not the measured force; no \
+            " All models are given the measured displacement only, not the measured force; no \
              error counts the run-in."
         } else {
             " No datasheet was given, so there is no datasheet error."
