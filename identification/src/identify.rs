@@ -70,6 +70,7 @@ pub fn identify(
         let on_holdout = on_holdout.with_effects.as_ref();
         map_of_residual(&findings, &residual_after, on_holdout, (&train, &holdout), control)
     });
+    let remark = residual_after.remark();
     let cautions = cautions::all(&findings, on_train.datasheet.as_ref(), (&train, &holdout));
     let result = IdentifyResult::new(Parts {
         train: Simulated { tests: &train, models: &on_train },
@@ -79,7 +80,7 @@ pub fn identify(
         residual_before: &residual_before,
         residual_after: &residual_after,
         empirical: empirical.as_ref(),
-        notes: notes.into_iter().chain(cautions).collect(),
+        notes: notes.into_iter().chain(cautions).chain(remark).collect(),
     });
     Ok(Identification {
         train,

@@ -4,6 +4,8 @@ use super::candidate::{Candidate, candidates};
 use super::control::Control;
 use super::finding::NotTestable;
 use super::judged::Judged;
+use super::residual::motion::motion;
+use super::residual::question::Answer;
 use super::residual::repeat::repeat;
 use super::screening::{Screened, screen};
 use super::short_list::{hidden, rehearsals, short_list};
@@ -118,6 +120,9 @@ fn far_off(standing: &Judged, tests: &TestSet) -> bool {
 }
 
 fn above_noise(standing: &Judged, tests: &TestSet) -> bool {
-    let floor_n = repeat(&standing.linearised.residual_n, tests).noise_floor_n;
-    floor_n.is_some_and(|floor_n| standing.fit().rms_n(tests) > ABOVE_NOISE * floor_n)
+    match repeat(&standing.linearised.residual_n, tests).noise_floor_n {
+        Some(floor_n) => standing.fit().rms_n(tests) > ABOVE_NOISE * floor_n,
+        // Without a floor: more of the force follows from the motion than the model knows.
+        None => motion(standing.fit(), tests).answer == Answer::Yes,
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::identify::Identification;
 use super::model_file::MODEL_WITH_MAP;
-use super::result::{EffectFound, EmpiricalPart};
+use super::result::{EffectFound, EmpiricalPart, IdentifyResult};
 use super::tables;
 
 impl Identification {
@@ -21,6 +21,8 @@ impl Identification {
             .chain(["\n".to_owned()])
             .chain(result.effects.iter().map(effect))
             .chain(unexplained.map(|part| format!("unexplained: {}\n", part.description)))
+            .chain(result.not_judged.iter().map(|why| format!("not judged: {why}\n")))
+            .chain([noise(result)])
             .chain(result.empirical.as_ref().map(map))
             .chain(result.notes.iter().map(|note| format!("note: {note}\n")));
         harmless(&lines.collect::<String>())
@@ -38,6 +40,18 @@ fn harmless(text: &str) -> String {
         }
     }
     shown
+}
+
+/// What is known about the noise, and how.
+fn noise(result: &IdentifyResult) -> String {
+    let method = result.noise_floor_method;
+    match (result.noise_floor_n, result.noise_at_least_n) {
+        (Some(floor_n), _) => format!("noise floor: {floor_n:.4} N ({method})\n"),
+        (None, Some(at_least_n)) => {
+            format!("noise floor: unknown, at least {at_least_n:.4} N ({method})\n")
+        }
+        (None, None) => format!("noise floor: {method}\n"),
+    }
 }
 
 fn effect(effect: &EffectFound) -> String {

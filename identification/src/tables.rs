@@ -49,19 +49,24 @@ pub(crate) fn errors(identification: &Identification) -> Table {
             percent(errors.and_then(|errors| errors.holdout_nrmse)),
         ]
     });
+    let (name, noise_n) = match (result.noise_floor_n, result.noise_at_least_n) {
+        (Some(floor_n), _) => ("noise floor", Some(floor_n)),
+        (None, Some(at_least_n)) => ("noise, at least", Some(at_least_n)),
+        (None, None) => ("noise floor unknown", None),
+    };
+    let share = noise_n.map(|noise_n| noise_n / training_force_n(identification));
     table.rows(rows).row([
-        Cell::from("noise floor"),
-        result.noise_floor_n.into(),
-        percent(Some(floor_share(identification))),
+        Cell::from(name),
+        noise_n.into(),
+        percent(share),
         Cell::Empty,
         Cell::Empty,
     ])
 }
 
-/// The noise floor over the rms force of the fitted tests.
-pub(crate) fn floor_share(identification: &Identification) -> f64 {
-    let force_n = identification.train.measured_rms_n().unwrap_or(f64::NAN);
-    identification.result.noise_floor_n / force_n
+/// rms of the measured force of the training tests, N.
+pub(crate) fn training_force_n(identification: &Identification) -> f64 {
+    identification.train.measured_rms_n().unwrap_or(f64::NAN)
 }
 
 /// All parameters of the final model, those of effects as `effect.parameter`.

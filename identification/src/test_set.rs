@@ -180,6 +180,11 @@ impl Test {
         Self { record, substeps, blocks, steps_made }
     }
 
+    /// The same test with another displacement.
+    pub(crate) fn with_displacement(&self, displacement_m: Vec<f64>) -> Self {
+        Self { record: self.record.with_displacement(displacement_m), ..self.clone() }
+    }
+
     /// Counts a simulation over so many samples.
     pub fn simulated(&self, samples: usize) {
         self.steps_made.fetch_add((samples * self.substeps) as u64, Ordering::Relaxed);

@@ -10,9 +10,11 @@ fn main() -> std::process::ExitCode {
     match read_tests(&files, mapping.as_deref()) {
         Ok(tests) => {
             for test in &tests {
-                let floor = noise::floor(test);
+                let floor = noise::noise(test).map_or("noise unknown".to_owned(), |noise| {
+                    format!("noise {:.2} N ({})", noise.rms_n, noise.source.name())
+                });
                 println!(
-                    "{}: {:.1} Hz, {:.2} s, +-{:.3} mm, {} cycles at {:.3} Hz, run-in {:.2} s, noise {:.2} N ({}), direction {}",
+                    "{}: {:.1} Hz, {:.2} s, +-{:.3} mm, {} cycles at {:.3} Hz, run-in {:.2} s, {floor}, direction {}",
                     test.name,
                     test.rate_hz(),
                     test.len() as f64 * test.step_s,
@@ -20,8 +22,6 @@ fn main() -> std::process::ExitCode {
                     test.cycles.len().saturating_sub(1),
                     test.frequency_hz().unwrap_or(0.0),
                     test.run_in as f64 * test.step_s,
-                    floor.rms_n,
-                    floor.method.name(),
                     if test.direction_declared { "declared" } else { "not declared" },
                 );
                 for repair in &test.repairs {

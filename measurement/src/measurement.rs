@@ -1,6 +1,6 @@
 //! A test on a uniform clock: its signals, and parts of it.
 
-use crate::interpolant;
+use crate::{interpolant, smoothing};
 use crate::sign::Agreement;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -141,6 +141,19 @@ impl Measurement {
             cycles: self.cycles.iter().copied().filter(|at| *at <= end).collect(),
             ..self.clone()
         }
+    }
+
+    /// The same test with another displacement: smoothed and differentiated as a recorded one.
+    ///
+    /// # Panics
+    /// In debug builds, where the displacement has another number of samples.
+    #[must_use]
+    pub fn with_displacement(&self, displacement_m: Vec<f64>) -> Self {
+        debug_assert_eq!(displacement_m.len(), self.len(), "one displacement per sample");
+        let drive_m = smoothing::smoothed(&displacement_m);
+        let (velocity_m_per_s, acceleration_m_per_s2) =
+            interpolant::derivatives(&drive_m, self.step_s);
+        Self { displacement_m, drive_m, velocity_m_per_s, acceleration_m_per_s2, ..self.clone() }
     }
 
     /// The record with every `factor`-th sample.

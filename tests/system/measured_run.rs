@@ -39,7 +39,7 @@ fn the_log_and_the_record_of_a_run_hold_the_same_test() {
         "other displacements"
     );
     // The emulated load cell has 5 N of noise.
-    let floor = noise::floor(&log);
+    let floor = noise::noise(&log).unwrap();
     assert!((3.0..12.0).contains(&floor.rms_n), "{floor:?}");
     let modelled = Measurement::from_series(read_record(&out.join("record.npy"), 1).unwrap());
     assert!(modelled.unwrap().repairs.is_empty());

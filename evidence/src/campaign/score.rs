@@ -245,6 +245,7 @@ const fn verdict_name(verdict: Verdict) -> &'static str {
         Verdict::EffectsFound => "effects_found",
         Verdict::Unexplained => "unexplained",
         Verdict::EffectsFoundAndUnexplained => "effects_found_and_unexplained",
+        Verdict::NotJudged => "not_judged",
     }
 }
 
@@ -260,7 +261,7 @@ fn errors(
     let (train_before_n, before_n) = held(&result.errors.refitted)?;
     let (train_after_n, after_n) = held(&result.errors.with_effects)?;
     Some(CaseErrors {
-        floor_n: result.noise_floor_n,
+        floor_n: result.noise_floor_n.unwrap_or(0.0),
         train_before_n,
         train_after_n,
         before_n,

@@ -54,7 +54,7 @@ pub(super) fn plots(
     // The same scale everywhere, and never so fine that noise looks like a shape.
     let all = left.maps.iter().chain(before.into_iter().flat_map(|before| &before.maps));
     let means = all.flat_map(|map| map.upper_n.iter().chain(&map.lower_n).flatten());
-    let floor = left.noise_floor_n;
+    let floor = left.noise.floor_n.or(left.noise.at_least_n).unwrap_or(0.0);
     let (low, high) = means.fold((-floor, floor), |(l, h): (f64, f64), m| (l.min(*m), h.max(*m)));
     let force = Prefixed::for_size("N", high.max(-low));
     let margin = 0.06 * force.value(high - low);

@@ -53,8 +53,11 @@ pub(super) fn section(identification: &Identification) -> Section {
             Tile::number(&format!("{which}, {name}"), unit.value(*rmse_n), &unit_and_share)
         })
         .collect();
-    let floor = Prefixed::for_size("N", result.noise_floor_n);
-    tiles.push(Tile::number("noise floor", floor.value(result.noise_floor_n), &floor.unit));
+    tiles.push(match (result.noise_floor_n, result.noise_at_least_n) {
+        (Some(floor_n), _) => force_tile("noise floor", floor_n),
+        (None, Some(at_least_n)) => force_tile("noise, at least", at_least_n),
+        (None, None) => Tile::text("noise floor", "unknown"),
+    });
     tiles.push(Tile::text(
         "effects added",
         &match result.effects.len() {
@@ -63,11 +66,9 @@ pub(super) fn section(identification: &Identification) -> Section {
         },
     ));
     tiles.push(match &result.unexplained {
+        None if result.not_judged.is_some() => Tile::text("unexplained", "not judged").bad(),
         None => Tile::text("unexplained", "nothing").good(),
-        Some(part) => {
-            let prefixed = Prefixed::for_size("N", part.rms_n);
-            Tile::number("unexplained, rms", prefixed.value(part.rms_n), &prefixed.unit).bad()
-        }
+        Some(part) => force_tile("unexplained, rms", part.rms_n).bad(),
     });
     let mut section = Section::new("Summary").tiles(tiles).text(&story(identification, held_out));
     if result.interrupted {
@@ -83,6 +84,11 @@ pub(super) fn section(identification: &Identification) -> Section {
         );
     }
     section.table(tables::errors(identification))
+}
+
+fn force_tile(name: &str, rms_n: f64) -> Tile {
+    let prefixed = Prefixed::for_size("N", rms_n);
+    Tile::number(name, prefixed.value(rms_n), &prefixed.unit)
 }
 
 /// Error and its share of the force: on tests held out, if there are any.
@@ -114,13 +120,31 @@ fn story(identification: &Identification, held_out: bool) -> String {
             result.effects.iter().map(|effect| super::words::spoken(effect.name)).collect();
         sentences.push(format!("With {} it is {with_effects}.", super::words::listed(&names)));
     }
-    let floor = tables::floor_share(identification);
-    let (floor, method) = (percent(floor), &result.noise_floor_method);
-    let lines = if floor_has_lines(result) { ", including lines of the spectrum" } else { "" };
-    sentences.push(format!(
-        "Noise alone is {floor} of the force of the fitted tests ({method}{lines})."
-    ));
+    sentences.push(noise(identification));
     sentences.join(" ")
+}
+
+/// What is known about the noise.
+fn noise(identification: &Identification) -> String {
+    let result = &identification.result;
+    let share = |rms_n: f64| percent(rms_n / tables::training_force_n(identification));
+    let method = result.noise_floor_method;
+    match (result.noise_floor_n, result.noise_at_least_n) {
+        (Some(floor_n), _) => {
+            let lines =
+                if floor_has_lines(result) { ", including lines of the spectrum" } else { "" };
+            format!(
+                "Noise alone is {} of the force of the training tests ({method}{lines}).",
+                share(floor_n)
+            )
+        }
+        (None, Some(at_least_n)) => format!(
+            "Noise is at least {} of the force of the training tests ({method}); how much more is \
+             unknown, since no cycle and no test repeats.",
+            share(at_least_n)
+        ),
+        (None, None) => format!("The noise floor is {method}."),
+    }
 }
 
 /// The method, and notes for the reader.

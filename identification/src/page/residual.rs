@@ -2,11 +2,12 @@
 
 use super::coordinates::{plots, shares};
 use super::prefix::quantity;
-use super::words::{probability, seen};
+use super::words::{capitalised, percent, probability, seen};
 use crate::fit::Fit;
 use crate::identify::Identification;
 use crate::residual::ResidualAnalysis;
-use report::{Plot, Section, Table};
+use crate::residual::question::Answer;
+use report::{Cell, Plot, Section, Table};
 use signal::spectrum::Spectrum;
 
 /// Segments of a spectrum, as a share of the counted length of a test.
@@ -20,10 +21,18 @@ pub(super) fn section(identification: &Identification) -> Section {
     let mut section = Section::new("The remaining residual");
     section = match &after.unexplained {
         None => section.text(&format!(
-            "{} rms. Over all tests no part of it repeats, follows a coordinate or stands out of \
-             the spectrum beyond a quarter of the noise floor of {}: it is taken for noise{}.",
+            "{} rms. Over all tests no part of it repeats, follows a coordinate or the motion, \
+             grows with the force or stands out of the spectrum{}: {}{}.",
             quantity(after.rms_n, "N"),
-            quantity(after.noise_floor_n, "N"),
+            after.noise.floor_n.map_or(String::new(), |floor| format!(
+                " beyond a quarter of the noise floor of {}",
+                quantity(floor, "N")
+            )),
+            if after.not_judged().is_some() {
+                "but these records do not ask every question"
+            } else {
+                "it is taken for noise"
+            },
             if after.lines.is_empty() { "" } else { ", including the lines of single tests below" }
         )),
         Some(part) => section
@@ -40,7 +49,10 @@ pub(super) fn section(identification: &Identification) -> Section {
             ))
             .text(&format!("The whole residual is {} rms.", quantity(after.rms_n, "N"))),
     };
-    section = section.text(&repeat(after));
+    section = section.text(&repeat(after)).table(questions(after));
+    if let Some(why) = identification.result.not_judged.as_deref() {
+        section = section.warning(&capitalised(&format!("not judged: {why}.")));
+    }
     section = if added {
         section
             .text("The residual over the same coordinates; grey: before effects were added.")
@@ -62,6 +74,43 @@ pub(super) fn section(identification: &Identification) -> Section {
         table = table.row([name.as_str().into(), line.frequency_hz.into(), line.rms_n.into()]);
     }
     section.table(table)
+}
+
+/// The questions that need no noise floor, with their answers.
+fn questions(left: &ResidualAnalysis) -> Table {
+    let (motion, size) = (&left.motion, &left.size);
+    let answer = |answer: &Answer, why: String| match answer {
+        Answer::Yes => ("yes", why),
+        Answer::No => ("no", why),
+        Answer::NotTested(why) => ("not tested by this motion", why.clone()),
+    };
+    let of_motion = answer(
+        &motion.answer,
+        format!(
+            "a regression on the motion removes {} of the squared residual on {} left-out pieces, \
+             and improves {} of them",
+            percent(motion.share.max(0.0)),
+            motion.pieces,
+            percent(motion.improved)
+        ),
+    );
+    let of_size = answer(
+        &size.answer,
+        format!(
+            "rank correlation of its size with the force {:.2}, {}",
+            size.correlation,
+            probability(size.p_value)
+        ),
+    );
+    let table = Table::new("Questions that need no noise floor")
+        .text("question")
+        .text("answer")
+        .text("why");
+    let rows =
+        [("does it follow the motion?", of_motion), ("does its size follow the force?", of_size)];
+    table.rows(
+        rows.map(|(question, (answer, why))| [question.into(), answer.into(), Cell::from(why)]),
+    )
 }
 
 fn repeat(left: &ResidualAnalysis) -> String {

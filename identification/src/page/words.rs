@@ -11,6 +11,7 @@ pub(super) fn title(result: &IdentifyResult) -> String {
     let names: Vec<String> = result.effects.iter().map(group).collect();
     let unexplained = result.unexplained.is_some();
     let verdict = match (names.len(), unexplained) {
+        (0, false) if result.not_judged.is_some() => "not judged".to_owned(),
         (0, false) => "nothing is missing".to_owned(),
         (0, true) => "structure without a name remains".to_owned(),
         (count, unexplained) => {
@@ -27,6 +28,8 @@ pub(super) fn title(result: &IdentifyResult) -> String {
 pub(super) fn seen(coordinate: &str) -> String {
     match coordinate {
         "phase" => "that repeat in every cycle".to_owned(),
+        "motion" => "that follow from the motion".to_owned(),
+        "size_of_the_force" => "that do not follow from the motion and change with the force".to_owned(),
         "frequency" => "in lines of the spectrum".to_owned(),
         "held_out_tests" => "in the tests held out".to_owned(),
         other => format!("over {}", spoken(other)),
@@ -48,24 +51,37 @@ fn group(effect: &EffectFound) -> String {
 /// The verdict in one or two sentences.
 pub(super) fn sentence(identification: &Identification) -> String {
     let result = &identification.result;
-    let floor = quantity(result.noise_floor_n, "N");
+    let noise_n = result.noise_floor_n.or(result.noise_at_least_n);
+    let noise = match (result.noise_floor_n, result.noise_at_least_n) {
+        (Some(floor_n), _) => quantity(floor_n, "N"),
+        (None, Some(at_least_n)) => format!("at least {}", quantity(at_least_n, "N")),
+        (None, None) => "of unknown size".to_owned(),
+    };
     let left = result
         .unexplained
         .as_ref()
         .map(|part| format!("{} rms {}", quantity(part.rms_n, "N"), seen(part.coordinate)));
     let effects: Vec<String> = result.effects.iter().map(effect).collect();
     if effects.is_empty() {
+        if let Some(why) = &result.not_judged {
+            return format!("These records do not show whether an effect is missing: {why}.");
+        }
         return match left {
+            None if noise_n.is_none() => format!(
+                "The nominal model lacks nothing that these records can show: its residual, {} \
+                 rms, follows neither the motion nor the force. The noise floor is unknown.",
+                quantity(identification.residual_before.rms_n, "N")
+            ),
             None => format!(
                 "The nominal model lacks nothing that these records can show: its residual, {} \
-                 rms, is noise ({floor}).",
+                 rms, is noise ({noise}).",
                 quantity(identification.residual_before.rms_n, "N")
             ),
             Some(left) => {
                 let at_noise = if floor_has_lines(result) {
                     String::new()
                 } else {
-                    format!(", where the noise is {floor}")
+                    format!(", where the noise is {noise}")
                 };
                 format!(
                     "The residual has structure that no effect of the catalogue explains: \
@@ -124,8 +140,8 @@ fn explained(identification: &Identification) -> Explained {
         },
         |(before, after)| (before * before, after * after),
     );
-    let floor = identification.result.noise_floor_n * identification.result.noise_floor_n;
-    if floor < 0.9 * before {
+    let floor = identification.result.noise_floor_n.map(|floor_n| floor_n * floor_n);
+    if let Some(floor) = floor.filter(|floor| *floor < 0.9 * before) {
         Explained::BeyondNoise(((before - after) / (before - floor)).min(1.0))
     } else {
         Explained::OfAll(1.0 - after / before.max(f64::MIN_POSITIVE))

@@ -51,6 +51,16 @@ pub(crate) fn lines(residual_n: &[Vec<f64>], tests: &TestSet) -> Vec<Line> {
     found
 }
 
+/// rms of lines over all tests, N.
+pub(crate) fn pooled(lines: &[Line], tests: &TestSet) -> f64 {
+    let squares: f64 = lines
+        .iter()
+        .map(|line| line.rms_n * line.rms_n * tests.tests[line.test].counted().len() as f64)
+        .sum();
+    let counted: usize = tests.tests.iter().map(|test| test.counted().len()).sum();
+    (squares / counted.max(1) as f64).sqrt()
+}
+
 fn line_of(residual_n: &[f64], rate_hz: f64, segment_s: f64) -> Option<(f64, f64)> {
     let lag = residual_n.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
     let square = residual_n.iter().map(|r| r * r).sum::<f64>();

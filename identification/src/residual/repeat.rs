@@ -42,7 +42,7 @@ pub struct Repeat {
     pub unlike: Vec<Unlike>,
 }
 
-/// Compares cycles of all tests that have at least three.
+/// Compares cycles of all tests that have at least two.
 pub(crate) fn repeat(residual_n: &[Vec<f64>], tests: &TestSet) -> Repeat {
     let (mut products, mut power, mut power_in_all, mut weight) = (Vec::new(), 0.0, 0.0, 0.0);
     let (mut scatter, mut scattered, mut with_cycles) = (0.0, 0usize, 0);
@@ -51,7 +51,7 @@ pub(crate) fn repeat(residual_n: &[Vec<f64>], tests: &TestSet) -> Repeat {
         let record = &test.record;
         let starts = starts(test);
         let cycles = cycles(test, residual);
-        if cycles.len() < 3 {
+        if cycles.len() < 2 {
             continue;
         }
         with_cycles += 1;

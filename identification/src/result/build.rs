@@ -2,7 +2,8 @@
 
 use super::{
     EffectFound, EffectNotTestable, EffectRejected, EmpiricalPart, Errors, EvidenceFound,
-    IdentifyResult, Models, NominalValue, ParameterValue, PerTest, UnexplainedPart, Verdict,
+    IdentifyResult, Models, NominalValue, ParameterValue, PerTest, Questions, UnexplainedPart,
+    Verdict,
 };
 use crate::empirical::{Empirical, FittedMap};
 use crate::finding::Findings;
@@ -38,11 +39,15 @@ impl IdentifyResult {
     pub(crate) fn new(parts: Parts<'_>) -> Self {
         let Parts { train, holdout, datasheet, findings, .. } = parts;
         let deviations = uncertainty(&findings.with_effects.linearised, train.tests);
+        let noise = &parts.residual_after.noise;
         Self {
             verdict: verdict(findings, parts.residual_after),
             interrupted: findings.interrupted,
-            noise_floor_n: parts.residual_after.noise_floor_n,
-            noise_floor_method: parts.residual_after.noise_floor_method.to_owned(),
+            noise_floor_n: noise.floor_n,
+            noise_at_least_n: noise.at_least_n,
+            noise_floor_method: noise.method,
+            questions: Questions::of(parts.residual_after),
+            not_judged: not_judged(parts.residual_after),
             errors: errors_of_models(train, holdout),
             per_test: per_test(train, "train").chain(per_test(holdout, "holdout")).collect(),
             nominal: nominal_values(findings, &deviations, datasheet),
@@ -59,11 +64,17 @@ impl IdentifyResult {
 
 fn verdict(findings: &Findings, residual: &ResidualAnalysis) -> Verdict {
     match (findings.accepted.is_empty(), residual.unexplained.is_none()) {
+        (true, true) if not_judged(residual).is_some() => Verdict::NotJudged,
         (true, true) => Verdict::NoMissingEffect,
         (false, true) => Verdict::EffectsFound,
         (true, false) => Verdict::Unexplained,
         (false, false) => Verdict::EffectsFoundAndUnexplained,
     }
+}
+
+/// Why a residual without structure cannot be called noise.
+fn not_judged(residual: &ResidualAnalysis) -> Option<String> {
+    if residual.unexplained.is_some() { None } else { residual.not_judged() }
 }
 
 fn errors_of_models(train: Simulated<'_>, holdout: Simulated<'_>) -> Models<Option<Errors>> {

@@ -5,6 +5,8 @@ mod sentence;
 
 pub(crate) use build::{Parts, Simulated};
 
+use crate::residual::ResidualAnalysis;
+use crate::residual::question::Answer;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -20,6 +22,8 @@ pub enum Verdict {
     Unexplained,
     /// Named effects explain a part; structure remains.
     EffectsFoundAndUnexplained,
+    /// The records cannot show whether the residual of the refitted model is noise.
+    NotJudged,
 }
 
 /// The result of an identification.
@@ -29,10 +33,17 @@ pub struct IdentifyResult {
     pub verdict: Verdict,
     /// The search was interrupted: the effects are those that were accepted until then.
     pub interrupted: bool,
-    /// rms of the part of the residual that does not repeat, N.
-    pub noise_floor_n: f64,
-    /// The method by which it was found.
-    pub noise_floor_method: String,
+    /// rms of the noise, N, from cycles or tests that repeat; none where it is unknown.
+    pub noise_floor_n: Option<f64>,
+    /// A lower bound of it, N, where it is unknown and there is one.
+    pub noise_at_least_n: Option<f64>,
+    /// The method by which either was found, or the reason why it is unknown.
+    pub noise_floor_method: &'static str,
+    /// What was asked of the residual of the final model without a noise floor.
+    pub questions: Questions,
+    /// Why these records cannot show that nothing more is missing; none where they can, and where
+    /// structure remains.
+    pub not_judged: Option<String>,
     /// Errors of the three models.
     pub errors: Models<Option<Errors>>,
     /// Test by test.
@@ -53,6 +64,74 @@ pub struct IdentifyResult {
     pub empirical: Option<EmpiricalPart>,
     /// Notes for the reader: the choice of the hold-out, repairs of records, conversions.
     pub notes: Vec<String>,
+}
+
+/// Questions to the residual of the final model that need no noise floor.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Questions {
+    /// Does it follow the motion?
+    pub follows_motion: MotionAnswer,
+    /// Does its size follow the force?
+    pub size_follows_force: SizeAnswer,
+}
+
+/// Does the residual follow the motion?
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MotionAnswer {
+    /// `yes`, `no` or `not_tested`.
+    pub answer: &'static str,
+    /// Why these records do not answer it.
+    pub why: Option<String>,
+    /// Share of the squared residual that a regression on the motion removes on left-out pieces.
+    pub share: f64,
+    /// Share of the pieces that it predicts better.
+    pub improved: f64,
+    /// Pieces that were left out in turn.
+    pub pieces: usize,
+    /// rms of what it removes, N.
+    pub rms_n: f64,
+}
+
+/// Does the size of the residual follow the force?
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SizeAnswer {
+    /// `yes`, `no` or `not_tested`.
+    pub answer: &'static str,
+    /// Why these records do not answer it.
+    pub why: Option<String>,
+    /// Rank correlation with the force.
+    pub correlation: f64,
+    /// Probability of that much by chance.
+    pub p_value: f64,
+}
+
+impl Questions {
+    pub(crate) fn of(residual: &ResidualAnalysis) -> Self {
+        let name = |answer: &Answer| match answer {
+            Answer::Yes => ("yes", None),
+            Answer::No => ("no", None),
+            Answer::NotTested(why) => ("not_tested", Some(why.clone())),
+        };
+        let ResidualAnalysis { motion, size, .. } = residual;
+        let ((of_motion, why_motion), (of_size, why_size)) =
+            (name(&motion.answer), name(&size.answer));
+        Self {
+            follows_motion: MotionAnswer {
+                answer: of_motion,
+                why: why_motion,
+                share: motion.share,
+                improved: motion.improved,
+                pieces: motion.pieces,
+                rms_n: motion.rms_n,
+            },
+            size_follows_force: SizeAnswer {
+                answer: of_size,
+                why: why_size,
+                correlation: size.correlation,
+                p_value: size.p_value,
+            },
+        }
+    }
 }
 
 /// One value for each of the three models.

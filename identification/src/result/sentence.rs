@@ -16,8 +16,14 @@ impl IdentifyResult {
         let unexplained = self.unexplained.as_ref().map_or(String::new(), |part| {
             format!("{:.4} N rms are unexplained, over {}", part.rms_n, part.coordinate)
         });
+        let not_judged = self.not_judged.as_deref().unwrap_or_default();
+        let unknown = if self.noise_floor_n.is_none() { " (noise floor unknown)" } else { "" };
         match self.verdict {
-            Verdict::NoMissingEffect => "no effect is missing".to_owned(),
+            Verdict::NoMissingEffect => format!("no effect is missing{unknown}"),
+            Verdict::NotJudged => format!("not judged: {not_judged}"),
+            Verdict::EffectsFound if !not_judged.is_empty() => {
+                format!("missing: {}; not judged: {not_judged}", names.join(", "))
+            }
             Verdict::EffectsFound => format!("missing: {}", names.join(", ")),
             Verdict::Unexplained => unexplained,
             Verdict::EffectsFoundAndUnexplained => {

@@ -19,7 +19,7 @@ fn nothing_is_named_where_nothing_is_missing() {
         let map = found.result.empirical.as_ref().unwrap();
         assert!(!map.kept, "a map of nothing: {map:?}");
         let errors = found.result.errors.refitted.unwrap();
-        let floor_n = found.result.noise_floor_n;
+        let floor_n = found.result.noise_floor_n.unwrap();
         assert!((errors.holdout_rmse_n.unwrap() / floor_n - 1.0).abs() < 0.1, "{errors:?}");
         for (name, truth) in [("ce_n_s_per_m", 0.9e6), ("ke_n_per_m", 10.5e6), ("f_relief_n", 14e3)]
         {
@@ -44,7 +44,7 @@ fn a_missing_effect_is_named_with_its_size() {
     let errors = &found.result.errors;
     let (before, after) = (errors.refitted.unwrap(), errors.with_effects.unwrap());
     assert!(after.holdout_rmse_n.unwrap() < 0.6 * before.holdout_rmse_n.unwrap());
-    assert!(after.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n);
+    assert!(after.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n.unwrap());
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn two_effects_are_found_one_after_the_other() {
     named.sort_unstable();
     assert_eq!(named, ["asymmetric_damping", "sensor_delay"]);
     let errors = found.result.errors.with_effects.unwrap();
-    assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n);
+    assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n.unwrap());
 }
 
 #[test]

@@ -1,0 +1,111 @@
+//! The noise floor of the training tests: known, bounded from below, or unknown.
+//!
+//! | source | result |
+//! | --- | --- |
+//! | successive cycles of a test ([`super::repeat`]) | the floor |
+//! | two tests with the same motion | the floor |
+//! | samples that pass a test for white noise, of force or residual | a lower bound |
+//! | the force while the damper rests | a lower bound |
+//!
+//! The first source that applies counts. Where none does, the noise is unknown, and nothing stands
+//! in for it: the residual of a model that lacks something is no noise.
+
+use super::repeat::Repeat;
+use super::same_motion;
+use crate::test_set::TestSet;
+use measurement::noise::{NoiseSource, rest, rounding_n, white};
+
+/// What is known about the noise of the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoiseFloor {
+    /// rms of the noise, N, where cycles or tests repeat.
+    pub floor_n: Option<f64>,
+    /// A lower bound, N, where there is one and the floor is unknown.
+    pub at_least_n: Option<f64>,
+    /// Size of third differences, N, where nothing is known: the noise if it is white, less than
+    /// the noise if it was filtered.
+    pub samples_n: Option<f64>,
+    /// How it was found.
+    pub method: &'static str,
+}
+
+impl NoiseFloor {
+    /// From the first source that applies. `lines_n` is the rms of lines in the spectrum of the
+    /// residual, which are no noise even where they do not repeat with the cycle.
+    pub(crate) fn of(
+        residual_n: &[Vec<f64>],
+        repeat: &Repeat,
+        lines_n: f64,
+        tests: &TestSet,
+    ) -> Self {
+        let known = |floor_n: f64, method| {
+            let floor_n = without_lines(floor_n, lines_n, repeat);
+            Self { floor_n: Some(floor_n), at_least_n: None, samples_n: None, method }
+        };
+        if let Some(floor_n) = repeat.noise_floor_n {
+            return known(floor_n, "difference of the residual between successive cycles");
+        }
+        if let Some(floor_n) = same_motion::noise_floor_n(residual_n, tests) {
+            return known(floor_n, "difference of the residual between tests with the same motion");
+        }
+        let (square, source) = lower_bound(residual_n, tests);
+        let samples = tests.tests.iter().filter_map(|test| {
+            white::third_difference_rms(&test.record.force_n).map(|rms| (rms, test.counted().len()))
+        });
+        let samples = mean_square(samples, tests);
+        let unknown = Self {
+            floor_n: None,
+            at_least_n: None,
+            samples_n: (samples > 0.0).then(|| samples.sqrt()),
+            method: "unknown: no cycle and no test repeats, the noise of the samples is not white, \
+                     and the damper never rests",
+        };
+        match source {
+            None => unknown,
+            Some(source) => Self {
+                at_least_n: Some(square.sqrt()),
+                samples_n: None,
+                method: source.name(),
+                ..unknown
+            },
+        }
+    }
+}
+
+/// A line that does not repeat with the cycle is no noise.
+fn without_lines(floor_n: f64, lines_n: f64, repeat: &Repeat) -> f64 {
+    if lines_n > repeat.repeated_in_all_rms_n {
+        (floor_n * floor_n - lines_n * lines_n).max(0.01 * floor_n * floor_n).sqrt()
+    } else {
+        floor_n
+    }
+}
+
+/// Mean square of a lower bound over all tests, N2, and the source that gives most of it. A test
+/// without a bound counts as free of noise.
+fn lower_bound(residual_n: &[Vec<f64>], tests: &TestSet) -> (f64, Option<NoiseSource>) {
+    let each = tests.tests.iter().zip(residual_n).filter_map(|(test, residual)| {
+        let record = &test.record;
+        let signals = [&record.force_n, residual];
+        let least = |of: &dyn Fn(&[f64]) -> Option<f64>| {
+            signals.iter().filter_map(|signal| of(signal)).reduce(f64::min)
+        };
+        let white_n = least(&|signal| white::rms(signal));
+        let (rms_n, source) = white_n.map(|rms_n| (rms_n, NoiseSource::White)).or_else(|| {
+            rest::rms_n(record, &record.force_n).map(|rms_n| (rms_n, NoiseSource::Rest))
+        })?;
+        Some((rms_n.max(rounding_n(&record.force_n)), test.counted().len(), source))
+    });
+    let found: Vec<(f64, usize, NoiseSource)> = each.collect();
+    let square = mean_square(found.iter().map(|(rms_n, count, _)| (*rms_n, *count)), tests);
+    let samples = |source: NoiseSource| -> usize {
+        found.iter().filter(|(_, _, own)| *own == source).map(|(_, count, _)| count).sum()
+    };
+    let source = found.iter().map(|(_, _, source)| *source).max_by_key(|source| samples(*source));
+    (square, source)
+}
+
+fn mean_square(each: impl Iterator<Item = (f64, usize)>, tests: &TestSet) -> f64 {
+    let counted: usize = tests.tests.iter().map(|test| test.counted().len()).sum();
+    each.map(|(rms, count)| rms * rms * count as f64).sum::<f64>() / counted.max(1) as f64
+}
