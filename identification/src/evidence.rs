@@ -12,12 +12,15 @@ pub(crate) const LEAST_GAIN: f64 = 0.03;
 /// A piece may be worse by this share and still counts as unchanged.
 const UNCHANGED: f64 = 0.01;
 
+/// A piece excites an effect that changes its force by more than this share of its residual.
+const EXCITED: f64 = 0.05;
+
 /// The evidence for one effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
     /// Share of the squared error on left-out pieces that the effect removes.
     pub holdout_gain: f64,
-    /// Share of pieces that it improves or leaves unchanged.
+    /// Share of the pieces that excite it that it improves or leaves unchanged.
     pub improved: f64,
     /// Probability of such a gain without the effect, for one candidate.
     pub p_value: f64,
@@ -36,9 +39,25 @@ pub(crate) fn evidence(poorer: &Judged, richer: &Judged, tests: &TestSet) -> Evi
     let (before, after) = (&poorer.left_out, &richer.left_out);
     Evidence {
         holdout_gain: 1.0 - after.total_n2() / before.total_n2(),
-        improved: improved(&before.squares_n2, &after.squares_n2),
+        improved: improved_of_excited(poorer, richer, tests),
         p_value: p_value(poorer, richer, tests),
     }
+}
+
+/// Share of the pieces in which the richer model differs that it improves or leaves unchanged: a
+/// piece that does not excite an effect has no say in it.
+fn improved_of_excited(poorer: &Judged, richer: &Judged, tests: &TestSet) -> f64 {
+    let (before, after) = (&poorer.left_out, &richer.left_out);
+    let (mut before_n2, mut after_n2) = (Vec::new(), Vec::new());
+    for piece in 0..tests.pieces.len() {
+        let pairs = before.force_n[piece].iter().zip(&after.force_n[piece]);
+        let change_n2: f64 = pairs.map(|(a, b)| (a - b) * (a - b)).sum();
+        if change_n2 > EXCITED * EXCITED * before.squares_n2[piece] {
+            before_n2.push(before.squares_n2[piece]);
+            after_n2.push(after.squares_n2[piece]);
+        }
+    }
+    if before_n2.is_empty() { 1.0 } else { improved(&before_n2, &after_n2) }
 }
 
 /// Share of pieces whose squared error falls or does not change.

@@ -72,6 +72,42 @@ impl LeftOut {
         Some(result)
     }
 
+    /// Predicts one piece from the others and from its own rest, in runs that are left out in turn;
+    /// none where it cannot be cut.
+    pub(crate) fn predict_within(
+        standing: &Linearised,
+        piece: usize,
+        tests: &TestSet,
+    ) -> Option<Vec<f64>> {
+        let (cut, runs) = tests.with_runs_of(piece)?;
+        let grams: Vec<Gram> = cut
+            .pieces
+            .par_iter()
+            .map(|piece| {
+                let residual = residual(&standing.fit.force_n, piece, &cut);
+                Gram::over(&columns(standing, piece), &residual)
+            })
+            .collect();
+        let whole = &tests.pieces[piece];
+        let mut force_n = standing.fit.force_n[whole.test][whole.samples.clone()].to_vec();
+        let folds: Option<Vec<(Vec<f64>, f64, f64)>> =
+            runs.clone().into_par_iter().map(|out| fold(standing, &grams, out, &cut)).collect();
+        for (run, (run_n, _, _)) in cut.pieces[runs].iter().zip(folds?) {
+            let from = run.samples.start - whole.samples.start;
+            force_n[from..from + run_n.len()].copy_from_slice(&run_n);
+        }
+        Some(force_n)
+    }
+
+    /// Replaces the prediction of a piece.
+    pub(crate) fn replace(&mut self, piece: usize, force_n: Vec<f64>, tests: &TestSet) {
+        let Piece { test, samples } = &tests.pieces[piece];
+        let measured = &tests.tests[*test].record.force_n[samples.clone()];
+        let pairs = measured.iter().zip(&force_n);
+        self.squares_n2[piece] = pairs.map(|(y, f)| (y - f) * (y - f)).sum();
+        self.force_n[piece] = force_n;
+    }
+
     /// Sum over all pieces, N2.
     pub fn total_n2(&self) -> f64 {
         self.squares_n2.iter().sum()

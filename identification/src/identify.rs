@@ -7,6 +7,7 @@ use super::empirical::{Empirical, FittedMap, empirical};
 use super::error::IdentificationError;
 use super::finding::Findings;
 use super::fit::Fit;
+use super::gate::{CheckedOn, Gate, gate};
 use super::grey_box::{GreyBox, vector_of};
 use super::question::Question;
 use super::residual::ResidualAnalysis;
@@ -61,6 +62,7 @@ pub fn identify(
     let Question { train, holdout, datasheet, empirical: wanted, thorough, notes } = question;
     let (train, holdout) = (TestSet::new(train), TestSet::new(holdout));
     let findings = search_from_nominal(&train, datasheet.as_ref(), thorough, control)?;
+    let (findings, gate) = gate(findings, (&train, &holdout), control);
     control.report("residual");
     let damper = damper_of(&findings)?;
     let models = ThreeModels::new(&train, datasheet.as_ref(), &findings);
@@ -70,17 +72,18 @@ pub fn identify(
         let on_holdout = on_holdout.with_effects.as_ref();
         map_of_residual(&findings, &residual_after, on_holdout, (&train, &holdout), control)
     });
-    let remark = residual_after.remark();
+    let remarks = residual_after.remark().into_iter().chain(checked(&gate));
     let cautions = cautions::all(&findings, on_train.datasheet.as_ref(), (&train, &holdout));
     let result = IdentifyResult::new(Parts {
         train: Simulated { tests: &train, models: &on_train },
         holdout: Simulated { tests: &holdout, models: &on_holdout },
         datasheet: datasheet.as_ref(),
         findings: &findings,
+        gate: &gate,
         residual_before: &residual_before,
         residual_after: &residual_after,
         empirical: empirical.as_ref(),
-        notes: notes.into_iter().chain(cautions).chain(remark).collect(),
+        notes: notes.into_iter().chain(cautions).chain(remarks).collect(),
     });
     Ok(Identification {
         train,
@@ -93,6 +96,29 @@ pub fn identify(
         residual_after,
         empirical,
         result,
+    })
+}
+
+/// What the gate has checked, and on what.
+fn checked(gate: &Gate) -> Option<String> {
+    let on = match gate.checked_on {
+        CheckedOn::Nothing => return None,
+        CheckedOn::HoldoutInRange => {
+            "on the tests held out, within the range of the training tests"
+        }
+        CheckedOn::TrainingLeftOut => {
+            "on the training tests, each left out in turn: too few of the held-out samples are \
+             within the range of the training tests"
+        }
+    };
+    Some(if gate.cut.is_empty() {
+        format!("the effects were checked {on}")
+    } else {
+        format!(
+            "the effects were checked {on}, and {} cut: the errors on the tests held out are those \
+             of a model that was checked on them, not predictions",
+            gate.cut.join(", ")
+        )
     })
 }
 

@@ -19,7 +19,7 @@
 //! | `test_set`, `split` | records cut into pieces to leave out and independent blocks; the hold-out |
 //! | `coordinate`, `grey_box` | a model as a vector of bounded parameters |
 //! | `simulation`, `fit`, `start` | free-run simulation, least squares, start values |
-//! | `gram`, `colour`, `chance` | normal equations, coloured noise, significance |
+//! | `gram`, `colour`, `chance`, `batches` | normal equations, coloured noise, significance |
 //! | `residual` | is the residual noise, or has it structure? |
 //! | `linearised`, `folds`, `judged` | a fitted model, and its predictions of left-out pieces |
 //! | `evidence`, `finding` | the vocabulary: evidence, accepted, rejected, not testable |
@@ -27,6 +27,7 @@
 //! | `trial`, `acceptance`, `canonical`, `settling` | a candidate fitted and judged; the rules |
 //! | `budget`, `round`, `pair`, `rejection` | the parts of one round of the search |
 //! | `search` | the rounds, one effect after the other |
+//! | `gate` | which of the accepted effects survive the tests held out |
 //! | `empirical` | a map of the residual, if asked for |
 //! | `uncertainty`, `cautions` | how well parameters are known; reasons for doubt |
 //! | `error`, `question`, `result`, `identify` | files to a question; the whole; `result.json` |
@@ -36,6 +37,7 @@
 //! no bench and no vehicle.
 
 mod acceptance;
+mod batches;
 mod budget;
 mod candidate;
 mod canonical;
@@ -50,6 +52,7 @@ mod evidence;
 mod finding;
 mod fit;
 mod folds;
+mod gate;
 mod gram;
 mod grey_box;
 mod identify;

@@ -21,6 +21,7 @@ impl Identification {
             .chain(["\n".to_owned()])
             .chain(result.effects.iter().map(effect))
             .chain(unexplained.map(|part| format!("unexplained: {}\n", part.description)))
+            .chain(resembles(result))
             .chain(result.not_judged.iter().map(|why| format!("not judged: {why}\n")))
             .chain([noise(result)])
             .chain(result.empirical.as_ref().map(map))
@@ -40,6 +41,14 @@ fn harmless(text: &str) -> String {
         }
     }
     shown
+}
+
+/// Effects that describe the training tests alone.
+fn resembles(result: &IdentifyResult) -> Option<String> {
+    let names = result.resembles.join(", ");
+    (!names.is_empty()).then(|| {
+        format!("the residual resembles {names}, which describe the training tests alone\n")
+    })
 }
 
 /// What is known about the noise, and how.

@@ -26,6 +26,9 @@ const FEWEST_WHOLE_TESTS: usize = 4;
 /// Pieces that fewer tests are cut into.
 const PIECES_OF_FEW_TESTS: usize = 6;
 
+/// Fewest runs that can judge within a test.
+const FEWEST_RUNS: usize = 3;
+
 /// Records ready for models.
 #[derive(Debug, Clone)]
 pub struct TestSet {
@@ -90,6 +93,27 @@ impl TestSet {
             "every piece lies inside its test"
         );
         Self { tests, pieces, whole_tests, scale }
+    }
+
+    /// The same tests with one piece cut into runs of whole blocks, which lie in its place; none
+    /// where it has too few blocks.
+    pub(crate) fn with_runs_of(&self, piece: usize) -> Option<(Self, Range<usize>)> {
+        debug_assert!(piece < self.pieces.len(), "no piece {piece}");
+        let Piece { test, .. } = self.pieces[piece];
+        let blocks: Vec<Range<usize>> = self.blocks(&self.pieces[piece]).collect();
+        let per_run = blocks.len().div_ceil(PIECES_OF_FEW_TESTS).max(1);
+        let runs: Vec<Piece> = blocks
+            .chunks(per_run)
+            .filter_map(|run| Some(run.first()?.start..run.last()?.end))
+            .map(|samples| Piece { test, samples })
+            .collect();
+        let places = piece..piece + runs.len();
+        if runs.len() < FEWEST_RUNS {
+            return None;
+        }
+        let mut cut = self.clone();
+        cut.pieces.splice(piece..=piece, runs);
+        Some((cut, places))
     }
 
     /// The blocks of a piece, as samples of its test.

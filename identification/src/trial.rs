@@ -1,11 +1,12 @@
 //! A candidate on trial: fitted together with the standing model, and judged on pieces that neither
 //! has seen.
 
+use super::batches;
 use super::candidate::Candidate;
 use super::control::Control;
 use super::evidence::{Evidence, LEAST_GAIN, evidence};
 use super::fit::{Effort, Fit, fit, fit_freely};
-use super::folds::change_shares;
+use super::folds::{LeftOut, change_shares};
 use super::grey_box::CLEARANCE;
 use super::judged::Judged;
 use super::test_set::TestSet;
@@ -22,8 +23,8 @@ pub(crate) struct Trial {
     pub evidence: Evidence,
 }
 
-/// A piece with more than this share of the change that a candidate makes cannot judge it, unless
-/// the others would have found the candidate too.
+/// A piece with more than this share of the change that a candidate makes is judged by runs left
+/// out within it, unless the others would have found the candidate too.
 const LONE_SHARE: f64 = 0.98;
 
 /// Share of the clearance with which a candidate also starts.
@@ -105,12 +106,23 @@ pub(crate) fn try_candidate(
     let shares = change_shares(standing, judged.fit(), tests);
     for (piece, share) in shares.iter().enumerate() {
         if *share > LONE_SHARE && !found_without(piece, base, &judged) {
-            judged.left_out.force_n[piece].clone_from(&base.left_out.force_n[piece]);
-            judged.left_out.squares_n2[piece] = base.left_out.squares_n2[piece];
+            judge_within(piece, base, &mut judged, tests);
         }
     }
-    let evidence = evidence(base, &judged, tests);
+    let mut evidence = evidence(base, &judged, tests);
+    if batches::is_constant(candidate.effect.name) {
+        let by_batches = batches::constant(&base.linearised.residual_n, tests).p_value;
+        evidence.p_value = (2.0 * evidence.p_value.min(by_batches)).min(1.0);
+    }
     Some(Trial { candidate: index, judged, evidence })
+}
+
+/// Judges a piece that alone excites a candidate by runs left out within it: they predict it from
+/// the rest of the same test. A piece that cannot be cut judges nothing.
+fn judge_within(piece: usize, base: &Judged, judged: &mut Judged, tests: &TestSet) {
+    let within = LeftOut::predict_within(&judged.linearised, piece, tests);
+    let force_n = within.unwrap_or_else(|| base.left_out.force_n[piece].clone());
+    judged.left_out.replace(piece, force_n, tests);
 }
 
 /// True when a candidate removes enough of the squared error of all other pieces.

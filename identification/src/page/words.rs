@@ -29,7 +29,9 @@ pub(super) fn seen(coordinate: &str) -> String {
     match coordinate {
         "phase" => "that repeat in every cycle".to_owned(),
         "motion" => "that follow from the motion".to_owned(),
-        "size_of_the_force" => "that do not follow from the motion and change with the force".to_owned(),
+        "size_of_the_force" => {
+            "that do not follow from the motion and change with the force".to_owned()
+        }
         "frequency" => "in lines of the spectrum".to_owned(),
         "held_out_tests" => "in the tests held out".to_owned(),
         other => format!("over {}", spoken(other)),

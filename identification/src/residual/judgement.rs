@@ -1,7 +1,8 @@
 //! What a residual shows: the structure that remains, what cannot be judged, what is remarkable.
 //!
 //! The first that applies is reported: a cycle that is unlike all others; a line, a map or a part
-//! that repeats; a residual that follows the motion; a residual whose size follows the force.
+//! that repeats; a residual that follows the motion; a residual whose size follows the force; a
+//! constant.
 
 use super::maps::CoordinateMap;
 use super::question::Answer;
@@ -19,6 +20,8 @@ const AT_FLOOR: f64 = 1.1;
 const FAR_ABOVE_FLOOR: f64 = 1.5;
 /// Largest probability of structure by chance, over all coordinates.
 const LARGEST_P: f64 = 1e-3;
+/// A constant of a smaller share of the squared residual is not reported.
+const LEAST_SHARE_OF_CONSTANT: f64 = 0.03;
 /// Largest probability of a size that follows the force by chance.
 const LARGEST_P_OF_SIZE: f64 = 0.01;
 /// The same where the residual is far above a known floor.
@@ -35,6 +38,13 @@ pub struct Unexplained {
     pub description: String,
 }
 
+impl Unexplained {
+    /// With the description of another structure in the same residual.
+    fn also(self, other: &Self) -> Self {
+        Self { description: format!("{}; {}", self.description, other.description), ..self }
+    }
+}
+
 /// The structure of a residual, if there is any.
 pub(super) fn judge(
     analysis: &ResidualAnalysis,
@@ -46,10 +56,16 @@ pub(super) fn judge(
     let least_n = (LEAST_SHARE_OF_FLOOR * floor_n).max(own_n);
     let motion = follows_motion(analysis, least_n);
     if let Some(shaped) = shaped(analysis, residual_n, least_n, tests) {
-        let also = motion.map_or(String::new(), |motion| format!("; {}", motion.description));
-        return Some(Unexplained { description: shaped.description + &also, ..shaped });
+        return Some(match motion {
+            None => shaped,
+            // Kinks that follow the motion make lines too.
+            Some(motion) if shaped.coordinate == "frequency" && motion.rms_n > shaped.rms_n => {
+                motion.also(&shaped)
+            }
+            Some(motion) => shaped.also(&motion),
+        });
     }
-    motion.or_else(|| follows_force(analysis, own_n))
+    motion.or_else(|| follows_force(analysis, own_n)).or_else(|| constant(analysis, least_n))
 }
 
 /// More of the force follows from the motion than the model knows.
@@ -91,6 +107,24 @@ fn follows_force(analysis: &ResidualAnalysis, own_n: f64) -> Option<Unexplained>
              such as temperature or current, a valve that switches, or the bench itself (ripple, \
              skew, mounting)",
             short(rms_n)
+        ),
+    })
+}
+
+/// A constant that no effect was accepted for.
+fn constant(analysis: &ResidualAnalysis, least_n: f64) -> Option<Unexplained> {
+    let mean_n = analysis.constant.mean_n;
+    let share = (mean_n / analysis.rms_n) * (mean_n / analysis.rms_n);
+    let is_one = analysis.constant.p_value < LARGEST_P
+        && mean_n.abs() > least_n
+        && share > LEAST_SHARE_OF_CONSTANT;
+    is_one.then(|| Unexplained {
+        rms_n: mean_n.abs(),
+        coordinate: "constant",
+        description: format!(
+            "a constant of {} N: the zero of the load cell or a preload, which no accepted effect \
+             describes",
+            short(mean_n)
         ),
     })
 }

@@ -1,6 +1,6 @@
 //! The residual of a model: noise, or structure.
 //!
-//! Five questions, each answered against chance with independent stretches of record:
+//! Six questions, each answered against chance with independent stretches of record:
 //!
 //! | question | file | needs |
 //! | --- | --- | --- |
@@ -9,6 +9,7 @@
 //! | has its spectrum lines? | [`lines`] | |
 //! | does it follow the motion? | [`motion`] | parts to leave out |
 //! | does its size follow the force? | [`size`] | a force that changes its size |
+//! | is a constant under it? | [`super::batches`] | |
 //!
 //! None of them needs a noise floor ([`noise`]). Where the floor is known, a structure below a
 //! quarter of it is not reported; where it is unknown, only the models' own errors (two
@@ -30,6 +31,7 @@ mod same_motion;
 pub(crate) mod size;
 pub(crate) mod unlike;
 
+use super::batches::{self, Constant};
 use super::fit::Fit;
 use super::test_set::TestSet;
 use coordinates::{Coordinate, Track};
@@ -59,6 +61,8 @@ pub struct ResidualAnalysis {
     pub motion: Motion,
     /// Whether its size follows the force.
     pub size: Size,
+    /// The constant in it.
+    pub constant: Constant,
     /// The structure, if there is any.
     pub unexplained: Option<Unexplained>,
 }
@@ -91,6 +95,7 @@ impl ResidualAnalysis {
             lines,
             motion: motion::motion(fit, tests),
             size: size::size(fit, &residual_n, tests)?,
+            constant: batches::constant(&residual_n, tests),
             unexplained: None,
         };
         analysis.unexplained = judgement::judge(&analysis, &residual_n, tests);

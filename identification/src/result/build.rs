@@ -8,7 +8,9 @@ use super::{
 use crate::empirical::{Empirical, FittedMap};
 use crate::finding::Findings;
 use crate::fit::Fit;
+use crate::gate::Gate;
 use crate::grey_box::{NOMINAL, vector_of};
+use crate::residual::question::Answer;
 use crate::residual::{ResidualAnalysis, Unexplained};
 use crate::test_set::{Test, TestSet};
 use crate::uncertainty::uncertainty;
@@ -22,6 +24,7 @@ pub(crate) struct Parts<'a> {
     pub(crate) holdout: Simulated<'a>,
     pub(crate) datasheet: Option<&'a Nominal>,
     pub(crate) findings: &'a Findings,
+    pub(crate) gate: &'a Gate,
     pub(crate) residual_before: &'a ResidualAnalysis,
     pub(crate) residual_after: &'a ResidualAnalysis,
     pub(crate) empirical: Option<&'a Empirical>,
@@ -52,6 +55,8 @@ impl IdentifyResult {
             per_test: per_test(train, "train").chain(per_test(holdout, "holdout")).collect(),
             nominal: nominal_values(findings, &deviations, datasheet),
             effects: effects_found(findings, &deviations, train.tests),
+            gate: parts.gate.clone(),
+            resembles: resembles(parts.gate, parts.residual_after),
             rejected: rejected(findings),
             not_testable: not_testable(findings, train.tests),
             unexplained: parts.residual_after.unexplained.as_ref().map(unexplained),
@@ -75,6 +80,11 @@ fn verdict(findings: &Findings, residual: &ResidualAnalysis) -> Verdict {
 /// Why a residual without structure cannot be called noise.
 fn not_judged(residual: &ResidualAnalysis) -> Option<String> {
     if residual.unexplained.is_some() { None } else { residual.not_judged() }
+}
+
+/// Effects that were cut, where more of the force follows from the motion than the model knows.
+fn resembles(gate: &Gate, residual: &ResidualAnalysis) -> Vec<&'static str> {
+    if residual.motion.answer == Answer::Yes { gate.cut.clone() } else { Vec::new() }
 }
 
 fn errors_of_models(train: Simulated<'_>, holdout: Simulated<'_>) -> Models<Option<Errors>> {

@@ -5,6 +5,7 @@ mod sentence;
 
 pub(crate) use build::{Parts, Simulated};
 
+pub use crate::gate::{CheckedOn, Gate, Prefix};
 use crate::residual::ResidualAnalysis;
 use crate::residual::question::Answer;
 use serde::Serialize;
@@ -52,6 +53,10 @@ pub struct IdentifyResult {
     pub nominal: BTreeMap<String, NominalValue>,
     /// Effects that were found missing.
     pub effects: Vec<EffectFound>,
+    /// How the effects were checked on tests that the search has not seen.
+    pub gate: Gate,
+    /// Effects that the residual resembles, and that did not survive that check.
+    pub resembles: Vec<&'static str>,
     /// Effects that were looked for and not found.
     pub rejected: Vec<EffectRejected>,
     /// Effects that these records cannot show.

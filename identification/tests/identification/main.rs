@@ -6,3 +6,4 @@ mod empirical_map;
 mod findings;
 mod interruption;
 mod support;
+mod without_cycles;
