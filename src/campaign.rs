@@ -4,7 +4,7 @@ use crate::error::CommandError;
 use crate::exit::INTERRUPTED;
 use crate::output::print;
 use crate::value::whole;
-use crate::{progress, stop};
+use crate::{output, progress, stop};
 use clap::Args;
 use evidence::campaign::{Campaign, CaseResult, Table, page, table};
 use files::identity::content_hash;
@@ -64,13 +64,14 @@ pub(crate) fn command(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
     }
     folder.create()?;
     let bar = progress::bar("the first cases");
-    let computed = campaign.run(shard, &folder, stop::flag_of_saved_work(), &|case, done, of| {
+    let computed = campaign.run(shard, &folder, stop::flag(), &|case, done, of| {
         progress::show(&bar, [done, of], last(case));
     });
     bar.finish_and_clear();
     let computed = computed?;
+    output::note_cut_off(&computed, "case");
     if computed.is_stopped() {
-        let Computed { path, done, of } = computed;
+        let Computed { path, done, of, .. } = computed;
         eprintln!(
             "interrupted: {} holds {done} of {of} cases; the same command continues",
             path.display()
@@ -125,6 +126,8 @@ fn show(
     folder: Option<&ResultFolder>,
 ) -> Result<ExitCode, CommandError> {
     let (json, text) = (serde_json::to_string_pretty(table)?, page::text(table));
+    // The files are written whole.
+    let _ = stop::flag();
     if let Some(folder) = folder {
         folder.write("table.json", &format!("{json}\n"))?;
         folder.write("table.txt", &text)?;

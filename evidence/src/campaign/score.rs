@@ -9,6 +9,7 @@ use identification::result::{Errors, IdentifyResult, Verdict};
 use identification::{Control, Question, TestSet, identify, simulate, start_deflection_m};
 use measurement::Measurement;
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Standard deviations of half a 95 % interval.
@@ -118,8 +119,14 @@ pub struct Interval {
     pub off: f64,
 }
 
-/// Runs a case and scores it.
-pub(super) fn score(case: &Case, campaign_seed: u64, brief: bool) -> CaseResult {
+/// Runs a case and scores it; none once `stop` is set, which every step of it reads.
+pub(super) fn score(
+    case: &Case,
+    campaign_seed: u64,
+    brief: bool,
+    stop: &AtomicBool,
+) -> Option<CaseResult> {
+    let control = Control { progress: &|_| {}, stop };
     let mut line = CaseResult {
         index: case.index,
         campaign_seed,
@@ -146,20 +153,22 @@ pub(super) fn score(case: &Case, campaign_seed: u64, brief: bool) -> CaseResult 
         failure: None,
         seconds: 0.0,
     };
-    match mount(case) {
-        Ok(mounted) => line.fill(case, &mounted),
+    match mount(case, control) {
+        Ok(mounted) => line.fill(case, &mounted, control),
         Err(why) => line.failure = Some(why.to_string()),
     }
-    line
+    // What a stopped step returns is no result.
+    (!stop.load(Ordering::Relaxed)).then_some(line)
 }
 
 impl CaseResult {
-    fn fill(&mut self, case: &Case, mounted: &Mounted) {
+    fn fill(&mut self, case: &Case, mounted: &Mounted, control: Control<'_>) {
         self.truth = mounted.truth.iter().map(|name| (*name).to_owned()).collect();
         self.sizes = mounted.sizes.iter().map(|sized| sized.size).collect();
         self.reached = mounted.sizes.iter().all(|sized| sized.reached);
         self.parameters = mounted.damper.as_ref().map(true_parameters).unwrap_or_default();
-        let (train, holdout) = match records(case, &*mounted.specimen, &case.sensors) {
+        let (train, holdout) = match records(case, &*mounted.specimen, &case.sensors, control.stop)
+        {
             Ok(records) => records,
             Err(why) => {
                 self.failure = Some(why.to_string());
@@ -177,10 +186,10 @@ impl CaseResult {
         };
         let without = case.datasheet.is_some().then(|| {
             let question = Question { datasheet: None, ..question.clone() };
-            identify(question, Control::QUIET).map(|found| found.result)
+            identify(question, control).map(|found| found.result)
         });
         let begin = Instant::now();
-        let found = identify(question, Control::QUIET);
+        let found = identify(question, control);
         self.seconds = begin.elapsed().as_secs_f64();
         let result = match found {
             Ok(found) => found.result,

@@ -180,7 +180,7 @@ fn ridden(basis: &Basis<'_>, asked: &[Asked]) -> Result<Vec<Ridden>, EvidenceErr
         .par_iter()
         .map(|(damper, speed_kmh, x)| {
             let run = run_with(basis, *damper, *speed_kmh, &[])?;
-            let equipped = Equipped::of(&run)?;
+            let equipped = Equipped::of(&run)?.until(basis.stop);
             let ride = Ride::of(&run, &equipped, &procedure)?;
             let (ke_n_per_m, clearance_2a_m) = *damper;
             let at = vec![

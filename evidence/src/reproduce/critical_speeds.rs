@@ -5,13 +5,12 @@
 //! hunts. The speed below which no hunting stays bounds it without seed and threshold.
 
 use super::basis::Basis;
-use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M, Locomotive};
+use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M};
 use super::null_models::{constant_kmh, line_kmh};
 use super::row::{Figure, Role, Row};
 use crate::error::EvidenceError;
 use rayon::prelude::*;
 use report::Plot;
-use vehicle_studies::critical_speed::Procedure;
 use vehicle_studies::critical_speed::ascent::Ascent;
 use vehicle_studies::critical_speed::fold::Fold;
 
@@ -52,13 +51,12 @@ impl Found {
     /// # Errors
     /// The vehicle does not run steadily.
     pub(super) fn of(
-        locomotive: &Locomotive,
-        procedure: &Procedure,
+        basis: &Basis<'_>,
         (ke_n_per_m, clearance_2a_m): (f64, f64),
     ) -> Result<Self, EvidenceError> {
-        let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
-        let ascent = Ascent::of(&equipped, procedure)?;
-        let fold = Fold::of(&equipped, procedure)?;
+        let equipped = basis.equipped(ke_n_per_m, clearance_2a_m);
+        let ascent = Ascent::of(&equipped, basis.procedure)?;
+        let fold = Fold::of(&equipped, basis.procedure)?;
         Ok(Self { ke_n_per_m, clearance_2a_m, ascent, fold })
     }
 
@@ -142,7 +140,7 @@ fn all<const N: usize>(
     basis: &Basis<'_>,
     dampers: [(f64, f64); N],
 ) -> Result<Vec<Found>, EvidenceError> {
-    dampers.par_iter().map(|damper| Found::of(basis.locomotive, basis.procedure, *damper)).collect()
+    dampers.par_iter().map(|damper| Found::of(basis, *damper)).collect()
 }
 
 fn drawn(

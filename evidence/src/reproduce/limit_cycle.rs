@@ -10,7 +10,6 @@ use crate::error::EvidenceError;
 use firmware_core::track::Track;
 use rayon::prelude::*;
 use report::Plot;
-use scenario::equilibrium::NoEquilibrium;
 use scenario::run::CYCLE_S;
 use scenario::track::OwnedTrack;
 use signal::statistics;
@@ -51,18 +50,18 @@ impl Excursion {
     /// # Errors
     /// The vehicle does not run steadily.
     pub(super) fn of(
-        equipped: &Equipped,
+        equipped: &Equipped<'_>,
         procedure: &Procedure,
         track: &Track<'_>,
         kmh: f64,
-    ) -> Result<Self, NoEquilibrium> {
+    ) -> Result<Self, EvidenceError> {
         let Some(wheelset) = offset_wheelset(equipped, procedure) else {
             return Ok(Self { kmh, lateral_m: Vec::new(), motion: Hunting::DERAILED });
         };
         let (trip, mut state, duration_s) = set_off(equipped, procedure, track, kmh)?;
         let mut lateral = Vec::new();
         let on_track =
-            trip.go(&mut state, duration_s, |state| lateral.push(lateral_m(state, wheelset)));
+            trip.go(&mut state, duration_s, |state| lateral.push(lateral_m(state, wheelset)))?;
         let watched = (procedure.watched_s / CYCLE_S) as usize;
         let end = lateral.get(lateral.len().saturating_sub(watched)..).unwrap_or_default();
         let motion = Hunting::of(end);
@@ -77,7 +76,7 @@ impl Excursion {
 /// The vehicle does not run steadily.
 pub(super) fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let procedure = basis.procedure;
-    let equipped = basis.locomotive.with(KE_N_PER_M, CLEARANCE_2A_M);
+    let equipped = basis.equipped(KE_N_PER_M, CLEARANCE_2A_M);
     let found = excursions(&equipped, procedure, &SPEEDS_KMH)?;
     let mut rows = Vec::new();
     for at_speed in &found {
@@ -118,7 +117,7 @@ pub(super) fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 /// The vehicle does not run steadily.
 pub(super) fn suspended(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let procedure = basis.procedure;
-    let equipped = basis.locomotive.with(KE_N_PER_M, SUSPENDED_2A_M);
+    let equipped = basis.equipped(KE_N_PER_M, SUSPENDED_2A_M);
     let found = excursions(&equipped, procedure, &WORN_KMH)?;
     let rows = found
         .iter()
@@ -134,7 +133,7 @@ pub(super) fn suspended(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 }
 
 fn excursions(
-    equipped: &Equipped,
+    equipped: &Equipped<'_>,
     procedure: &Procedure,
     speeds_kmh: &[f64],
 ) -> Result<Vec<Vec<Excursion>>, EvidenceError> {
@@ -145,11 +144,10 @@ fn excursions(
         .collect();
     let over =
         |track: &OwnedTrack, kmh: f64| Excursion::of(equipped, procedure, &track.view(), kmh);
-    let found: Result<Vec<Vec<Excursion>>, NoEquilibrium> = speeds_kmh
+    speeds_kmh
         .par_iter()
         .map(|kmh| tracks.iter().map(|track| over(track, *kmh)).collect())
-        .collect();
-    Ok(found?)
+        .collect()
 }
 
 fn rows_of(

@@ -52,10 +52,9 @@ impl Recipe {
     ///
     /// # Errors
     /// The vehicle does not run steadily, or cannot be changed so; the files of the scenario have
-    /// changed since the basis was read.
+    /// changed since the basis was read; the work is stopped ([`EvidenceError::Stopped`]).
     pub fn make(&self, basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
-        let figure = (self.make)(basis)
-            .map_err(|why| EvidenceError::InFigure(self.number, Box::new(why)))?;
+        let figure = (self.make)(basis).map_err(|why| why.in_figure(self.number))?;
         basis.refuse_changed()?;
         Ok(figure)
     }

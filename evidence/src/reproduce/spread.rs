@@ -91,6 +91,7 @@ pub(super) fn of_inputs(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let speeds: Result<Vec<Vec<Option<f64>>>, EvidenceError> = ends
         .par_iter()
         .map(|(input, factor)| {
+            EvidenceError::check(basis.stop)?;
             let changed = Locomotive::load(basis.scenario, &input.settings(vehicle, *factor))?;
             speeds_kmh(&changed, basis)
         })
@@ -135,7 +136,7 @@ fn speeds_kmh(
     PUBLISHED
         .par_iter()
         .map(|(ke_n_per_m, clearance_2a_m, ..)| {
-            let equipped = locomotive.with(*ke_n_per_m, *clearance_2a_m);
+            let equipped = locomotive.with(*ke_n_per_m, *clearance_2a_m).until(basis.stop);
             Ok(Ascent::of(&equipped, basis.procedure)?.mean_kmh)
         })
         .collect()

@@ -190,7 +190,7 @@ fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<[Row; 4], EvidenceError
         run.contact = Some(other?);
     }
     let seeds = change.own_seeds.map_or(basis.procedure.seeds.clone(), |seeds| seeds.to_vec());
-    let tracks = signals(&run, &seeds, change.channel)?;
+    let tracks = signals(&run, &seeds, change.channel, basis.stop)?;
     let mean = |of: &dyn Fn(&Signals) -> Option<f64>| -> Option<f64> {
         let each: Option<Vec<f64>> = tracks.iter().map(of).collect();
         each.map(|each| statistics::mean(&each))

@@ -13,6 +13,7 @@ use firmware_core::wheel_rail::creep::{CreepForce, CreepLaw, Creepage, Fastsim, 
 use firmware_core::wheel_rail::kalker::coefficients;
 use report::Plot;
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
 
 /// Creepage, `F/(mu N)` of the full theory and of CONTACT's FASTSIM.
 const TRACTION_CURVE: &str = include_str!("tables/traction-curve.csv");
@@ -31,7 +32,7 @@ const CELLS: u16 = 220;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(_stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let [creepages, full, theirs] =
         columns(TRACTION_CURVE, ["longitudinal_creepage", "contact", "fastsim"])?;
     let patch = eurosprinter();

@@ -10,6 +10,7 @@ use crate::error::EvidenceError;
 use report::Plot;
 use signal::statistics;
 use std::f64::consts::TAU;
+use std::sync::atomic::AtomicBool;
 use vehicle_studies::ride::sperling::{Direction, WINDOW_1985_S, WINDOW_2019_S, index};
 use vehicle_studies::ride::weighting::Weighting;
 
@@ -58,7 +59,7 @@ const WB: [(i32, f64); 3] = [(0, 0.3853), (8, 1.054), (20, 0.1154)];
 ///
 /// # Errors
 /// A signal that cannot be assessed.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(_stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let mut checks = sines()?;
     checks.extend(factors());
     checks.extend(weighted_sines()?);

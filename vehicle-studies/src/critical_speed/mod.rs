@@ -26,6 +26,6 @@ mod study;
 mod text;
 
 pub use answer::{CriticalSpeeds, Point};
-pub use bracket::{Critical, first_unstable};
+pub use bracket::Critical;
 pub use procedure::{Criterion, Procedure};
 pub use study::Question;

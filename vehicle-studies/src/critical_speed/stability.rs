@@ -35,7 +35,7 @@ pub(super) fn rough(procedure: &Procedure, seed: u64) -> OwnedTrack {
 /// # Errors
 /// No steady running, or a signal that cannot be filtered.
 pub(super) fn greatest_over_limit(
-    equipped: &Equipped,
+    equipped: &Equipped<'_>,
     procedure: &Procedure,
     track: &Track<'_>,
     kmh: f64,

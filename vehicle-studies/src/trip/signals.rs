@@ -18,6 +18,7 @@
 //! half a millisecond) before the positions of the same sample.
 
 use super::Trip;
+use crate::error::StudyError;
 use firmware_core::line::LineState;
 use firmware_core::vehicle::{BodyId, LATERAL, PITCH, ROLL, VERTICAL, Vehicle, YAW};
 use firmware_core::wheel_rail::wheel::WheelForce;
@@ -191,13 +192,16 @@ pub struct Signals {
 
 impl Signals {
     /// Runs on for a time and records it.
+    ///
+    /// # Errors
+    /// The trip is stopped.
     pub fn of(
         trip: &Trip<'_>,
         state: &mut LineState,
         duration_s: f64,
         places: &Places,
         wheels: Wheels,
-    ) -> Self {
+    ) -> Result<Self, StudyError> {
         let named = |places: &[Place]| -> Vec<Acceleration> {
             let one =
                 |place: &Place| Acceleration { name: place.name.clone(), ..Default::default() };
@@ -217,9 +221,9 @@ impl Signals {
             dampers: vec![DamperSignal::default(); trip.vehicle().dampers.len()],
             ..Self::default()
         };
-        let on_track = trip.go(state, duration_s, |state| signals.push(state, places, wheels));
+        let on_track = trip.go(state, duration_s, |state| signals.push(state, places, wheels))?;
         signals.derailed = !on_track;
-        signals
+        Ok(signals)
     }
 
     /// Number of samples.
