@@ -6,7 +6,7 @@ use crate::output::print;
 use crate::value::whole;
 use crate::{output, progress, stop};
 use clap::Args;
-use evidence::campaign::{Campaign, CaseResult, Table, page, table};
+use evidence::campaign::{self, Campaign, CaseResult, Table, is_right};
 use files::identity::content_hash;
 use files::{Identity, ResultFolder};
 use signal::shards::{Computed, Shard, merge};
@@ -115,7 +115,7 @@ fn folder_of_merged(
 /// The last case in a few words.
 fn last(case: &CaseResult) -> String {
     let truth = if case.truth.is_empty() { case.kind.clone() } else { case.truth.join(", ") };
-    let right = if table::is_right(case) { "right" } else { "wrong" };
+    let right = if is_right(case) { "right" } else { "wrong" };
     format!("case {} ({truth}): {right}", case.index)
 }
 
@@ -125,7 +125,7 @@ fn show(
     table: &Table,
     folder: Option<&ResultFolder>,
 ) -> Result<ExitCode, CommandError> {
-    let (json, text) = (serde_json::to_string_pretty(table)?, page::text(table));
+    let (json, text) = (serde_json::to_string_pretty(table)?, campaign::text(table));
     // The files are written whole.
     let _ = stop::flag();
     if let Some(folder) = folder {

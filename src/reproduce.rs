@@ -6,10 +6,10 @@ use crate::output::print;
 use crate::{progress, stop, validation};
 use clap::Args;
 use evidence::EvidenceError;
-use evidence::reproduce::calibration::{Calibrated, UNKNOWNS, calibrate};
-use evidence::reproduce::locomotive::Locomotive;
-use evidence::reproduce::row::{Figure, Row};
-use evidence::reproduce::{Basis, FIGURES, Recipe, named, page};
+use evidence::reproduce::Locomotive;
+use evidence::reproduce::{Basis, FIGURES, Recipe, named, page, text};
+use evidence::reproduce::{Calibrated, UNKNOWNS, calibrate};
+use evidence::reproduce::{Figure, Row};
 use files::{Identity, ResultFolder};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -94,11 +94,11 @@ pub(crate) fn command(args: &ReproduceArgs) -> Result<ExitCode, CommandError> {
     let rows: Vec<&Row> = figures.iter().flat_map(|figure| &figure.rows).collect();
     let json = format!("{}\n", serde_json::to_string_pretty(&rows)?);
     folder.write("reproduce.json", &json)?;
-    folder.write("report.html", &page::page(&figures, &locomotive).to_html()?)?;
+    folder.write("report.html", &page(&figures, &locomotive).to_html()?)?;
     if args.json {
         print(&json)?;
     } else {
-        let (text, place) = (page::text(&figures), folder.path().display());
+        let (text, place) = (text(&figures), folder.path().display());
         print(&format!("{text}\n\nfiles in {place}: report.html, reproduce.json"))?;
     }
     let (done, of) = (figures.len(), recipes.len());

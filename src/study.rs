@@ -16,8 +16,8 @@ use serde::Serialize;
 use signal::shards::{self, Computed, Item, Shard, Work};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use vehicle_studies::GridPoint;
 use vehicle_studies::grid::{Axis, Grid};
-use vehicle_studies::point::GridPoint;
 use vehicle_studies::study::{Study, Varied, VariedStudy};
 
 /// The options of every study of a vehicle.

@@ -74,7 +74,7 @@ pub struct Named {
     pub alternatives: Vec<String>,
     /// Probability of such a finding by chance.
     pub p_value: f64,
-    /// Share of the squared error that it removes on held-out pieces.
+    /// Share of the squared error that it removes on the pieces held out.
     pub holdout_gain: f64,
 }
 
@@ -90,21 +90,21 @@ impl Named {
 pub struct CaseErrors {
     /// Noise floor as it was found.
     pub floor_n: f64,
-    /// Refitted nominal damper on the tests that it was fitted to.
+    /// Refitted nominal damper on the training tests.
     pub train_before_n: f64,
     /// With effects.
     pub train_after_n: f64,
-    /// Refitted nominal damper on tests held out.
+    /// Refitted nominal damper on the hold-out.
     pub before_n: f64,
     /// With effects.
     pub after_n: f64,
     /// The true damper on the same tests; none where no damper of the core is true.
     pub truth_n: Option<f64>,
-    /// The true damper on the tests that were fitted: more than the noise where the bench itself,
+    /// The true damper on the training tests: more than the noise where the bench itself,
     /// its filters and its sampling rate bend the record.
     #[serde(default)]
     pub train_truth_n: Option<f64>,
-    /// rms of the measured force held out.
+    /// rms of the measured force of the hold-out.
     pub force_n: f64,
 }
 
@@ -241,7 +241,7 @@ impl CaseResult {
         self.unexplained.is_some()
     }
 
-    /// Held-out error over that of the true damper.
+    /// Error on the hold-out over that of the true damper.
     pub fn over_truth(&self) -> Option<f64> {
         let errors = self.errors?;
         errors.truth_n.filter(|truth| *truth > 0.0).map(|truth| errors.after_n / truth)

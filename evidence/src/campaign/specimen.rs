@@ -1,4 +1,4 @@
-//! What is mounted in the bench for a case, with its effects at the size that they shall have.
+//! What is mounted in the bench for a case, with its effects at the wanted size.
 
 use super::case::Case;
 use super::plan::{HYDRAULIC, Kind};
@@ -25,7 +25,7 @@ const STRONGEST_OUTSIDE: f64 = 0.6;
 pub(super) struct Mounted {
     /// The specimen.
     pub specimen: Box<dyn Specimen>,
-    /// Names of what is missing in the nominal damper, where somebody knows.
+    /// Names of what is missing in the nominal damper, where it is known.
     pub truth: Vec<&'static str>,
     /// Its damper in the terms of the core, where it is one.
     pub damper: Option<Damper>,

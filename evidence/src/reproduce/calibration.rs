@@ -17,7 +17,7 @@ use super::null_models::CALIBRATED_ON;
 use crate::error::EvidenceError;
 use scenario::setting::Setting;
 use serde::Serialize;
-use vehicle_studies::critical_speed::ascent::Ascent;
+use vehicle_studies::critical_speed::Ascent;
 use vehicle_studies::critical_speed::{Critical, Procedure};
 
 /// How closely a speed is met (km/h).
@@ -108,6 +108,7 @@ fn one(
     others: &[Setting],
     see: &dyn Fn(&str, f64, Option<f64>),
 ) -> Result<Calibrated, EvidenceError> {
+    debug_assert!(unknown.fixed_on < CALIBRATED_ON.len() && unknown.range[0] < unknown.range[1]);
     let (ke_n_per_m, clearance_2a_m, aim_kmh) = CALIBRATED_ON[unknown.fixed_on];
     let near = Procedure {
         from_kmh: aim_kmh - NEAR_KMH,

@@ -10,12 +10,12 @@ use vehicle_studies::StudyError;
 use vehicle_studies::trip::Equipped;
 
 /// Effective stiffness of a damper in good condition (N/m).
-pub const KE_N_PER_M: f64 = 12.5e6;
+pub(super) const KE_N_PER_M: f64 = 12.5e6;
 /// Its clearance (m).
-pub const CLEARANCE_2A_M: f64 = 0.2e-3;
+pub(super) const CLEARANCE_2A_M: f64 = 0.2e-3;
 
 /// Keys of a scenario that make all its yaw dampers so.
-pub fn dampers(ke_n_per_m: f64, clearance_2a_m: f64) -> [Setting; 2] {
+pub(super) fn dampers(ke_n_per_m: f64, clearance_2a_m: f64) -> [Setting; 2] {
     [
         Setting::to("damper.ke_n_per_m", ke_n_per_m),
         Setting::to("damper.clearance_2a_m", clearance_2a_m),

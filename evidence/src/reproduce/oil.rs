@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use report::Plot;
 use scenario::source::Source;
 use std::path::Path;
-use vehicle_studies::critical_speed::ascent::Ascent;
+use vehicle_studies::critical_speed::Ascent;
 use virtual_bench::bench_visit::protocol::Test;
 use virtual_bench::bench_visit::sensors::Sensors;
 use virtual_bench::bench_visit::{RawRecord, measurements, protocol, record_from};
@@ -66,8 +66,8 @@ pub(super) fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, EvidenceE
     Ok(Figure {
         number: "6",
         title: "Physical damper, estimated parameters, locomotive: oil temperature and entrained air",
-        said: "oil temperature and entrained air act through Ce and Ke; their effect on critical speed is not \
-               obvious in normal running",
+        said: "oil temperature and entrained air act through Ce and Ke; in normal running they have no obvious effect \
+               on the critical speed",
         plots: vec![
             Plot::new("Critical speed over oil temperature, 0.5 % of air")
                 .x("oil temperature", "degC")

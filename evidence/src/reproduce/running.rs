@@ -136,7 +136,7 @@ pub(super) fn accelerations(basis: &Basis<'_>) -> Result<Figure, EvidenceError> 
     Ok(Figure {
         number: "4",
         title: "Lateral accelerations at 160 km/h",
-        said: "the wheelset shakes more than the bogie frame, the bogie frame more than the carbody",
+        said: "accelerations decrease from the wheelset to the bogie frame and from there to the carbody",
         rows,
         plots: vec![plot],
         ..Figure::default()
@@ -200,8 +200,8 @@ pub(super) fn damper_forces(basis: &Basis<'_>) -> Result<Figure, EvidenceError> 
     Ok(Figure {
         number: "8",
         title: "Damper forces, left and right",
-        said: "one pushes while the other pulls; dead zones and impacts where the direction changes; each damper \
-               works at some 3.5 Hz and +-3 to 4 mm (3.46 mm)",
+        said: "one damper pushes while the other pulls, with dead zones and impacts where the direction changes; \
+               each damper works at about 3.5 Hz and +-3 to 4 mm (3.46 mm)",
         rows,
         plots: vec![plot.zoom("one reversal", DRAWN_S[0]..=DRAWN_S[0] + 0.5)],
         ..Figure::default()

@@ -18,8 +18,8 @@ use report::Plot;
 use signal::statistics;
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
-use vehicle_studies::critical_speed::fold::{CyclePoint, Fold};
 use vehicle_studies::critical_speed::{Critical, Procedure};
+use vehicle_studies::critical_speed::{CyclePoint, Fold};
 use vehicle_studies::modes::{Coordinate, Impedances, Jacobians};
 use vehicle_studies::trip::Equipped;
 

@@ -123,7 +123,7 @@ fn spin_case(law: &CreepLaw, patch: &Patch) -> f64 {
 }
 
 /// How far ours is from the full theory at most, over the friction limit.
-pub(super) fn share_beside_full_theory() -> Result<f64, EvidenceError> {
+pub(super) fn difference_to_full_theory() -> Result<f64, EvidenceError> {
     let [creepages, full] = columns(TRACTION_CURVE, ["longitudinal_creepage", "contact"])?;
     let (law, patch) = (law(CELLS)?, eurosprinter());
     let off = |(xi, full): (&f64, &f64)| (traction(&law, &patch, *xi) - full).abs();

@@ -233,7 +233,7 @@ impl Bench {
         let pair = ContactPair::new(&s1002(), uic60(), Placement::UIC)?;
         let table = ContactTable::new(&pair.tables(), RADIUS_M, Material::STEEL);
         let rail = PlacedRail::new(uic60(), &Placement::UIC)?;
-        let fastsim_share = fastsim::share_beside_full_theory()?;
+        let fastsim_share = fastsim::difference_to_full_theory()?;
         Ok(Self { table, wheel: s1002(), rail, fastsim_share })
     }
 

@@ -4,7 +4,7 @@
 //! One file per reference. Each computes its numbers when it is asked, compares them with the known
 //! ones as [`Check`]s with tolerances that its [`Reference`] derives, and says what is left out.
 //! Nothing here is tuned to pass; the same functions are the tests (`tests/validation.rs`) and the
-//! page of `yawbench reproduce --validation` ([`page`]).
+//! page of `yawbench reproduce --validation` ([`page()`]).
 //!
 //! | file | known from |
 //! | --- | --- |
@@ -26,14 +26,16 @@ mod kaas_petersen;
 mod kalker;
 mod locomotive;
 mod manchester_contact;
-pub mod page;
+mod page;
 mod ride;
 mod steps;
 mod symmetry;
-pub mod text;
+mod text;
 mod vehicles;
 
 pub use check::{Check, Reference};
+pub use page::page;
+pub use text::{misses, text};
 
 use crate::error::EvidenceError;
 use files::Identity;

@@ -67,6 +67,7 @@ impl Fold {
         let (mut at, mut step) = (to_kmh, procedure.step_kmh);
         loop {
             let next = (at - step).max(from_kmh);
+            debug_assert!(next < at, "{next} and {at} km/h");
             let mut tried = state.clone();
             let motion = held(equipped, procedure, next, &mut tried)?;
             if alive(&motion) {

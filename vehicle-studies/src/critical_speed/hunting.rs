@@ -39,15 +39,16 @@ impl Hunting {
     }
 }
 
-/// Runs on, and looks at the last `watched_s` of `duration_s`.
+/// Runs on, and evaluates the last `watched_s` of `duration_s`.
 ///
 /// # Errors
 /// The trip is stopped.
-pub fn after(
+pub(super) fn after(
     trip: &Trip<'_>,
     state: &mut LineState,
     [duration_s, watched_s]: [f64; 2],
 ) -> Result<Hunting, StudyError> {
+    debug_assert!((0.0..=duration_s).contains(&watched_s), "{watched_s} s of {duration_s} s");
     let wheelsets: Vec<BodyId> = trip.vehicle().axles.iter().map(|axle| axle.body).collect();
     let mut seen: Vec<Vec<f64>> = vec![Vec::new(); wheelsets.len()];
     let on_track = trip.go(state, duration_s - watched_s, |_| {})?

@@ -2,7 +2,7 @@
 //!
 //! Eigenvalues about steady running ([`crate::modes`]) with every damper as stiffness and damping
 //! of one stroke and of the frequency of the mode that is asked for
-//! ([`crate::describing_function`]); the frequency is that of the least damped mode, found by
+//! (`describing_function`); the frequency is that of the least damped mode, found by
 //! repetition. At zero stroke a clearance would mean that there is no damper: a stroke has to be
 //! given.
 
@@ -97,6 +97,7 @@ impl LinearSpeed {
         procedure: &Procedure,
         stroke_m: f64,
     ) -> Result<Self, StudyError> {
+        debug_assert!(stroke_m > 0.0 || equipped.dampers.is_empty(), "no stroke");
         let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
         let mut growing = None;
         let climb = [from_kmh, to_kmh];
@@ -125,7 +126,7 @@ impl LinearSpeed {
 
 /// The least damped mode at a speed, the dampers at a stroke; none where there is no steady
 /// running.
-pub fn least_damped(equipped: &Equipped<'_>, speed_m_per_s: f64, stroke_m: f64) -> Option<Mode> {
+fn least_damped(equipped: &Equipped<'_>, speed_m_per_s: f64, stroke_m: f64) -> Option<Mode> {
     modes_at(equipped, speed_m_per_s, stroke_m)?.first().copied()
 }
 

@@ -9,8 +9,7 @@
 //! Limits: straight track, and 400 m of it behind a run-in.
 
 use super::procedure::Procedure;
-use crate::curve::Passed;
-use crate::curve::limits::AxleLimits;
+use crate::curve::{AxleLimits, Passed};
 use crate::error::StudyError;
 use crate::trip::{Equipped, START_M, Trip};
 use firmware_core::track::{Layout, Track};

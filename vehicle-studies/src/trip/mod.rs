@@ -8,10 +8,10 @@
 //! A trip ends early with [`StudyError::Stopped`] when the flag of its vehicle is set
 //! ([`Equipped::until`]).
 //!
-//! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on, [`pace`] is
+//! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on, [`Pace`] is
 //! how fast trips are.
 
-pub mod pace;
+mod pace;
 pub mod signals;
 #[cfg(test)]
 mod tests;
@@ -24,7 +24,8 @@ use firmware_core::line::{Line, LineState, Slot};
 use firmware_core::track::Track;
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
-use pace::{Odometer, Pace};
+use pace::Odometer;
+pub use pace::Pace;
 use scenario::equilibrium::{self, NoEquilibrium};
 use scenario::minimum_speed::minimum_speed_m_per_s;
 use scenario::run::{CYCLE_S, Run, SlotForce};
@@ -79,7 +80,7 @@ impl Equipped<'static> {
     }
 }
 
-impl<'a> Equipped<'a> {
+impl Equipped<'_> {
     /// The same vehicle, whose trips end with [`StudyError::Stopped`] once a flag is set.
     #[must_use]
     pub fn until(self, stop: &AtomicBool) -> Equipped<'_> {
@@ -163,6 +164,7 @@ impl<'a> Trip<'a> {
     ) -> Self {
         let substeps = equipped.substeps(speed_m_per_s, least_substeps);
         let substep_s = CYCLE_S / f64::from(substeps);
+        debug_assert!(equipped.dampers.len() <= DAMPER_SLOTS, "more dampers than slots");
         #[expect(
             clippy::large_stack_arrays,
             reason = "once per trip, and a line holds it by value"
@@ -194,6 +196,7 @@ impl<'a> Trip<'a> {
         let mut start = equilibrium::running(line.vehicle, line.contact, line.speed_m_per_s)?;
         start.state.distance_m.0[0] = START_M;
         for (body, offset_m) in offsets_m {
+            debug_assert!(body.index() < start.state.position.len(), "no such body");
             if let Some(pose) = start.state.position.get_mut(body.index()) {
                 pose[LATERAL].0[0] += offset_m;
             }
@@ -252,5 +255,6 @@ impl<'a> Trip<'a> {
 
 /// Lateral position of a body (m), to the right.
 pub fn lateral_m(state: &LineState, body: BodyId) -> f64 {
+    debug_assert!(body.index() < state.vehicle.position.len(), "no such body");
     state.vehicle.position.get(body.index()).map_or(0.0, |pose| pose[LATERAL].lane(0))
 }

@@ -302,6 +302,7 @@ impl WheelSignal {
 
 /// Acceleration of a place, to the right and down (m/s2).
 fn acceleration_m_per_s2(state: &LineState, place: &Place) -> [f64; 2] {
+    debug_assert!(place.body.index() < state.vehicle.acceleration.len(), "no such body");
     let Some(rate) = state.vehicle.acceleration.get(place.body.index()) else { return [0.0; 2] };
     let of = |coordinate: usize| rate[coordinate].lane(0);
     [

@@ -7,10 +7,10 @@ use signal::shards::{self, Shard, Work};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use vehicle_studies::StudyError;
+use vehicle_studies::critical_speed::Ascent;
+use vehicle_studies::critical_speed::Fold;
+use vehicle_studies::critical_speed::LinearSpeed;
 use vehicle_studies::critical_speed::Procedure;
-use vehicle_studies::critical_speed::ascent::Ascent;
-use vehicle_studies::critical_speed::fold::Fold;
-use vehicle_studies::critical_speed::linear::LinearSpeed;
 use vehicle_studies::trip::{Equipped, Trip};
 
 /// Most cycles of 1 ms that a trip does after its flag is set.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use vehicle_studies::critical_speed::linear::STROKES_M;
+use vehicle_studies::critical_speed::STROKES_M;
 use vehicle_studies::critical_speed::{Procedure, Question};
 use vehicle_studies::grid::Grid;
 use vehicle_studies::study::{Varied, VariedStudy};
