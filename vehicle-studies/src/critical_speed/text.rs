@@ -34,7 +34,8 @@ pub(super) fn table(points: &[Point]) -> Table {
         );
     }
     for stroke in &strokes {
-        table = table.written(&format!("linear, {stroke}"), "km/h").fixed("frequency", "Hz", 2);
+        let head = format!("linear, {stroke}, unstable from");
+        table = table.written(&head, "km/h").fixed("frequency", "Hz", 2);
     }
     table.rows(points.iter().map(|point| {
         let found = &point.answer;
