@@ -50,8 +50,8 @@ pub enum EvidenceError {
 }
 
 impl EvidenceError {
-    /// The same error in a figure of the study, by its number. Work that is stopped is no error of a
-    /// figure.
+    /// The same error in a figure of the study, by its number. Work that is stopped is no error of
+    /// a figure.
     pub(crate) fn in_figure(self, number: &'static str) -> Self {
         match self {
             Self::Stopped => Self::Stopped,

@@ -1,4 +1,4 @@
-//! Ctrl-C ends a command with what it has: a study keeps its points, and the same command continues.
+//! Ctrl-C ends a command with what it has: a study keeps its points, and the same command goes on.
 
 use crate::support::command::{folder, output, read, repository, yawbench};
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! What the tables of all studies share: columns for the keys that are varied, and the text around a
-//! table on a terminal.
+//! What the tables of all studies share: columns for the keys that are varied, and the text around
+//! a table on a terminal.
 
 use crate::point::GridPoint;
 use crate::trip::Pace;

@@ -46,7 +46,8 @@ impl Ride {
     /// The vehicle of a run rides on the tracks of all seeds.
     ///
     /// # Errors
-    /// No steady running, a track that the vehicle leaves, a section too short; the work is stopped.
+    /// No steady running, a track that the vehicle leaves, a section too short; the work is
+    /// stopped.
     pub fn of(
         run: &Run,
         equipped: &Equipped<'_>,
