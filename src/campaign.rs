@@ -4,9 +4,9 @@ use crate::error::CommandError;
 use crate::exit::INTERRUPTED;
 use crate::output::print;
 use crate::value::whole;
-use crate::{progress, stop};
+use crate::{output, progress, stop};
 use clap::Args;
-use evidence::campaign::{Campaign, CaseResult, Table, page, table};
+use evidence::campaign::{self, Campaign, CaseResult, Table, is_right};
 use files::identity::content_hash;
 use files::{Identity, ResultFolder};
 use signal::shards::{Computed, Shard, merge};
@@ -64,13 +64,14 @@ pub(crate) fn command(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
     }
     folder.create()?;
     let bar = progress::bar("the first cases");
-    let computed = campaign.run(shard, &folder, stop::flag_of_saved_work(), &|case, done, of| {
+    let computed = campaign.run(shard, &folder, stop::flag(), &|case, done, of| {
         progress::show(&bar, [done, of], last(case));
     });
     bar.finish_and_clear();
     let computed = computed?;
+    output::note_cut_off(&computed, "case");
     if computed.is_stopped() {
-        let Computed { path, done, of } = computed;
+        let Computed { path, done, of, .. } = computed;
         eprintln!(
             "interrupted: {} holds {done} of {of} cases; the same command continues",
             path.display()
@@ -114,7 +115,7 @@ fn folder_of_merged(
 /// The last case in a few words.
 fn last(case: &CaseResult) -> String {
     let truth = if case.truth.is_empty() { case.kind.clone() } else { case.truth.join(", ") };
-    let right = if table::is_right(case) { "right" } else { "wrong" };
+    let right = if is_right(case) { "right" } else { "wrong" };
     format!("case {} ({truth}): {right}", case.index)
 }
 
@@ -124,7 +125,9 @@ fn show(
     table: &Table,
     folder: Option<&ResultFolder>,
 ) -> Result<ExitCode, CommandError> {
-    let (json, text) = (serde_json::to_string_pretty(table)?, page::text(table));
+    let (json, text) = (serde_json::to_string_pretty(table)?, campaign::text(table));
+    // The files are written whole.
+    let _ = stop::flag();
     if let Some(folder) = folder {
         folder.write("table.json", &format!("{json}\n"))?;
         folder.write("table.txt", &text)?;

@@ -92,6 +92,8 @@ fn of_records(
     folder.check(&[LABORATORY])?;
     let tests = measurement::read_tests(&args.from, args.mapping.as_deref())?;
     let file = LaboratoryFile::of_records(&args.from, &tests, datasheet);
+    // The figures are written whole.
+    let _ = stop::flag();
     folder.create()?;
     finish(args, &folder, &file, "")
 }

@@ -4,7 +4,7 @@ use crate::error::CommandError;
 use crate::study::{self, StudyArgs};
 use clap::{Args, ValueEnum};
 use std::process::ExitCode;
-use vehicle_studies::critical_speed::linear::STROKES_M;
+use vehicle_studies::critical_speed::STROKES_M;
 use vehicle_studies::critical_speed::{Criterion, Procedure, Question};
 
 /// The options of `critical-speed`.

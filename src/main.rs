@@ -97,6 +97,7 @@ enum Command {
 
 /// Runs the command line.
 fn main() -> ExitCode {
+    stop::listen();
     let cli = match parsed() {
         Ok(cli) => cli,
         Err(why)

@@ -3,6 +3,7 @@
 //! A reader that closes the pipe early (`yawbench ride … | head`) is no error and leaves the exit
 //! code as it is. A full disk is an error.
 
+use signal::shards::Computed;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
@@ -32,4 +33,13 @@ pub(crate) fn file_name(path: &Path) -> String {
 /// Prints an error on standard error. Where nothing takes it, the exit code still says it.
 pub(crate) fn complain(error: &str) {
     let _ = writeln!(io::stderr(), "error: {error}");
+}
+
+/// Reports that the file of a study or campaign ended in an incomplete line.
+pub(crate) fn note_cut_off(computed: &Computed, item: &str) {
+    if computed.cut_off {
+        let path = computed.path.display().to_string();
+        let path = files::quoted(&path);
+        eprintln!("note: {path}: the last line was incomplete, its {item} was computed again");
+    }
 }

@@ -5,10 +5,11 @@ use crate::exit::INTERRUPTED;
 use crate::output::print;
 use crate::{progress, stop, validation};
 use clap::Args;
-use evidence::reproduce::calibration::{Calibrated, UNKNOWNS, calibrate};
-use evidence::reproduce::locomotive::Locomotive;
-use evidence::reproduce::row::{Figure, Row};
-use evidence::reproduce::{Basis, FIGURES, Recipe, named, page};
+use evidence::EvidenceError;
+use evidence::reproduce::Locomotive;
+use evidence::reproduce::{Basis, FIGURES, Recipe, named, page, text};
+use evidence::reproduce::{Calibrated, UNKNOWNS, calibrate};
+use evidence::reproduce::{Figure, Row};
 use files::{Identity, ResultFolder};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -82,7 +83,8 @@ pub(crate) fn command(args: &ReproduceArgs) -> Result<ExitCode, CommandError> {
     let seeds = (1..=args.seeds).collect();
     let procedure = Procedure { from_kmh, to_kmh, seeds, ..Procedure::default() };
     let scenario = args.scenario.as_path();
-    let basis = Basis { scenario, locomotive: &locomotive, procedure: &procedure };
+    let basis =
+        Basis { scenario, locomotive: &locomotive, procedure: &procedure, stop: stop::flag() };
     if args.calibrate {
         return calibration(args, &basis);
     }
@@ -92,11 +94,11 @@ pub(crate) fn command(args: &ReproduceArgs) -> Result<ExitCode, CommandError> {
     let rows: Vec<&Row> = figures.iter().flat_map(|figure| &figure.rows).collect();
     let json = format!("{}\n", serde_json::to_string_pretty(&rows)?);
     folder.write("reproduce.json", &json)?;
-    folder.write("report.html", &page::page(&figures, &locomotive).to_html()?)?;
+    folder.write("report.html", &page(&figures, &locomotive).to_html()?)?;
     if args.json {
         print(&json)?;
     } else {
-        let (text, place) = (page::text(&figures), folder.path().display());
+        let (text, place) = (text(&figures), folder.path().display());
         print(&format!("{text}\n\nfiles in {place}: report.html, reproduce.json"))?;
     }
     let (done, of) = (figures.len(), recipes.len());
@@ -129,12 +131,12 @@ fn make(recipes: &[Recipe], basis: &Basis<'_>) -> Result<Vec<Figure>, CommandErr
     let bar = progress::bar("the first figure");
     let mut figures = Vec::new();
     for (done, recipe) in recipes.iter().enumerate() {
-        if stop::flag().load(Ordering::Relaxed) {
-            break;
-        }
         let now = format!("figure {}: {}", recipe.number, recipe.title);
         progress::show(&bar, [done, recipes.len()], now);
-        figures.push(recipe.make(basis)?);
+        match recipe.make(basis) {
+            Err(EvidenceError::Stopped) => break,
+            made => figures.push(made?),
+        }
     }
     bar.finish_and_clear();
     Ok(figures)
@@ -144,7 +146,7 @@ fn calibration(args: &ReproduceArgs, basis: &Basis<'_>) -> Result<ExitCode, Comm
     let folder = folder(args, &basis.identity(&["calibration"])?, &["calibration.json"])?;
     let bar = progress::bar("the first number");
     let tried = std::cell::Cell::new(0);
-    let calibrated = calibrate(basis, stop::flag(), &|key, value, kmh| {
+    let calibrated = calibrate(basis, &|key, value, kmh| {
         tried.set(tried.get() + 1);
         let speed = kmh.map_or("beyond the range".to_owned(), |kmh| format!("{kmh:.1} km/h"));
         let name = key.rsplit('.').next().unwrap_or(key);
@@ -156,7 +158,7 @@ fn calibration(args: &ReproduceArgs, basis: &Basis<'_>) -> Result<ExitCode, Comm
     let file = CalibrationFile { format: 1, procedure, calibrated: &calibrated };
     let json = format!("{}\n", serde_json::to_string_pretty(&file)?);
     folder.write("calibration.json", &json)?;
-    let interrupted = stop::flag().load(Ordering::Relaxed);
+    let interrupted = basis.stop.load(Ordering::Relaxed);
     if interrupted {
         eprintln!("interrupted: the numbers are those of the last complete step");
     }

@@ -4,8 +4,8 @@ use crate::error::CommandError;
 use crate::study::{self, StudyArgs};
 use clap::{Args, ValueEnum};
 use std::process::ExitCode;
+use vehicle_studies::ride::Kind;
 use vehicle_studies::ride::Procedure;
-use vehicle_studies::ride::grade::Kind;
 use vehicle_studies::ride::sperling::WINDOW_1985_S;
 
 /// The options of `ride`.

@@ -1,7 +1,7 @@
 //! `yawbench simulate`: a model's force on a record, free-running from its displacement.
 
 use crate::error::CommandError;
-use crate::output;
+use crate::{output, stop};
 use clap::Args;
 use firmware_core::damper::Damper;
 use identification::result::Models;
@@ -76,6 +76,8 @@ pub(crate) fn command(args: &SimulateArgs) -> Result<(), CommandError> {
         models_n: Models { datasheet: None, refitted: None, with_effects: Some(&force_n) },
         with_empirical_n: mapped_n.as_deref(),
     };
+    // Both files are written.
+    let _ = stop::flag();
     place.write(&prediction)
 }
 

@@ -7,7 +7,7 @@
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::output::print;
-use crate::{progress, stop};
+use crate::{output, progress, stop};
 use clap::Args;
 use files::{Identity, ResultFolder};
 use report::Report;
@@ -16,8 +16,8 @@ use serde::Serialize;
 use signal::shards::{self, Computed, Item, Shard, Work};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use vehicle_studies::GridPoint;
 use vehicle_studies::grid::{Axis, Grid};
-use vehicle_studies::point::GridPoint;
 use vehicle_studies::study::{Study, Varied, VariedStudy};
 
 /// The options of every study of a vehicle.
@@ -84,7 +84,7 @@ pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> Result<ExitCode, 
     let varied = Varied { scenario: args.scenario.clone(), grid };
     let asked = VariedStudy { varied, study };
     let identity = asked.identity()?;
-    let name = format!("{}-{}", crate::output::stem(&args.scenario), S::NAME);
+    let name = format!("{}-{}", output::stem(&args.scenario), S::NAME);
     let (mut folder, changed) =
         ResultFolder::for_identity(args.out.as_deref(), &name, S::NAME, &identity)?;
     folder.check(&[&format!("{}.json", S::NAME), "report.html"])?;
@@ -97,8 +97,9 @@ pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> Result<ExitCode, 
     note(changed);
     folder.create()?;
     let computed = compute(&asked, &identity, args.shard.unwrap_or(Shard::WHOLE), &folder)?;
+    output::note_cut_off(&computed, "point");
     if computed.is_stopped() {
-        let Computed { path, done, of } = computed;
+        let Computed { path, done, of, .. } = computed;
         eprintln!(
             "interrupted: {} holds {done} of {of} points; the same command continues",
             path.display()
@@ -145,11 +146,12 @@ fn compute<S: Study>(
     let items = asked.varied.grid.len();
     let work = Work { items, name: asked.name(identity), identity };
     let bar = progress::bar("the first points");
-    let point = |index| asked.point(identity, index);
+    let stop = stop::flag();
+    let point = |index| asked.point(identity, index, stop);
     let show = |point: &GridPoint<S::Answer>, done, of| {
         progress::show(&bar, [done, of], format!("point {} of {items}", point.index + 1));
     };
-    let computed = shards::run(&work, shard, folder, stop::flag_of_saved_work(), &point, &show);
+    let computed = shards::run(&work, shard, folder, stop, &point, &show);
     bar.finish_and_clear();
     Ok(computed?)
 }
@@ -170,6 +172,8 @@ fn finish<S: Study>(
     let titled = run.about.iter().fold(titled, |report, line| report.fact("vehicle", line));
     let html = study.page(&lasting, titled).to_html()?;
     let name = format!("{}.json", S::NAME);
+    // The files are written whole.
+    let _ = stop::flag();
     folder.write(&name, &json)?;
     folder.write("report.html", &html)?;
     if args.json {

@@ -5,7 +5,7 @@ use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::output::print;
 use crate::{progress, stop};
-use evidence::validation::{self, REFERENCES, Reference, page, text};
+use evidence::validation::{self, REFERENCES, Reference};
 use files::ResultFolder;
 use serde::Serialize;
 use std::path::Path;
@@ -60,15 +60,15 @@ fn finish(
     let file = ValidationFile { format: 1, program, passes, references };
     let json = format!("{}\n", serde_json::to_string_pretty(&file)?);
     folder.write("validation.json", &json)?;
-    folder.write("validation.html", &page::page(references).to_html()?)?;
+    folder.write("validation.html", &validation::page(references).to_html()?)?;
     if as_json {
         print(&json)?;
-        for miss in text::misses(references) {
+        for miss in validation::misses(references) {
             eprintln!("MISS {miss}");
         }
     } else {
         let place = folder.path().display();
-        let text = text::text(references);
+        let text = validation::text(references);
         print(&format!("{text}\nfiles in {place}: validation.html, validation.json"))?;
     }
     if done < of {

@@ -9,6 +9,7 @@ use signal::SignalError;
 use std::fmt;
 use std::num::ParseFloatError;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use vehicle_studies::StudyError;
 
 /// Everything that can go wrong in this crate.
@@ -49,6 +50,23 @@ pub enum EvidenceError {
 }
 
 impl EvidenceError {
+    /// The same error in a figure of the study, by its number. Work that is stopped is no error of
+    /// a figure.
+    pub(crate) fn in_figure(self, number: &'static str) -> Self {
+        match self {
+            Self::Stopped => Self::Stopped,
+            why => Self::InFigure(number, Box::new(why)),
+        }
+    }
+
+    /// Fails once a flag is set.
+    ///
+    /// # Errors
+    /// [`EvidenceError::Stopped`].
+    pub(crate) fn check(stop: &AtomicBool) -> Result<(), Self> {
+        if stop.load(Ordering::Relaxed) { Err(Self::Stopped) } else { Ok(()) }
+    }
+
     /// True where the user's input is at fault, false where the operation failed.
     pub const fn is_bad_input(&self) -> bool {
         match self {
@@ -108,7 +126,10 @@ impl std::error::Error for EvidenceError {}
 
 impl From<StudyError> for EvidenceError {
     fn from(why: StudyError) -> Self {
-        Self::Study(why)
+        match why {
+            StudyError::Stopped => Self::Stopped,
+            why => Self::Study(why),
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 //! | [`validation`] | numbers of this program compared with published numbers and closed forms |
 //! | [`reproduce`] | the study of 2014 on the yaw dampers of an SS9, figure by figure |
 //! | [`campaign`] | how often `identify` is right, on simulated records of known dampers |
-//! | [`error`] | what can go wrong in any of them |
+//! | [`EvidenceError`] | what can go wrong in any of them |
 //!
 //! Read [`validation`] first: one file per reference, each with its tolerance derived. The cases of
 //! the campaign that is published with the project are in `data/identification-campaign`.
@@ -14,7 +14,7 @@
 //! campaign, `vehicle-studies` for the figures. Only the command line uses it.
 
 pub mod campaign;
-pub mod error;
+mod error;
 pub mod reproduce;
 pub mod validation;
 

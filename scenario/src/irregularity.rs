@@ -23,6 +23,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Distance between the samples made here (m).
 pub const SAMPLE_STEP_M: f64 = 0.1;
@@ -126,12 +127,24 @@ pub struct Band {
 
 /// Random irregularity by the study's spectra.
 pub fn aar6(band: &Band, from_m: f64, to_m: f64) -> Samples {
+    aar6_while(&|| true, band, from_m, to_m)
+}
+
+/// The same for a track of many kilometres; none once `stop` is set.
+pub fn aar6_until(stop: &AtomicBool, band: &Band, from_m: f64, to_m: f64) -> Option<Samples> {
+    let goes_on = || !stop.load(Ordering::Relaxed);
+    let samples = aar6_while(&goes_on, band, from_m, to_m);
+    goes_on().then_some(samples)
+}
+
+/// The irregularity, of which cosines are missing where `goes_on` becomes false.
+fn aar6_while(goes_on: &dyn Fn() -> bool, band: &Band, from_m: f64, to_m: f64) -> Samples {
     debug_assert!(from_m <= to_m, "the track has a length");
     debug_assert!(band.shortest < band.longest, "a band of wavelengths");
     let count = (((to_m - from_m) / SAMPLE_STEP_M).max(0.0) as usize) + 4;
     let mut samples = vec![IrregularitySample::default(); count];
     for (channel, (variance, set)) in CHANNELS.iter().enumerate() {
-        let values = channel_values(band, channel as u64, *variance, count);
+        let values = channel_values(goes_on, band, channel as u64, *variance, count);
         for (sample, value) in samples.iter_mut().zip(values) {
             set(sample, value);
         }
@@ -205,6 +218,7 @@ const COSINES: usize = 600;
 const ANCHOR_EVERY: usize = 256;
 
 fn channel_values(
+    goes_on: &dyn Fn() -> bool,
     band: &Band,
     channel: u64,
     variance_m2: fn(f64, f64) -> f64,
@@ -218,6 +232,9 @@ fn channel_values(
     let mut values = vec![0.0; count];
     let mut from = lowest;
     for _ in 0..COSINES {
+        if !goes_on() {
+            break;
+        }
         let to = from * ratio;
         let frequency = (from * to).sqrt();
         let amplitude = band.scale * (2.0 * variance_m2(from, to)).sqrt();

@@ -63,6 +63,9 @@ pub struct Computed {
     pub done: usize,
     /// Number of its items.
     pub of: usize,
+    /// The file ended in an incomplete line, as that of a process that was killed does; its item is
+    /// computed again.
+    pub cut_off: bool,
 }
 
 impl Computed {
@@ -84,7 +87,8 @@ struct StoredItem<T> {
 
 /// Computes the items of a shard that its file in `folder` does not hold yet. `progress` gets each
 /// item when it is done, the number of items done now and the number to do. Once `stop` is set no
-/// further item begins.
+/// further item begins; an item at work that reads the flag too gives none, and is computed by the
+/// next process.
 ///
 /// # Errors
 /// An item that fails; a file that cannot be read or written, or that holds lines of another
@@ -94,13 +98,13 @@ pub fn run<T: Item, E: From<SignalError> + Send>(
     shard: Shard,
     folder: &ResultFolder,
     stop: &AtomicBool,
-    item: &(dyn Fn(usize) -> Result<T, E> + Sync),
+    item: &(dyn Fn(usize) -> Result<Option<T>, E> + Sync),
     progress: &(dyn Fn(&T, usize, usize) + Sync),
 ) -> Result<Computed, E> {
     let path = folder.listed(&shard.file_name(T::PLURAL)).map_err(SignalError::from)?;
     let file = locked(&path)?;
     let origin = Origin::from(work.identity);
-    let kept: BTreeSet<usize> = keep_whole_lines::<T>(&path, &file, &origin, &work.name)?;
+    let (kept, cut_off) = keep_whole_lines::<T>(&path, &file, &origin, &work.name)?;
     let of = (0..work.items).filter(|index| shard.holds(*index)).count();
     let open: Vec<usize> =
         (0..work.items).filter(|index| shard.holds(*index) && !kept.contains(index)).collect();
@@ -111,7 +115,7 @@ pub fn run<T: Item, E: From<SignalError> + Send>(
         if stop.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let found = item(*index)?;
+        let Some(found) = item(*index)? else { return Ok(()) };
         debug_assert_eq!(found.index(), *index);
         let line = StoredItem { item: found, origin: Some(origin.clone()) };
         let mut text = serde_json::to_string(&line).map_err(|why| failed(why.into()))?;
@@ -123,7 +127,8 @@ pub fn run<T: Item, E: From<SignalError> + Send>(
         Ok(())
     })?;
     let (_, new) = out.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    Ok(Computed { done: of - open.len() + new, of, path })
+    debug_assert!(new <= open.len() && open.len() <= of, "{new} of {} of {of}", open.len());
+    Ok(Computed { done: of - open.len() + new, of, path, cut_off })
 }
 
 /// Reads and merges files of one work, in the order of the items. Where an identity is given, every
@@ -211,13 +216,14 @@ fn read<T: Item>(path: &Path) -> Result<(Vec<StoredItem<T>>, u64), SignalError> 
     Ok((items, whole))
 }
 
-/// Cuts off an incomplete last line; gives the numbers of the items that the file holds.
+/// Removes an incomplete last line; gives the numbers of the items that the file holds, and whether
+/// there was such a line.
 fn keep_whole_lines<T: Item>(
     path: &Path,
     file: &File,
     origin: &Origin,
     work: &str,
-) -> Result<BTreeSet<usize>, SignalError> {
+) -> Result<(BTreeSet<usize>, bool), SignalError> {
     let (stored, whole) = read::<T>(path)?;
     for (number, stored) in stored.iter().enumerate() {
         refuse_other_origin(path, number + 1, stored.origin.as_ref(), Some(origin))?;
@@ -226,8 +232,10 @@ fn keep_whole_lines<T: Item>(
             return Err(SignalError::OtherWork(path.to_owned(), found, expected));
         }
     }
-    file.set_len(whole).map_err(|why| SignalError::File(path.to_owned(), why))?;
-    Ok(stored.iter().map(|stored| stored.item.index()).collect())
+    let failed = |why| SignalError::File(path.to_owned(), why);
+    let cut_off = file.metadata().map_err(failed)?.len() > whole;
+    file.set_len(whole).map_err(failed)?;
+    Ok((stored.iter().map(|stored| stored.item.index()).collect(), cut_off))
 }
 
 #[cfg(test)]

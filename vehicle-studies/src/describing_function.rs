@@ -26,20 +26,8 @@ pub struct Impedance {
 }
 
 /// Stiffness and damping of a damper at a stroke (m, half the travel) and a frequency (Hz).
-///
-/// ```
-/// use firmware_core::damper::{Damper, Nominal};
-/// use vehicle_studies::describing_function::impedance;
-/// // Ce = 1 MN s/m in series with Ke = 12.5 MN/m, far below relief and without clearance: a
-/// // Maxwell element.
-/// let maxwell = Nominal { clearance_2a_m: 0.0, f_relief_n: 1e9, ..Nominal::NEW };
-/// let (w, ce, ke) = (std::f64::consts::TAU * 3.0, 1.0e6, 12.5e6);
-/// let found = impedance(&Damper::new(maxwell, &[]).unwrap(), 1e-3, 3.0);
-/// let share = (w * ce / ke).powi(2);
-/// assert!((found.stiffness_n_per_m / (ke * share / (1.0 + share)) - 1.0).abs() < 1e-4);
-/// assert!((found.damping_n_s_per_m / (ce / (1.0 + share)) - 1.0).abs() < 1e-4);
-/// ```
-pub fn impedance(damper: &Damper, stroke_m: f64, frequency_hz: f64) -> Impedance {
+pub(crate) fn impedance(damper: &Damper, stroke_m: f64, frequency_hz: f64) -> Impedance {
+    debug_assert!(stroke_m > 0.0 && frequency_hz > 0.0, "{stroke_m} m at {frequency_hz} Hz");
     let step_s = 1.0 / (frequency_hz * SAMPLES as f64);
     let damper = damper.clone().prepared(step_s);
     let omega = TAU * frequency_hz;
@@ -87,5 +75,16 @@ mod tests {
         let found = impedance(&Damper::new(friction, &[]).unwrap(), 3.5e-3, 3.5);
         assert!((found.damping_n_s_per_m / 198.5e3 - 1.0).abs() < 0.005, "{found:?}");
         assert!(found.stiffness_n_per_m.abs() < 0.01 * 198.5e3 * TAU * 3.5, "{found:?}");
+    }
+
+    #[test]
+    fn a_damper_without_clearance_below_its_relief_is_a_maxwell_element() {
+        // Ce = 1 MN s/m in series with Ke = 12.5 MN/m.
+        let maxwell = Nominal { clearance_2a_m: 0.0, f_relief_n: 1e9, ..Nominal::NEW };
+        let (w, ce, ke) = (TAU * 3.0, 1.0e6, 12.5e6);
+        let found = impedance(&Damper::new(maxwell, &[]).unwrap(), 1e-3, 3.0);
+        let share = (w * ce / ke).powi(2);
+        assert!((found.stiffness_n_per_m / (ke * share / (1.0 + share)) - 1.0).abs() < 1e-4);
+        assert!((found.damping_n_s_per_m / (ce / (1.0 + share)) - 1.0).abs() < 1e-4);
     }
 }

@@ -47,9 +47,20 @@ pub enum StudyError {
     TooManyPoints(usize),
     /// A question that cannot be serialised: reason.
     NotSerialised(String),
+    /// Stopped on request.
+    Stopped,
 }
 
 impl StudyError {
+    /// The same error on one of several tracks, by its number from 1. Work that is stopped is
+    /// stopped on all of them.
+    pub(crate) fn on_track(self, number: usize) -> Self {
+        match self {
+            Self::Stopped => Self::Stopped,
+            why => Self::OnTrack(number, Box::new(why)),
+        }
+    }
+
     /// True where the user's input is at fault, false where the operation failed.
     pub const fn is_bad_input(&self) -> bool {
         match self {
@@ -61,6 +72,7 @@ impl StudyError {
             | Self::OffTheTrack(_)
             | Self::NoTrack
             | Self::NotSerialised(_)
+            | Self::Stopped
             | Self::Changed(..) => false,
             Self::Signal(why) => why.is_bad_input(),
             Self::Scenario(_)
@@ -117,6 +129,7 @@ impl fmt::Display for StudyError {
             Self::KeyTwice(key) => write!(f, "`{}` is varied twice", quoted(key)),
             Self::TooManyPoints(most) => write!(f, "more than {most} points"),
             Self::NotSerialised(why) => write!(f, "the question cannot be serialised: {why}"),
+            Self::Stopped => write!(f, "interrupted"),
         }
     }
 }

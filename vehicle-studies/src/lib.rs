@@ -9,26 +9,28 @@
 //! | --- | --- |
 //! | [`trip`] | a vehicle under way: on one track at one speed, recorded at 1 kHz |
 //! | [`critical_speed`], [`ride`], [`curve`] | the three questions, each with its text and its page |
-//! | [`describing_function`], [`modes`] | linear vibrations, with a damper as stiffness and damping |
+//! | [`modes`], `describing_function` | linear vibrations, with a damper as stiffness and damping |
 //! | [`study`] | asking at every point; the identity of a study |
-//! | [`grid`], [`point`], [`over_seeds`] | points, their answers, quantities over several tracks |
-//! | [`error`] | what can go wrong in any of them |
+//! | [`grid`], [`GridPoint`], [`OverSeeds`] | points, their answers, quantities over several tracks |
+//! | [`StudyError`] | what can go wrong in any of them |
 //!
 //! The crate uses `scenario` for what it simulates, `signal` for what it makes of the signals,
 //! `files` for identities and `report` for pages. It knows nothing of records, rigs and buses.
 
 pub mod critical_speed;
 pub mod curve;
-pub mod describing_function;
-pub mod error;
+mod describing_function;
+mod error;
 pub mod grid;
 pub mod modes;
 mod over_keys;
-pub mod over_seeds;
-pub mod point;
+mod over_seeds;
+mod point;
+mod point_table;
 pub mod ride;
 pub mod study;
-mod text_table;
 pub mod trip;
 
 pub use error::StudyError;
+pub use over_seeds::OverSeeds;
+pub use point::GridPoint;

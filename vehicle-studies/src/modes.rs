@@ -7,9 +7,9 @@
 //! with both Jacobians by central differences over bodies and rails. The creep laws bend at zero
 //! creepage, `F = C xi (1 - |u|/3)`, which a difference sees in proportion to its width `h`; two
 //! widths remove it: `2 D(h) - D(2h)`. A damper comes in as what it is for one frequency and
-//! stroke, stiffness and damping at its place ([`crate::describing_function`]).
+//! stroke, stiffness and damping at its place (`describing_function`).
 
-use crate::describing_function::Impedance;
+pub use crate::describing_function::Impedance;
 use firmware_core::lanes::Lanes;
 use firmware_core::track::Track;
 use firmware_core::vehicle::{
@@ -38,6 +38,7 @@ impl DamperForces for Impedances {
         rate_m_per_s: f64,
         _substep_s: f64,
     ) -> f64 {
+        debug_assert!(slot < DAMPER_SLOTS, "slot {slot}");
         let own = self.0.get(slot).copied().unwrap_or_default();
         own.stiffness_n_per_m * extension_m + own.damping_n_s_per_m * rate_m_per_s
     }

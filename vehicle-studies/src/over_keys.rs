@@ -39,6 +39,7 @@ pub(crate) fn plot<A>(
     limits: &[(&str, f64)],
 ) -> Option<Plot> {
     let keys: Vec<String> = points.first()?.at.iter().map(Setting::called).collect();
+    debug_assert!(points.iter().all(|point| point.at.len() == keys.len()), "other keys");
     match &keys[..] {
         [key] if points.len() > 1 => {
             let x = values(points, 0);

@@ -18,7 +18,7 @@ impl OverSeeds {
     /// Of one value a seed; none without any.
     ///
     /// ```
-    /// let over = vehicle_studies::over_seeds::OverSeeds::of([1.0, 4.0, 1.0]).unwrap();
+    /// let over = vehicle_studies::OverSeeds::of([1.0, 4.0, 1.0]).unwrap();
     /// assert_eq!((over.mean, over.lowest, over.highest), (2.0, 1.0, 4.0));
     /// ```
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
@@ -29,15 +29,22 @@ impl OverSeeds {
 }
 
 /// Seeds in words.
-///
-/// ```
-/// assert_eq!(vehicle_studies::over_seeds::seeds_in_words(&[1, 2, 3]), "1 to 3");
-/// assert_eq!(vehicle_studies::over_seeds::seeds_in_words(&[7]), "7");
-/// ```
-pub fn seeds_in_words(seeds: &[u64]) -> String {
+pub(crate) fn seeds_in_words(seeds: &[u64]) -> String {
     match (seeds.first(), seeds.last()) {
         (Some(first), Some(last)) if first != last => format!("{first} to {last}"),
         (Some(first), _) => first.to_string(),
         _ => "none".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_are_a_range_or_one() {
+        assert_eq!(seeds_in_words(&[1, 2, 3]), "1 to 3");
+        assert_eq!(seeds_in_words(&[7]), "7");
+        assert_eq!(seeds_in_words(&[]), "none");
     }
 }

@@ -1,6 +1,6 @@
 //! One point of a study: where it is in the grid, and the answer there.
 
-use crate::trip::pace::Pace;
+use crate::trip::Pace;
 use scenario::setting::Setting;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};

@@ -21,6 +21,7 @@ use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 
 /// Hash over the sources of the crates that compute the answers, made by the build script.
 const PROGRAM: &str = env!("VEHICLE_STUDIES_SOURCES");
@@ -55,7 +56,7 @@ pub trait Study: Debug + Serialize + Sync {
     fn answer(
         &self,
         run: &Run,
-        equipped: &Equipped,
+        equipped: &Equipped<'_>,
         answer: &mut Self::Answer,
     ) -> Result<(), StudyError>;
 
@@ -147,7 +148,7 @@ impl<S: Study> VariedStudy<S> {
     }
 
     /// Finds the answer at a point; the files are read again. A point that has no answer holds the
-    /// reason instead.
+    /// reason instead. None once `stop` is set.
     ///
     /// # Errors
     /// The files are not those of the identity any more.
@@ -155,7 +156,8 @@ impl<S: Study> VariedStudy<S> {
         &self,
         identity: &Identity,
         index: usize,
-    ) -> Result<GridPoint<S::Answer>, StudyError> {
+        stop: &AtomicBool,
+    ) -> Result<Option<GridPoint<S::Answer>>, StudyError> {
         debug_assert!(index < self.varied.grid.len(), "{index} lies outside the grid");
         let Self { varied, study } = self;
         let run = varied.run(index, |run| study.duration_s(run))?;
@@ -163,14 +165,17 @@ impl<S: Study> VariedStudy<S> {
         let mut answer = S::Answer::default();
         let mut pace = None;
         let mut find = || -> Result<(), StudyError> {
-            let equipped = Equipped::of(&run)?;
+            let equipped = Equipped::of(&run)?.until(stop);
             let found = study.answer(&run, &equipped, &mut answer);
             pace = equipped.pace();
             found
         };
-        let failure = find().err().map(|why| why.to_string());
+        let failure = match find() {
+            Err(StudyError::Stopped) => return Ok(None),
+            found => found.err().map(|why| why.to_string()),
+        };
         let (study, at) = (self.name(identity), varied.grid.point(index));
-        Ok(GridPoint { index, study, at, answer, failure, pace })
+        Ok(Some(GridPoint { index, study, at, answer, failure, pace }))
     }
 
     fn refuse_changed(

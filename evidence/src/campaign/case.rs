@@ -41,7 +41,7 @@ pub(super) struct Case {
     pub effects: Vec<usize>,
     /// The measuring chain.
     pub sensors: Sensors,
-    /// The tests, those for judging only among them.
+    /// The tests: training tests and the hold-out.
     pub tests: Vec<Test>,
     /// A datasheet, where there is one.
     pub datasheet: Option<Nominal>,
@@ -51,6 +51,7 @@ impl Case {
     /// The case of a number. `brief` ones have fewer and shorter tests.
     pub(super) fn draw(campaign_seed: u64, index: usize, brief: bool) -> Self {
         let deck = shuffled(campaign_seed);
+        debug_assert!(!deck.is_empty());
         Self::of_kind(deck[index % deck.len()], campaign_seed, index, brief)
     }
 
@@ -101,7 +102,7 @@ impl Case {
         Self { index, seed, kind, class, nominal, scale, effects, sensors, tests, datasheet }
     }
 
-    /// Size that its effects shall have, in multiples of the noise.
+    /// Wanted size of its effects, in multiples of the noise.
     pub(super) fn size(&self) -> f64 {
         match self.kind {
             Kind::Effect { size, .. } | Kind::Pair { size } | Kind::Outside { size, .. } => size,

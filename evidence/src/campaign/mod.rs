@@ -13,7 +13,7 @@
 //! | `specimen` | what is mounted in the bench |
 //! | `score` | one case run and scored: one line |
 //! | `shard` | many cases, in shards that can be stopped |
-//! | [`table`], [`page`] | the merged table, as numbers and as text |
+//! | `table`, `page` | the merged table, as numbers and as text |
 //! | `wilson` | intervals of rates |
 //!
 //! Who knows what: `identify` gets records, and in some cases a datasheet that is wrong; nothing
@@ -27,17 +27,18 @@
 //! effects of the catalogue are thus upper bounds of what real records will give.
 
 mod case;
-pub mod page;
+mod page;
 mod plan;
 mod score;
 mod shard;
 mod size;
 mod specimen;
 mod strength;
-pub mod table;
+mod table;
 mod wilson;
 
+pub use page::text;
 pub use score::{CaseErrors, CaseResult, Interval, Named};
 pub use shard::Campaign;
-pub use table::Table;
+pub use table::{Aim, Medians, Row, Table, is_right};
 pub use wilson::Rate;

@@ -9,6 +9,7 @@ use identification::result::{Errors, IdentifyResult, Verdict};
 use identification::{Control, Question, TestSet, identify, simulate, start_deflection_m};
 use measurement::Measurement;
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Standard deviations of half a 95 % interval.
@@ -73,7 +74,7 @@ pub struct Named {
     pub alternatives: Vec<String>,
     /// Probability of such a finding by chance.
     pub p_value: f64,
-    /// Share of the squared error that it removes on held-out pieces.
+    /// Share of the squared error that it removes on the pieces held out.
     pub holdout_gain: f64,
 }
 
@@ -89,21 +90,21 @@ impl Named {
 pub struct CaseErrors {
     /// Noise floor as it was found.
     pub floor_n: f64,
-    /// Refitted nominal damper on the tests that it was fitted to.
+    /// Refitted nominal damper on the training tests.
     pub train_before_n: f64,
     /// With effects.
     pub train_after_n: f64,
-    /// Refitted nominal damper on tests held out.
+    /// Refitted nominal damper on the hold-out.
     pub before_n: f64,
     /// With effects.
     pub after_n: f64,
     /// The true damper on the same tests; none where no damper of the core is true.
     pub truth_n: Option<f64>,
-    /// The true damper on the tests that were fitted: more than the noise where the bench itself,
+    /// The true damper on the training tests: more than the noise where the bench itself,
     /// its filters and its sampling rate bend the record.
     #[serde(default)]
     pub train_truth_n: Option<f64>,
-    /// rms of the measured force held out.
+    /// rms of the measured force of the hold-out.
     pub force_n: f64,
 }
 
@@ -118,8 +119,14 @@ pub struct Interval {
     pub off: f64,
 }
 
-/// Runs a case and scores it.
-pub(super) fn score(case: &Case, campaign_seed: u64, brief: bool) -> CaseResult {
+/// Runs a case and scores it; none once `stop` is set, which every step of it reads.
+pub(super) fn score(
+    case: &Case,
+    campaign_seed: u64,
+    brief: bool,
+    stop: &AtomicBool,
+) -> Option<CaseResult> {
+    let control = Control { progress: &|_| {}, stop };
     let mut line = CaseResult {
         index: case.index,
         campaign_seed,
@@ -146,20 +153,22 @@ pub(super) fn score(case: &Case, campaign_seed: u64, brief: bool) -> CaseResult 
         failure: None,
         seconds: 0.0,
     };
-    match mount(case) {
-        Ok(mounted) => line.fill(case, &mounted),
+    match mount(case, control) {
+        Ok(mounted) => line.fill(case, &mounted, control),
         Err(why) => line.failure = Some(why.to_string()),
     }
-    line
+    // What a stopped step returns is no result.
+    (!stop.load(Ordering::Relaxed)).then_some(line)
 }
 
 impl CaseResult {
-    fn fill(&mut self, case: &Case, mounted: &Mounted) {
+    fn fill(&mut self, case: &Case, mounted: &Mounted, control: Control<'_>) {
         self.truth = mounted.truth.iter().map(|name| (*name).to_owned()).collect();
         self.sizes = mounted.sizes.iter().map(|sized| sized.size).collect();
         self.reached = mounted.sizes.iter().all(|sized| sized.reached);
         self.parameters = mounted.damper.as_ref().map(true_parameters).unwrap_or_default();
-        let (train, holdout) = match records(case, &*mounted.specimen, &case.sensors) {
+        let (train, holdout) = match records(case, &*mounted.specimen, &case.sensors, control.stop)
+        {
             Ok(records) => records,
             Err(why) => {
                 self.failure = Some(why.to_string());
@@ -177,10 +186,10 @@ impl CaseResult {
         };
         let without = case.datasheet.is_some().then(|| {
             let question = Question { datasheet: None, ..question.clone() };
-            identify(question, Control::QUIET).map(|found| found.result)
+            identify(question, control).map(|found| found.result)
         });
         let begin = Instant::now();
-        let found = identify(question, Control::QUIET);
+        let found = identify(question, control);
         self.seconds = begin.elapsed().as_secs_f64();
         let result = match found {
             Ok(found) => found.result,
@@ -232,7 +241,7 @@ impl CaseResult {
         self.unexplained.is_some()
     }
 
-    /// Held-out error over that of the true damper.
+    /// Error on the hold-out over that of the true damper.
     pub fn over_truth(&self) -> Option<f64> {
         let errors = self.errors?;
         errors.truth_n.filter(|truth| *truth > 0.0).map(|truth| errors.after_n / truth)

@@ -45,7 +45,7 @@ impl Campaign {
 
     /// Runs the cases of a shard that its file in `folder` does not hold yet. `progress` gets each
     /// case when it is done, the number of cases done now and the number to do. Once `stop` is set
-    /// no further case begins.
+    /// no further case begins, and those at work end without a result.
     ///
     /// # Errors
     /// A file that cannot be read or written, or that belongs to another campaign.
@@ -58,8 +58,8 @@ impl Campaign {
     ) -> Result<Computed, EvidenceError> {
         let Self { cases, seed, brief } = *self;
         let work = Work { items: cases, name: name(seed, brief), identity: &self.identity()? };
-        let case = |index| -> Result<CaseResult, SignalError> {
-            Ok(score(&Case::draw(seed, index, brief), seed, brief))
+        let case = |index| -> Result<Option<CaseResult>, SignalError> {
+            Ok(score(&Case::draw(seed, index, brief), seed, brief, stop))
         };
         Ok(shards::run(&work, shard, folder, stop, &case, progress)?)
     }

@@ -11,11 +11,14 @@
 //! after the same many-start fit with which `identify` begins.
 
 use super::case::Case;
+use crate::error::EvidenceError;
 use identification::{Control, Effort, GreyBox, TestSet, fit, nominal_fit, vector_of};
-use measurement::{Measurement, MeasurementError};
+use measurement::Measurement;
+use std::sync::atomic::AtomicBool;
+use virtual_bench::bench_visit::protocol::Test;
 use virtual_bench::bench_visit::sensors::{Channel, Sensors};
 use virtual_bench::bench_visit::specimen::{Load, Response};
-use virtual_bench::bench_visit::{Specimen, measurements, visit};
+use virtual_bench::bench_visit::{RawRecord, Specimen, measurements, visit_until};
 
 /// Strengths that are tried, at most.
 const TRIES: usize = 14;
@@ -40,7 +43,8 @@ pub(super) struct Sized {
 }
 
 /// Finds the least strength between two at which a specimen has the size that its case wants; the
-/// strongest where that is too weak. `None` where even the weakest cannot be simulated.
+/// strongest where that is too weak. `None` where even the weakest cannot be simulated, or once the
+/// work is stopped.
 ///
 /// A size may fall again beyond some strength (a valve that does nothing but relieve, a delay of
 /// half a period), so the search climbs from below.
@@ -48,11 +52,13 @@ pub(super) fn sized(
     case: &Case,
     make: &dyn Fn(f64) -> Option<Box<dyn Specimen>>,
     [weakest, strongest]: [f64; 2],
+    control: Control<'_>,
 ) -> Option<Sized> {
+    debug_assert!(0.0 < weakest && weakest < strongest, "{weakest} to {strongest}");
     let noise_n = case.noise_n();
     let wanted = case.size();
-    let quick = |k: f64| Some(rms_n(case, &*make(k)?, false)? / noise_n);
-    let thorough = |k: f64| Some(rms_n(case, &*make(k)?, true)? / noise_n);
+    let quick = |k: f64| Some(rms_n(case, &*make(k)?, false, control)? / noise_n);
+    let thorough = |k: f64| Some(rms_n(case, &*make(k)?, true, control)? / noise_n);
     let mut target = wanted;
     let mut from = weakest;
     let mut best: Option<Sized> = None;
@@ -127,19 +133,24 @@ fn between(
     low.0
 }
 
-/// What the nominal damper leaves of the force without noise, N.
-fn rms_n(case: &Case, specimen: &dyn Specimen, thorough: bool) -> Option<f64> {
+/// Residual of the nominal damper on the force without noise, N; none once the work is stopped.
+fn rms_n(
+    case: &Case,
+    specimen: &dyn Specimen,
+    thorough: bool,
+    control: Control<'_>,
+) -> Option<f64> {
     let rough = Rough { specimen };
     let specimen = if thorough { specimen } else { &rough };
     let fitted: Vec<_> = case.tests.iter().filter(|test| !test.test_only).cloned().collect();
-    let mut visited = visit(specimen, &fitted, &silent(&case.sensors), case.seed);
+    let mut visited = visited(control.stop, specimen, &fitted, &silent(&case.sensors), case.seed)?;
     visited.retain(|record| !record.is_flat_but_for_rounding() && record.measurement().is_ok());
     let tests = TestSet::new(measurements(&visited).ok()?);
     let truth = vector_of(&case.nominal);
     let nominal = GreyBox::nominal(&tests.scale);
-    let mut best = fit(&nominal, &truth, &tests, Effort::FULL, Control::QUIET)?;
+    let mut best = fit(&nominal, &truth, &tests, Effort::FULL, control)?;
     if thorough {
-        let other = nominal_fit(&tests, None, Control::QUIET)?.fit;
+        let other = nominal_fit(&tests, None, control)?.fit;
         if other.total_n2() < best.total_n2() {
             best = other;
         }
@@ -162,16 +173,30 @@ impl Specimen for Rough<'_> {
     }
 }
 
-/// The records of a case: those to fit and those to judge by.
+/// The records of some tests; none once `stop` is set.
+fn visited(
+    stop: &AtomicBool,
+    specimen: &dyn Specimen,
+    tests: &[Test],
+    sensors: &Sensors,
+    seed: u64,
+) -> Option<Vec<RawRecord>> {
+    let visited = visit_until(stop, specimen, tests, sensors, seed, &mut |_| {});
+    (visited.len() == tests.len()).then_some(visited)
+}
+
+/// The records of a case: the training tests and the hold-out.
 ///
 /// # Errors
-/// What makes a record unfit.
+/// What makes a record unfit; the work is stopped.
 pub(super) fn records(
     case: &Case,
     specimen: &dyn Specimen,
     sensors: &Sensors,
-) -> Result<(Vec<Measurement>, Vec<Measurement>), MeasurementError> {
-    let visited = visit(specimen, &case.tests, sensors, case.seed);
+    stop: &AtomicBool,
+) -> Result<(Vec<Measurement>, Vec<Measurement>), EvidenceError> {
+    let visited =
+        visited(stop, specimen, &case.tests, sensors, case.seed).ok_or(EvidenceError::Stopped)?;
     let (mut train, mut holdout) = (Vec::new(), Vec::new());
     for (record, test) in visited.iter().zip(measurements(&visited)?) {
         let to = if record.test_only { &mut holdout } else { &mut train };

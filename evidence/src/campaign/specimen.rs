@@ -1,4 +1,4 @@
-//! What is mounted in the bench for a case, with its effects at the size that they shall have.
+//! What is mounted in the bench for a case, with its effects at the wanted size.
 
 use super::case::Case;
 use super::plan::{HYDRAULIC, Kind};
@@ -7,6 +7,7 @@ use super::strength::Strength;
 use crate::error::EvidenceError;
 use firmware_core::damper::effects::CATALOGUE;
 use firmware_core::damper::{Damper, Effect};
+use identification::Control;
 use scenario::source::Source;
 use std::path::Path;
 use virtual_bench::bench_visit::excitation::Excitation;
@@ -24,7 +25,7 @@ const STRONGEST_OUTSIDE: f64 = 0.6;
 pub(super) struct Mounted {
     /// The specimen.
     pub specimen: Box<dyn Specimen>,
-    /// Names of what is missing in the nominal damper, where somebody knows.
+    /// Names of what is missing in the nominal damper, where it is known.
     pub truth: Vec<&'static str>,
     /// Its damper in the terms of the core, where it is one.
     pub damper: Option<Damper>,
@@ -35,26 +36,30 @@ pub(super) struct Mounted {
 /// Mounts the specimen of a case.
 ///
 /// # Errors
-/// In words, where there is no such damper.
-pub(super) fn mount(case: &Case) -> Result<Mounted, EvidenceError> {
+/// There is no such damper, or the work is stopped.
+pub(super) fn mount(case: &Case, control: Control<'_>) -> Result<Mounted, EvidenceError> {
     let mut random = Random::new(case.seed, 7);
     match case.kind {
         Kind::Hydraulic { which } => {
             let specimen = Box::new(hydraulic(which, &mut random)?);
             Ok(Mounted { specimen, truth: Vec::new(), damper: None, sizes: Vec::new() })
         }
-        Kind::Outside { which, .. } => outside(case, which, &mut random),
+        Kind::Outside { which, .. } => outside(case, which, &mut random, control),
         _ if case.effects.is_empty() => Ok(Mounted {
             specimen: Box::new(NullGenerator { model: case.series_model(), outside: Vec::new() }),
             truth: Vec::new(),
             damper: Damper::new(case.nominal, &[]).ok(),
             sizes: Vec::new(),
         }),
-        _ => catalogue(case, &mut random),
+        _ => catalogue(case, &mut random, control),
     }
 }
 
-fn catalogue(case: &Case, random: &mut Random) -> Result<Mounted, EvidenceError> {
+fn catalogue(
+    case: &Case,
+    random: &mut Random,
+    control: Control<'_>,
+) -> Result<Mounted, EvidenceError> {
     let (mut effects, mut sizes): (Vec<Effect>, Vec<Sized>) = (Vec::new(), Vec::new());
     for &effect in &case.effects {
         let strength = Strength::draw(effect, case.nominal, case.scale, random);
@@ -63,7 +68,7 @@ fn catalogue(case: &Case, random: &mut Random) -> Result<Mounted, EvidenceError>
             let damper = Damper::new(case.nominal, &[strength.at(k)?]).ok()?;
             Some(Box::new(Modelled { damper }))
         };
-        let found = sized(case, &make, [WEAKEST * strongest, strongest])
+        let found = sized(case, &make, [WEAKEST * strongest, strongest], control)
             .ok_or(EvidenceError::NotSimulated(strength.info.name))?;
         effects.extend(strength.at(found.strength));
         sizes.push(found);
@@ -77,7 +82,12 @@ fn catalogue(case: &Case, random: &mut Random) -> Result<Mounted, EvidenceError>
     })
 }
 
-fn outside(case: &Case, which: usize, random: &mut Random) -> Result<Mounted, EvidenceError> {
+fn outside(
+    case: &Case,
+    which: usize,
+    random: &mut Random,
+    control: Control<'_>,
+) -> Result<Mounted, EvidenceError> {
     let disturbance = match which {
         0 => {
             Outside::SpeedSynchronousRipple { amplitude_n: 1.0, multiple: random.between(2.1, 7.9) }
@@ -105,7 +115,7 @@ fn outside(case: &Case, which: usize, random: &mut Random) -> Result<Mounted, Ev
     let make = |share: f64| -> Option<Box<dyn Specimen>> {
         Some(Box::new(NullGenerator { model, outside: vec![at(share)] }))
     };
-    let found = sized(case, &make, [1e-4, STRONGEST_OUTSIDE])
+    let found = sized(case, &make, [1e-4, STRONGEST_OUTSIDE], control)
         .ok_or(EvidenceError::NotSimulated("a disturbance"))?;
     Ok(Mounted {
         specimen: Box::new(NullGenerator { model, outside: vec![at(found.strength)] }),
@@ -138,16 +148,18 @@ mod tests {
     use super::super::size::records;
     use super::*;
     use firmware_core::damper::effects::CATALOGUE;
-    use identification::{Control, TestSet, nominal_fit};
+    use identification::{TestSet, nominal_fit};
 
     #[test]
     fn sizes_reach_their_multiple() {
         for (name, size) in [("seal_friction", 3.0), ("asymmetric_damping", 10.0)] {
             let effect = CATALOGUE.iter().position(|info| info.name == name).unwrap();
             let case = Case::of_kind(Kind::Effect { effect, size }, 5, 0, true);
-            let mounted = mount(&case).unwrap();
+            let mounted = mount(&case, Control::QUIET).unwrap();
             // By a way of its own: noisy records, of which the noise is removed in squares.
-            let tests = TestSet::new(records(&case, &*mounted.specimen, &case.sensors).unwrap().0);
+            let stop = Control::QUIET.stop;
+            let (train, _) = records(&case, &*mounted.specimen, &case.sensors, stop).unwrap();
+            let tests = TestSet::new(train);
             let fit = nominal_fit(&tests, None, Control::QUIET).unwrap().fit;
             let square = fit.total_n2() / tests.counted_samples() as f64;
             let noise_n = case.noise_n();
@@ -163,7 +175,7 @@ mod tests {
         // A spring in series is a lower Ke: nothing is ever left of it.
         let effect = CATALOGUE.iter().position(|info| info.name == "fixture_compliance").unwrap();
         let case = Case::of_kind(Kind::Effect { effect, size: 10.0 }, 5, 1, true);
-        let sizes = mount(&case).unwrap().sizes;
+        let sizes = mount(&case, Control::QUIET).unwrap().sizes;
         assert!(!sizes[0].reached && sizes[0].size < 1.0, "{sizes:?}");
     }
 }

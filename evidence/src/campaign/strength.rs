@@ -1,6 +1,6 @@
 //! One number for every effect of the catalogue, from vanishing (0) to strong.
 //!
-//! Which parameter grows with it, and how, stands in the effect's own file
+//! Which parameter grows with it, and how, is in the effect's own file
 //! ([`DamperEffect::drawn`](firmware_core::damper::effects::DamperEffect::drawn)). Here the shape
 //! is drawn, once per case, and the sizes of the tests are given.
 

@@ -12,8 +12,8 @@ use firmware_core::damper::effects::CATALOGUE;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Held-out error over that of the true damper that is good enough.
-pub const LARGEST_RATIO: f64 = 1.15;
+/// Error on the hold-out over that of the true damper that is good enough.
+pub(super) const LARGEST_RATIO: f64 = 1.15;
 
 /// A rate that has a target.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,7 +43,7 @@ pub struct Row {
     pub right: Rate,
     /// Cases whose size could not be reached, not in the rate.
     pub not_reached: usize,
-    /// Median of held-out error over that of the true damper.
+    /// Median of the error on the hold-out over that of the true damper.
     pub over_truth: Option<f64>,
     /// Numbers of the cases that are wrong.
     pub wrong: Vec<usize>,
@@ -56,7 +56,7 @@ pub struct Medians {
     pub kind: String,
     /// Number of cases.
     pub cases: usize,
-    /// Held-out error of the refitted nominal damper.
+    /// Error on the hold-out of the refitted nominal damper.
     pub before: Option<f64>,
     /// With effects.
     pub after: Option<f64>,

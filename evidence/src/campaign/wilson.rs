@@ -35,6 +35,7 @@ impl Rate {
     /// assert!((Rate::new(0, 300).upper - 0.0126).abs() < 1e-4);
     /// ```
     pub fn new(count: usize, of: usize) -> Self {
+        debug_assert!(count <= of, "{count} of {of}");
         if of == 0 {
             return Self { count, of, rate: None, lower: 0.0, upper: 1.0 };
         }

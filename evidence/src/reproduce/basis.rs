@@ -5,7 +5,9 @@ use crate::error::EvidenceError;
 use files::Identity;
 use serde::Serialize;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use vehicle_studies::critical_speed::Procedure;
+use vehicle_studies::trip::Equipped;
 
 /// Hash over the sources of the crates that compute the figures, made by the build script.
 const PROGRAM: &str = env!("REPRODUCE_SOURCES");
@@ -19,6 +21,8 @@ pub struct Basis<'a> {
     pub locomotive: &'a Locomotive,
     /// How stability is asked for.
     pub procedure: &'a Procedure,
+    /// Ends the work on a figure when it is set.
+    pub stop: &'a AtomicBool,
 }
 
 /// What an identity holds of the question.
@@ -29,7 +33,12 @@ struct QuestionForm<'a> {
     procedure: &'a Procedure,
 }
 
-impl Basis<'_> {
+impl<'a> Basis<'a> {
+    /// The locomotive with yaw dampers of a stiffness and a clearance, until the work is stopped.
+    pub(super) fn equipped(&self, ke_n_per_m: f64, clearance_2a_m: f64) -> Equipped<'a> {
+        self.locomotive.with(ke_n_per_m, clearance_2a_m).until(self.stop)
+    }
+
     /// The identity of some figures of the study, by their numbers, or of its calibration.
     ///
     /// # Errors

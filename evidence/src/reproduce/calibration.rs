@@ -17,8 +17,7 @@ use super::null_models::CALIBRATED_ON;
 use crate::error::EvidenceError;
 use scenario::setting::Setting;
 use serde::Serialize;
-use std::sync::atomic::{AtomicBool, Ordering};
-use vehicle_studies::critical_speed::ascent::Ascent;
+use vehicle_studies::critical_speed::Ascent;
 use vehicle_studies::critical_speed::{Critical, Procedure};
 
 /// How closely a speed is met (km/h).
@@ -71,14 +70,13 @@ pub struct Calibrated {
     pub at_end_of_range: bool,
 }
 
-/// Finds the numbers; `see` gets every value that is tried, with its speed. Once `stop` is set,
-/// what was found before is returned.
+/// Finds the numbers; `see` gets every value that is tried, with its speed. Once the flag of
+/// the basis is set, what was found before is returned.
 ///
 /// # Errors
 /// A scenario that cannot run, or whose files change in the meantime.
 pub fn calibrate(
     basis: &Basis<'_>,
-    stop: &AtomicBool,
     see: &dyn Fn(&str, f64, Option<f64>),
 ) -> Result<Vec<Calibrated>, EvidenceError> {
     let mut found: Vec<Calibrated> = Vec::new();
@@ -89,7 +87,7 @@ pub fn calibrate(
                 .filter(|other| other.key != unknown.key)
                 .map(|other| Setting::to(other.key, other.value))
                 .collect();
-            let calibrated = match one(basis, unknown, &others, stop, see) {
+            let calibrated = match one(basis, unknown, &others, see) {
                 Err(EvidenceError::Stopped) => return Ok(found),
                 other => other?,
             };
@@ -108,9 +106,9 @@ fn one(
     basis: &Basis<'_>,
     unknown: &Unknown,
     others: &[Setting],
-    stop: &AtomicBool,
     see: &dyn Fn(&str, f64, Option<f64>),
 ) -> Result<Calibrated, EvidenceError> {
+    debug_assert!(unknown.fixed_on < CALIBRATED_ON.len() && unknown.range[0] < unknown.range[1]);
     let (ke_n_per_m, clearance_2a_m, aim_kmh) = CALIBRATED_ON[unknown.fixed_on];
     let near = Procedure {
         from_kmh: aim_kmh - NEAR_KMH,
@@ -119,13 +117,11 @@ fn one(
     };
     // How far off the aim, and the speed; beyond the range of speeds the error is that of its end.
     let tried = |value: f64| -> Result<(f64, Option<f64>), EvidenceError> {
-        if stop.load(Ordering::Relaxed) {
-            return Err(EvidenceError::Stopped);
-        }
+        EvidenceError::check(basis.stop)?;
         let mut changes = others.to_vec();
         changes.push(Setting::to(unknown.key, value));
         let locomotive = Locomotive::load(basis.scenario, &changes)?;
-        let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
+        let equipped = locomotive.with(ke_n_per_m, clearance_2a_m).until(basis.stop);
         let ascent = Ascent::of(&equipped, &near)?;
         see(unknown.key, value, ascent.mean_kmh);
         let clipped = ascent.seeds.iter().map(|on| match on.critical {

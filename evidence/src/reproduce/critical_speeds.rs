@@ -5,15 +5,14 @@
 //! hunts. The speed below which no hunting stays bounds it without seed and threshold.
 
 use super::basis::Basis;
-use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M, Locomotive};
+use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M};
 use super::null_models::{constant_kmh, line_kmh};
 use super::row::{Figure, Role, Row};
 use crate::error::EvidenceError;
 use rayon::prelude::*;
 use report::Plot;
-use vehicle_studies::critical_speed::Procedure;
-use vehicle_studies::critical_speed::ascent::Ascent;
-use vehicle_studies::critical_speed::fold::Fold;
+use vehicle_studies::critical_speed::Ascent;
+use vehicle_studies::critical_speed::Fold;
 
 /// Stiffness at the small clearance (N/m).
 const STIFFNESS_N_PER_M: [f64; 6] = [3e6, 6e6, 9e6, 12e6, KE_N_PER_M, 15e6];
@@ -52,13 +51,12 @@ impl Found {
     /// # Errors
     /// The vehicle does not run steadily.
     pub(super) fn of(
-        locomotive: &Locomotive,
-        procedure: &Procedure,
+        basis: &Basis<'_>,
         (ke_n_per_m, clearance_2a_m): (f64, f64),
     ) -> Result<Self, EvidenceError> {
-        let equipped = locomotive.with(ke_n_per_m, clearance_2a_m);
-        let ascent = Ascent::of(&equipped, procedure)?;
-        let fold = Fold::of(&equipped, procedure)?;
+        let equipped = basis.equipped(ke_n_per_m, clearance_2a_m);
+        let ascent = Ascent::of(&equipped, basis.procedure)?;
+        let fold = Fold::of(&equipped, basis.procedure)?;
         Ok(Self { ke_n_per_m, clearance_2a_m, ascent, fold })
     }
 
@@ -110,7 +108,7 @@ pub(super) fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError>
     Ok(Figure {
         number: "10a",
         title: "Critical speed over effective stiffness",
-        said: "212 km/h at 3 MN/m rising to 260 km/h at 15 MN/m, 2a = 0.2 mm",
+        said: "the critical speed rises from 212 km/h at 3 MN/m to 260 km/h at 15 MN/m, with 2a = 0.2 mm",
         plots: vec![drawn(&found, &x, ("effective stiffness", "MN/m"), |ke, clearance| {
             (clearance == CLEARANCE_2A_M).then_some(1e-6 * ke)
         })],
@@ -129,7 +127,7 @@ pub(super) fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError>
     Ok(Figure {
         number: "10b",
         title: "Critical speed over clearance",
-        said: "250 km/h at 2a = 1 mm falling to 170 km/h at 8 mm, Ke = 12.5 MN/m",
+        said: "the critical speed falls from 250 km/h at 2a = 1 mm to 170 km/h at 8 mm, with Ke = 12.5 MN/m",
         plots: vec![drawn(&found, &x, ("clearance 2a", "mm"), |ke, clearance| {
             (ke == KE_N_PER_M && clearance >= CLEARANCES_2A_M[0]).then_some(1e3 * clearance)
         })],
@@ -142,7 +140,7 @@ fn all<const N: usize>(
     basis: &Basis<'_>,
     dampers: [(f64, f64); N],
 ) -> Result<Vec<Found>, EvidenceError> {
-    dampers.par_iter().map(|damper| Found::of(basis.locomotive, basis.procedure, *damper)).collect()
+    dampers.par_iter().map(|damper| Found::of(basis, *damper)).collect()
 }
 
 fn drawn(

@@ -45,8 +45,8 @@ pub(super) fn over_stiffness(basis: &Basis<'_>) -> Result<Figure, EvidenceError>
     Ok(Figure {
         number: "18",
         title: "Derailment coefficient and wear over effective stiffness, curve of 400 m",
-        said: "derailment coefficient and wear power hardly change; the lateral shift force rises a little with Ke; \
-               2a = 1 mm, 80 km/h",
+        said: "derailment coefficient and wear power hardly change; the lateral force of wheelset 1 increases slightly \
+               with Ke; 2a = 1 mm, 80 km/h",
         rows: rows("18", &passed),
         plots: drawn(&passed, &x, ("effective stiffness", "MN/m")).into(),
         ..Figure::default()
@@ -79,8 +79,8 @@ pub(super) fn over_clearance(basis: &Basis<'_>) -> Result<Figure, EvidenceError>
     plots.push(bode);
     Ok(Figure {
         number: "19",
-        title: "Lateral shift force over clearance, curve of 400 m",
-        said: "the lateral shift force of wheelset 1 rises moderately with 2a, over the whole range of frequency; \
+        title: "Lateral force of wheelset 1 over clearance, curve of 400 m",
+        said: "the lateral force of wheelset 1 increases moderately with 2a, over the whole frequency range; \
                derailment coefficient and wear power hardly change; 80 km/h",
         rows: rows("19", &passed),
         plots,
@@ -95,11 +95,12 @@ fn passages(basis: &Basis<'_>, each: &[(f64, f64)]) -> Result<Vec<Passed>, Evide
     let relief_n = basis.locomotive.nominal().f_relief_n;
     each.par_iter()
         .map(|(ke_n_per_m, clearance_2a_m)| {
+            EvidenceError::check(basis.stop)?;
             let relief = Setting::to("damper.f_relief_n", relief_n);
             let settings = [&dampers(*ke_n_per_m, *clearance_2a_m), slice::from_ref(&relief)];
             let overrides = Overrides { duration_s: None, speed_kmh: None };
             let run = Run::load_with(&scenario, overrides, &settings.concat())?;
-            let equipped = Equipped::of(&run)?;
+            let equipped = Equipped::of(&run)?.until(basis.stop);
             let curve = Curve::of(&run, &equipped, &procedure)?;
             Ok(Passed { ke_n_per_m: *ke_n_per_m, clearance_2a_m: *clearance_2a_m, curve })
         })

@@ -1,7 +1,7 @@
 //! Figures 9 and 11: the lateral excursion of wheelset 4 behind the rough beginning of a track.
 //!
-//! The study says: it comes to rest from 160 to 240 km/h, swings with constant amplitude abruptly
-//! at 250 km/h, and grows with the dampers suspended at a = 4 mm.
+//! The study states: the wheelset comes to rest from 160 to 240 km/h, oscillates with constant
+//! amplitude at 250 km/h, and its motion grows with worn-out dampers (a = 4 mm).
 
 use super::basis::Basis;
 use super::locomotive::{CLEARANCE_2A_M, KE_N_PER_M};
@@ -10,20 +10,19 @@ use crate::error::EvidenceError;
 use firmware_core::track::Track;
 use rayon::prelude::*;
 use report::Plot;
-use scenario::equilibrium::NoEquilibrium;
 use scenario::run::CYCLE_S;
 use scenario::track::OwnedTrack;
 use signal::statistics;
+use vehicle_studies::critical_speed::Hunting;
 use vehicle_studies::critical_speed::Procedure;
-use vehicle_studies::critical_speed::ascent::{offset_wheelset, set_off};
-use vehicle_studies::critical_speed::hunting::Hunting;
+use vehicle_studies::critical_speed::{offset_wheelset, set_off};
 use vehicle_studies::trip::track::rough_start;
 use vehicle_studies::trip::{Equipped, lateral_m};
 
 /// Speeds of figure 9 (km/h).
 const SPEEDS_KMH: [f64; 13] =
     [160.0, 170.0, 180.0, 190.0, 200.0, 210.0, 220.0, 230.0, 240.0, 250.0, 260.0, 270.0, 280.0];
-/// Speed of which the study says that the wheelset comes to rest, highest, and that it hunts
+/// Highest speed at which the wheelset of the study comes to rest, and the speed at which it hunts
 /// (km/h).
 const QUIET_KMH: f64 = 240.0;
 const HUNTS_KMH: f64 = 250.0;
@@ -51,18 +50,18 @@ impl Excursion {
     /// # Errors
     /// The vehicle does not run steadily.
     pub(super) fn of(
-        equipped: &Equipped,
+        equipped: &Equipped<'_>,
         procedure: &Procedure,
         track: &Track<'_>,
         kmh: f64,
-    ) -> Result<Self, NoEquilibrium> {
+    ) -> Result<Self, EvidenceError> {
         let Some(wheelset) = offset_wheelset(equipped, procedure) else {
             return Ok(Self { kmh, lateral_m: Vec::new(), motion: Hunting::DERAILED });
         };
         let (trip, mut state, duration_s) = set_off(equipped, procedure, track, kmh)?;
         let mut lateral = Vec::new();
         let on_track =
-            trip.go(&mut state, duration_s, |state| lateral.push(lateral_m(state, wheelset)));
+            trip.go(&mut state, duration_s, |state| lateral.push(lateral_m(state, wheelset)))?;
         let watched = (procedure.watched_s / CYCLE_S) as usize;
         let end = lateral.get(lateral.len().saturating_sub(watched)..).unwrap_or_default();
         let motion = Hunting::of(end);
@@ -77,7 +76,7 @@ impl Excursion {
 /// The vehicle does not run steadily.
 pub(super) fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let procedure = basis.procedure;
-    let equipped = basis.locomotive.with(KE_N_PER_M, CLEARANCE_2A_M);
+    let equipped = basis.equipped(KE_N_PER_M, CLEARANCE_2A_M);
     let found = excursions(&equipped, procedure, &SPEEDS_KMH)?;
     let mut rows = Vec::new();
     for at_speed in &found {
@@ -87,7 +86,7 @@ pub(super) fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let mut amplitude = Plot::new("Lateral excursion of wheelset 4 at the end of the run")
         .x("speed", "km/h")
         .y("greatest lateral position", "mm")
-        .limit("counts as hunting", 1e3 * procedure.threshold_m)
+        .limit("threshold of hunting", 1e3 * procedure.threshold_m)
         .at("the study", HUNTS_KMH);
     for (index, seed) in procedure.seeds.iter().enumerate() {
         let of_seed: Vec<f64> = found
@@ -104,8 +103,8 @@ pub(super) fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     Ok(Figure {
         number: "9",
         title: "Wheelset 4 over speed, damper in good condition",
-        said: "comes to rest from 160 to 240 km/h; swings with constant amplitude, abruptly, at 250 km/h; \
-               Ke = 12.5 MN/m, 2a = 0.2 mm",
+        said: "the wheelset comes to rest from 160 to 240 km/h and oscillates with constant amplitude, abruptly, at \
+               250 km/h; Ke = 12.5 MN/m, 2a = 0.2 mm",
         rows,
         plots: vec![amplitude, histories(shown)],
         ..Figure::default()
@@ -118,7 +117,7 @@ pub(super) fn with_speed(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 /// The vehicle does not run steadily.
 pub(super) fn suspended(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let procedure = basis.procedure;
-    let equipped = basis.locomotive.with(KE_N_PER_M, SUSPENDED_2A_M);
+    let equipped = basis.equipped(KE_N_PER_M, SUSPENDED_2A_M);
     let found = excursions(&equipped, procedure, &WORN_KMH)?;
     let rows = found
         .iter()
@@ -126,7 +125,7 @@ pub(super) fn suspended(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     Ok(Figure {
         number: "11",
         title: "Wheelset 4 with worn-out dampers, a = 4 mm",
-        said: "the lateral vibration of wheelset 4 grows: the dampers hang in their clearance",
+        said: "the lateral vibration of wheelset 4 grows, since the dampers move within their clearance",
         rows: rows.collect(),
         plots: vec![histories(found.iter())],
         ..Figure::default()
@@ -134,7 +133,7 @@ pub(super) fn suspended(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 }
 
 fn excursions(
-    equipped: &Equipped,
+    equipped: &Equipped<'_>,
     procedure: &Procedure,
     speeds_kmh: &[f64],
 ) -> Result<Vec<Vec<Excursion>>, EvidenceError> {
@@ -145,11 +144,10 @@ fn excursions(
         .collect();
     let over =
         |track: &OwnedTrack, kmh: f64| Excursion::of(equipped, procedure, &track.view(), kmh);
-    let found: Result<Vec<Vec<Excursion>>, NoEquilibrium> = speeds_kmh
+    speeds_kmh
         .par_iter()
         .map(|kmh| tracks.iter().map(|track| over(track, *kmh)).collect())
-        .collect();
-    Ok(found?)
+        .collect()
 }
 
 fn rows_of(

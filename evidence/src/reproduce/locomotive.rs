@@ -10,12 +10,12 @@ use vehicle_studies::StudyError;
 use vehicle_studies::trip::Equipped;
 
 /// Effective stiffness of a damper in good condition (N/m).
-pub const KE_N_PER_M: f64 = 12.5e6;
+pub(super) const KE_N_PER_M: f64 = 12.5e6;
 /// Its clearance (m).
-pub const CLEARANCE_2A_M: f64 = 0.2e-3;
+pub(super) const CLEARANCE_2A_M: f64 = 0.2e-3;
 
 /// Keys of a scenario that make all its yaw dampers so.
-pub fn dampers(ke_n_per_m: f64, clearance_2a_m: f64) -> [Setting; 2] {
+pub(super) fn dampers(ke_n_per_m: f64, clearance_2a_m: f64) -> [Setting; 2] {
     [
         Setting::to("damper.ke_n_per_m", ke_n_per_m),
         Setting::to("damper.clearance_2a_m", clearance_2a_m),
@@ -25,7 +25,7 @@ pub fn dampers(ke_n_per_m: f64, clearance_2a_m: f64) -> [Setting; 2] {
 /// A scenario's vehicle, and the damper that its yaw dampers are made from.
 #[derive(Debug, Clone)]
 pub struct Locomotive {
-    equipped: Equipped,
+    equipped: Equipped<'static>,
     nominal: Nominal,
     /// What the scenario calls itself.
     pub title: String,
@@ -53,14 +53,14 @@ impl Locomotive {
     }
 
     /// With yaw dampers of this stiffness and clearance.
-    pub fn with(&self, ke_n_per_m: f64, clearance_2a_m: f64) -> Equipped {
+    pub fn with(&self, ke_n_per_m: f64, clearance_2a_m: f64) -> Equipped<'static> {
         self.with_dampers(Nominal { ke_n_per_m, clearance_2a_m, ..self.nominal })
     }
 
     /// With these yaw dampers at every place.
     ///
     /// A damper that cannot be leaves the scenario's own; none of this study's is one.
-    pub fn with_dampers(&self, nominal: Nominal) -> Equipped {
+    pub fn with_dampers(&self, nominal: Nominal) -> Equipped<'static> {
         let as_built = || self.equipped.clone();
         Damper::new(nominal, &[]).map_or_else(|_| as_built(), |damper| as_built().with(&damper))
     }
@@ -71,7 +71,7 @@ impl Locomotive {
     }
 
     /// The vehicle as its scenario equips it.
-    pub const fn as_built(&self) -> &Equipped {
+    pub const fn as_built(&self) -> &Equipped<'static> {
         &self.equipped
     }
 }

@@ -4,7 +4,7 @@
 //! "A locomotive's dynamic response to in-service parameter variations of its hydraulic yaw
 //! damper", Nonlinear Dynamics (2014). Its appendix with the parameters is not public: the vehicle
 //! here is an analogue, and three numbers of it that are public nowhere are calibrated, each on one
-//! critical speed ([`calibration`]). [`row`] says which number has which role.
+//! critical speed ([`calibrate`]). [`Role`] says which number has which role.
 //!
 //! | module | of the study |
 //! | --- | --- |
@@ -18,24 +18,26 @@
 //! | `spread` | the effect on critical speeds of inputs that are neither known nor fitted |
 
 mod basis;
-pub mod calibration;
+mod calibration;
 mod comfort;
 mod critical_speeds;
 mod curving;
 mod limit_cycle;
-pub mod locomotive;
-pub mod null_models;
+mod locomotive;
+mod null_models;
 mod oil;
-pub mod page;
-pub mod row;
+mod page;
+mod row;
 mod running;
 mod spread;
 mod working_point;
 
 use crate::error::EvidenceError;
 pub use basis::Basis;
-
-use row::Figure;
+pub use calibration::{Calibrated, UNKNOWNS, Unknown, calibrate};
+pub use locomotive::Locomotive;
+pub use page::{page, text};
+pub use row::{Figure, Role, Row};
 
 /// A figure that can be made.
 #[derive(Debug, Clone, Copy)]
@@ -52,10 +54,9 @@ impl Recipe {
     ///
     /// # Errors
     /// The vehicle does not run steadily, or cannot be changed so; the files of the scenario have
-    /// changed since the basis was read.
+    /// changed since the basis was read; the work is stopped ([`EvidenceError::Stopped`]).
     pub fn make(&self, basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
-        let figure = (self.make)(basis)
-            .map_err(|why| EvidenceError::InFigure(self.number, Box::new(why)))?;
+        let figure = (self.make)(basis).map_err(|why| why.in_figure(self.number))?;
         basis.refuse_changed()?;
         Ok(figure)
     }

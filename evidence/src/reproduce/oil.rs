@@ -18,7 +18,8 @@ use rayon::prelude::*;
 use report::Plot;
 use scenario::source::Source;
 use std::path::Path;
-use vehicle_studies::critical_speed::ascent::Ascent;
+use vehicle_studies::critical_speed::Ascent;
+use virtual_bench::bench_visit::protocol::Test;
 use virtual_bench::bench_visit::sensors::Sensors;
 use virtual_bench::bench_visit::{RawRecord, measurements, protocol, record_from};
 use virtual_bench::hydraulic::HydraulicDamper;
@@ -65,8 +66,8 @@ pub(super) fn temperature_and_air(basis: &Basis<'_>) -> Result<Figure, EvidenceE
     Ok(Figure {
         number: "6",
         title: "Physical damper, estimated parameters, locomotive: oil temperature and entrained air",
-        said: "oil temperature and entrained air act through Ce and Ke; their effect on critical speed is not \
-               obvious in normal running",
+        said: "oil temperature and entrained air act through Ce and Ke; in normal running they have no obvious effect \
+               on the critical speed",
         plots: vec![
             Plot::new("Critical speed over oil temperature, 0.5 % of air")
                 .x("oil temperature", "degC")
@@ -91,16 +92,20 @@ fn estimated(basis: &Basis<'_>, degc: f64, air_share: f64) -> Result<Estimated, 
     let sensors = Sensors::exact(RATE_HZ);
     let tests = protocol::short();
     let fitted = tests.iter().filter(|test| !test.test_only);
-    let records: Vec<RawRecord> =
-        fitted.map(|test| record_from(&damper, test, &sensors, SEED, degc)).collect();
-    let tests = TestSet::new(measurements(&records)?);
-    let fit = nominal_fit(&tests, None, Control::QUIET)
-        .ok_or(EvidenceError::NoFit("follows the physical one"))?
-        .fit;
+    let record = |test: &Test| -> Result<RawRecord, EvidenceError> {
+        EvidenceError::check(basis.stop)?;
+        Ok(record_from(&damper, test, &sensors, SEED, degc))
+    };
+    let records: Result<Vec<RawRecord>, EvidenceError> = fitted.map(record).collect();
+    let tests = TestSet::new(measurements(&records?)?);
+    let control = Control { stop: basis.stop, ..Control::QUIET };
+    let fit = nominal_fit(&tests, None, control);
+    EvidenceError::check(basis.stop)?;
+    let fit = fit.ok_or(EvidenceError::NoFit("follows the physical one"))?.fit;
     let fitted =
         fit.model.damper(&fit.values).ok_or(EvidenceError::NoFit("has the fitted values"))?;
     let nominal = *fitted.nominal();
-    let equipped = basis.locomotive.with_dampers(nominal);
+    let equipped = basis.locomotive.with_dampers(nominal).until(basis.stop);
     let ascent = Ascent::of(&equipped, basis.procedure)?;
     Ok(Estimated {
         degc,

@@ -76,7 +76,7 @@ fn table(caption: &str, rows: &[&Row]) -> Table {
 }
 
 /// Conditions in the usual units of the field.
-pub fn conditions(row: &Row) -> String {
+fn conditions(row: &Row) -> String {
     let words = row.at.iter().map(|(name, value)| match *name {
         "ke_n_per_m" => format!("Ke {} MN/m", 1e-6 * value),
         "clearance_2a_m" => format!("2a {} mm", short(1e3 * value)),
@@ -92,25 +92,14 @@ fn short(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// The rows as a table for a terminal.
+/// The figures as text for a terminal: for each the study's statement and a table.
 pub fn text(figures: &[Figure]) -> String {
-    let or_dash = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2}"));
     let mut lines = Vec::new();
     for figure in figures {
         lines.push(format!("figure {}: {}", figure.number, figure.title));
-        lines.push(format!("  the study: {}", figure.said));
-        for row in &figure.rows {
-            lines.push(format!(
-                "  {:<44} {:<34} paper {:>8}  ours {:>9} {:<6} {:<10} {}",
-                row.quantity.replace('_', " "),
-                conditions(row),
-                or_dash(row.paper),
-                or_dash(row.ours),
-                row.unit,
-                format!("{:?}", row.role).to_lowercase(),
-                row.note
-            ));
-        }
+        lines.push(format!("the study: {}", figure.said));
+        lines.extend(table("", &figure.rows.iter().collect::<Vec<_>>()).lines());
+        lines.push(String::new());
     }
-    lines.join("\n")
+    lines.join("\n").trim_end().to_owned()
 }

@@ -14,6 +14,7 @@ use report::Plot;
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
 use signal::statistics;
+use std::sync::atomic::AtomicBool;
 use vehicle_studies::trip::signals::{Acceleration, Places, RATE_HZ, Signals, Wheels};
 use vehicle_studies::trip::track::Roughness;
 use vehicle_studies::trip::{Equipped, START_M, Trip};
@@ -38,13 +39,14 @@ const DEAD_N: f64 = 100.0;
 /// The scenario with dampers of a stiffness and a clearance, at a speed (km/h).
 ///
 /// # Errors
-/// A scenario that cannot run.
+/// A scenario that cannot run; the work is stopped.
 pub(super) fn run_with(
     basis: &Basis<'_>,
     (ke_n_per_m, clearance_2a_m): (f64, f64),
     speed_kmh: f64,
     further: &[Setting],
 ) -> Result<Run, EvidenceError> {
+    EvidenceError::check(basis.stop)?;
     let settings = [&dampers(ke_n_per_m, clearance_2a_m), further].concat();
     let overrides = Overrides { duration_s: Some(1.0), speed_kmh: Some(speed_kmh) };
     Ok(Run::load_as_fine_as_needed(basis.scenario, overrides, &settings)?)
@@ -59,13 +61,14 @@ pub(super) type Channel = fn(&mut IrregularitySample);
 /// The signals of a run on the tracks of all seeds, run-in left out.
 ///
 /// # Errors
-/// The vehicle does not run steadily, or leaves the track.
+/// The vehicle does not run steadily, or leaves the track; the work is stopped.
 pub(super) fn signals(
     run: &Run,
     seeds: &[u64],
     changed: Option<Channel>,
+    stop: &AtomicBool,
 ) -> Result<Vec<Signals>, EvidenceError> {
-    let equipped = Equipped::of(run)?;
+    let equipped = Equipped::of(run)?.until(stop);
     let places = Places::of(run, FLOOR_M);
     let [run_in_s, counted_s] = TIMES_S;
     let end_m = START_M + run.speed_m_per_s * (run_in_s + counted_s) + 30.0;
@@ -79,8 +82,8 @@ pub(super) fn signals(
             let track = track.view();
             let trip = Trip::new(&equipped, &track, run.speed_m_per_s, run.substeps);
             let mut state = trip.begin(&[])?;
-            let stays = trip.go(&mut state, run_in_s, |_| {});
-            let signals = Signals::of(&trip, &mut state, counted_s, &places, Wheels::LeftOut);
+            let stays = trip.go(&mut state, run_in_s, |_| {})?;
+            let signals = Signals::of(&trip, &mut state, counted_s, &places, Wheels::LeftOut)?;
             if stays && !signals.derailed { Ok(signals) } else { Err(EvidenceError::OffTheTrack) }
         })
         .collect()
@@ -93,7 +96,7 @@ pub(super) fn signals(
 pub(super) fn accelerations(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let nominal = basis.locomotive.nominal();
     let run = run_with(basis, (nominal.ke_n_per_m, nominal.clearance_2a_m), SPEED_KMH, &[])?;
-    let tracks = signals(&run, &basis.procedure.seeds, None)?;
+    let tracks = signals(&run, &basis.procedure.seeds, None, basis.stop)?;
     let of: [(&'static str, Pick); 3] = [
         ("wheelset_1_lateral_rms", |signals| signals.wheelset_accelerations.first()),
         ("bogie_lateral_rms", |signals| signals.bogies.first()),
@@ -133,7 +136,7 @@ pub(super) fn accelerations(basis: &Basis<'_>) -> Result<Figure, EvidenceError> 
     Ok(Figure {
         number: "4",
         title: "Lateral accelerations at 160 km/h",
-        said: "the wheelset shakes more than the bogie frame, the bogie frame more than the carbody",
+        said: "accelerations decrease from the wheelset to the bogie frame and from there to the carbody",
         rows,
         plots: vec![plot],
         ..Figure::default()
@@ -146,7 +149,7 @@ pub(super) fn accelerations(basis: &Basis<'_>) -> Result<Figure, EvidenceError> 
 /// The vehicle does not run.
 pub(super) fn damper_forces(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let run = run_with(basis, (WORKING_KE_N_PER_M, WORKING_2A_M), SPEED_KMH, &[])?;
-    let tracks = signals(&run, &basis.procedure.seeds, None)?;
+    let tracks = signals(&run, &basis.procedure.seeds, None, basis.stop)?;
     let at = || {
         [
             ("ke_n_per_m", WORKING_KE_N_PER_M),
@@ -197,8 +200,8 @@ pub(super) fn damper_forces(basis: &Basis<'_>) -> Result<Figure, EvidenceError> 
     Ok(Figure {
         number: "8",
         title: "Damper forces, left and right",
-        said: "one pushes while the other pulls; dead zones and impacts where the direction changes; each damper \
-               works at some 3.5 Hz and +-3 to 4 mm (3.46 mm)",
+        said: "one damper pushes while the other pulls, with dead zones and impacts where the direction changes; \
+               each damper works at about 3.5 Hz and +-3 to 4 mm (3.46 mm)",
         rows,
         plots: vec![plot.zoom("one reversal", DRAWN_S[0]..=DRAWN_S[0] + 0.5)],
         ..Figure::default()

@@ -15,8 +15,8 @@ use firmware_core::vehicle::{Axle, Vehicle};
 use rayon::prelude::*;
 use report::{Cell, Plot, Table};
 use scenario::setting::Setting;
+use vehicle_studies::critical_speed::Ascent;
 use vehicle_studies::critical_speed::Procedure;
-use vehicle_studies::critical_speed::ascent::Ascent;
 
 /// An input and its relative uncertainty.
 struct Input {
@@ -91,6 +91,7 @@ pub(super) fn of_inputs(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     let speeds: Result<Vec<Vec<Option<f64>>>, EvidenceError> = ends
         .par_iter()
         .map(|(input, factor)| {
+            EvidenceError::check(basis.stop)?;
             let changed = Locomotive::load(basis.scenario, &input.settings(vehicle, *factor))?;
             speeds_kmh(&changed, basis)
         })
@@ -120,7 +121,7 @@ pub(super) fn of_inputs(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     Ok(Figure {
         number: "10",
         title: "Effect of unknown inputs on critical speeds",
-        said: "nothing: the study's appendix with the inputs is not public",
+        said: "no statement: the appendix with the inputs is not public",
         table: Some(compact(&as_it_is, &ends, &speeds)),
         plots: vec![drawn(&as_it_is, &ends, &speeds)],
         rows,
@@ -135,7 +136,7 @@ fn speeds_kmh(
     PUBLISHED
         .par_iter()
         .map(|(ke_n_per_m, clearance_2a_m, ..)| {
-            let equipped = locomotive.with(*ke_n_per_m, *clearance_2a_m);
+            let equipped = locomotive.with(*ke_n_per_m, *clearance_2a_m).until(basis.stop);
             Ok(Ascent::of(&equipped, basis.procedure)?.mean_kmh)
         })
         .collect()
@@ -143,6 +144,7 @@ fn speeds_kmh(
 
 /// A line for every end of every input: critical speeds of the published cases.
 fn compact(as_it_is: &[Option<f64>], ends: &[(&Input, f64)], speeds: &[Vec<Option<f64>>]) -> Table {
+    debug_assert!(ends.len() == speeds.len() && as_it_is.len() == PUBLISHED.len());
     let table = Table::new("Critical speeds with one input at an end of its range").text("input");
     let table = PUBLISHED.iter().fold(table, |table, (ke_n_per_m, clearance_2a_m, ..)| {
         let (ke, clearance) = (1e-6 * ke_n_per_m, 1e3 * clearance_2a_m);

@@ -142,7 +142,8 @@ pub(super) fn tried(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
     Ok(Figure {
         number: "8 and 13",
         title: "The damper's working point and the bogie's peaks: what was tried",
-        said: "the damper works at 3.5 Hz and +-3.46 mm; the bogie's lateral spectrum has peaks at 3.2 and 3.8 Hz",
+        said: "the damper moves by +-3.46 mm at 3.5 Hz; the lateral spectrum of the bogie has peaks at \
+               3.2 and 3.8 Hz",
         rows: rows.concat(),
         table: Some(compact(&rows)),
         remarks: vec![
@@ -156,6 +157,7 @@ pub(super) fn tried(basis: &Basis<'_>) -> Result<Figure, EvidenceError> {
 
 /// A line for every change: our numbers, and the remaining gap to the study's.
 fn compact(rows: &[[Row; 4]]) -> Table {
+    debug_assert_eq!(rows.len(), CHANGES.len());
     let table = Table::new("Changes and the remaining gap")
         .text("change")
         .number("stroke", "mm")
@@ -190,7 +192,7 @@ fn rows_of(basis: &Basis<'_>, change: &Change) -> Result<[Row; 4], EvidenceError
         run.contact = Some(other?);
     }
     let seeds = change.own_seeds.map_or(basis.procedure.seeds.clone(), |seeds| seeds.to_vec());
-    let tracks = signals(&run, &seeds, change.channel)?;
+    let tracks = signals(&run, &seeds, change.channel, basis.stop)?;
     let mean = |of: &dyn Fn(&Signals) -> Option<f64>| -> Option<f64> {
         let each: Option<Vec<f64>> = tracks.iter().map(of).collect();
         each.map(|each| statistics::mean(&each))

@@ -44,6 +44,12 @@ impl Check {
         }
     }
 
+    /// Whether being far from the known value is worse on both sides, or on the only one that has a
+    /// bound.
+    pub(super) const fn is_two_sided(&self) -> bool {
+        self.highest.is_some()
+    }
+
     /// Ours within `tolerance` of what is known.
     pub fn near(quantity: &str, at: &str, [expected, ours]: [f64; 2], tolerance: f64) -> Self {
         let limits = [Some(expected - tolerance), Some(expected + tolerance)];
@@ -93,6 +99,10 @@ impl Check {
         [expected, ours]: [f64; 2],
         [lowest, highest]: [Option<f64>; 2],
     ) -> Self {
+        debug_assert!(
+            !lowest.zip(highest).is_some_and(|(lowest, highest)| lowest > highest),
+            "{quantity}: {lowest:?} to {highest:?}"
+        );
         let passes = ours.is_finite()
             && lowest.is_none_or(|bound| ours >= bound)
             && highest.is_none_or(|bound| ours <= bound);

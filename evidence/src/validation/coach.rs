@@ -14,6 +14,7 @@ use firmware_core::wheel_rail::table::ContactTable;
 use nalgebra::{DMatrix, SymmetricEigen};
 use scenario::equilibrium;
 use std::f64::consts::TAU;
+use std::sync::atomic::AtomicBool;
 use vehicle_studies::modes::{Coordinate, Impedances, Jacobians};
 
 const SPEED_M_PER_S: f64 = 160.0 / 3.6;
@@ -29,7 +30,7 @@ const SECONDARY_N_PER_M: f64 = 0.430e6;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not stand.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(_stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let coach = vehicles::manchester_coach()?;
     let table = coach.table()?;
     let degrees = coach.vehicle.degrees_of_freedom() as f64;

@@ -11,6 +11,7 @@ use super::columns;
 use crate::error::EvidenceError;
 use report::Plot;
 use scenario::conicity::RollingRadiusDifference;
+use std::sync::atomic::AtomicBool;
 
 /// Case, its table of rolling radius differences.
 const CASES: [(&str, &str); 7] = [
@@ -32,11 +33,12 @@ const STEP_M: f64 = 0.1e-3;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let mut checks = Vec::new();
     let mut plots = Vec::new();
     let mut beyond = 0;
     for (case, differences) in CASES {
+        EvidenceError::check(stop)?;
         let benchmark = Benchmark::new(case, differences)?;
         beyond += benchmark.beyond();
         checks.extend(benchmark.checks());

@@ -7,6 +7,7 @@
 
 use super::check::{Check, Reference};
 use super::kaas_petersen::{Parameters, State};
+use super::steps::stepped;
 use super::vehicles;
 use crate::error::EvidenceError;
 use firmware_core::lanes::Lanes;
@@ -16,8 +17,9 @@ use nalgebra::Complex;
 use report::Plot;
 use signal::statistics;
 use std::f64::consts::TAU;
-use vehicle_studies::critical_speed::fold::{CyclePoint, Fold};
+use std::sync::atomic::AtomicBool;
 use vehicle_studies::critical_speed::{Critical, Procedure};
+use vehicle_studies::critical_speed::{CyclePoint, Fold};
 use vehicle_studies::modes::{Coordinate, Impedances, Jacobians};
 use vehicle_studies::trip::Equipped;
 
@@ -46,17 +48,22 @@ const COARSE_S: f64 = 0.5e-3;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not run steadily.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let vehicle = vehicles::cooperrider()?.vehicle;
     let degrees = vehicle.degrees_of_freedom() as f64;
     let mut checks = vec![Check::near("degrees of freedom", "vehicle's file", [7.0, degrees], 0.0)];
     checks.extend(eigenvalues(&vehicle)?);
-    checks.extend(hopf_points(&vehicle)?);
-    let (written, (fine, coarse)) = rayon::join(Cycle::written_down, || {
-        rayon::join(|| Cycle::down(&vehicle, FINE_S), || Cycle::down(&vehicle, COARSE_S))
-    });
+    checks.extend(hopf_points(&vehicle, stop)?);
+    let (written, (fine, coarse)) = rayon::join(
+        || Cycle::written_down(stop),
+        || {
+            let down = |substep_s| Cycle::down(&vehicle, substep_s, stop);
+            rayon::join(|| down(FINE_S), || down(COARSE_S))
+        },
+    );
+    let (written, fine, coarse) = (written?, fine?, coarse?);
     checks.extend(limit_cycles(&fine, &coarse, &written));
-    let fold = descent(vehicle)?;
+    let fold = descent(vehicle, stop)?;
     let dies = fold.dies.kmh().map_or(f64::NAN, |kmh| kmh / 3.6);
     let bounds = [FOLD_M_PER_S[0], FOLD_M_PER_S[1] + DESCENT_KMH / 3.6];
     let middle = 0.5 * (FOLD_M_PER_S[0] + FOLD_M_PER_S[1]);
@@ -114,9 +121,10 @@ fn eigenvalues(vehicle: &Vehicle) -> Result<Vec<Check>, EvidenceError> {
     Ok(checks)
 }
 
-fn hopf_points(vehicle: &Vehicle) -> Result<Vec<Check>, EvidenceError> {
+fn hopf_points(vehicle: &Vehicle, stop: &AtomicBool) -> Result<Vec<Check>, EvidenceError> {
     let (mut stable, mut unstable) = (60.0, 80.0);
     while unstable - stable > 1e-5 {
+        EvidenceError::check(stop)?;
         let middle = 0.5 * (stable + unstable);
         if least_damped(vehicle, middle)?.re < 0.0 {
             stable = middle;
@@ -173,7 +181,11 @@ impl Cycle {
 
     /// By time steps of the vehicle, from the highest speed down, as a motion at one speed may
     /// begin outside of the cycle's reach at the next: 60 s to settle at each, 5 s watched.
-    fn down(vehicle: &Vehicle, substep_s: f64) -> Vec<Self> {
+    fn down(
+        vehicle: &Vehicle,
+        substep_s: f64,
+        stop: &AtomicBool,
+    ) -> Result<Vec<Self>, EvidenceError> {
         let track = Track::default();
         let mut state = VehicleState::<1>::default();
         state.position[1][LATERAL] = Lanes([0.010]);
@@ -183,7 +195,9 @@ impl Cycle {
             let speed_m_per_s = Lanes([speed_m_per_s]);
             let running = Running { speed_m_per_s, track: &track, contact: None, substep_s };
             vehicle.start(&mut state, &running);
-            vehicle.step(&mut state, &running, &mut (), steps(60.0));
+            stepped(steps(60.0), stop, |steps| {
+                vehicle.step(&mut state, &running, &mut (), steps);
+            })?;
             let mut shift_m = Vec::new();
             for _ in 0..steps(5.0) {
                 vehicle.step(&mut state, &running, &mut (), 1);
@@ -191,11 +205,11 @@ impl Cycle {
             }
             cycles.push(Self::from_shifts(&shift_m, substep_s));
         }
-        cycles
+        Ok(cycles)
     }
 
     /// By Runge-Kutta steps of the equations written out, in the same order.
-    fn written_down() -> Vec<Self> {
+    fn written_down(stop: &AtomicBool) -> Result<Vec<Self>, EvidenceError> {
         const STEP_S: f64 = 0.2e-3;
         let mut state = State::zeros();
         state[0] = 0.010;
@@ -205,13 +219,15 @@ impl Cycle {
                 state = Parameters::PRINTED.step(&state, speed_m_per_s, STEP_S);
                 state[0]
             };
-            for _ in 0..300_000 {
-                step();
-            }
+            stepped(300_000, stop, |steps| {
+                for _ in 0..steps {
+                    step();
+                }
+            })?;
             let shift_m: Vec<f64> = (0..25_000).map(|_| step()).collect();
             cycles.push(Self::from_shifts(&shift_m, STEP_S));
         }
-        cycles
+        Ok(cycles)
     }
 }
 
@@ -260,8 +276,8 @@ fn against_the_other_program(written: &[Cycle]) -> String {
 }
 
 /// The limit cycle followed down from 252 km/h.
-fn descent(vehicle: Vehicle) -> Result<Fold, EvidenceError> {
-    let bogie = Equipped::without_dampers(vehicle);
+fn descent(vehicle: Vehicle, stop: &AtomicBool) -> Result<Fold, EvidenceError> {
+    let bogie = Equipped::without_dampers(vehicle).until(stop);
     let procedure = Procedure {
         from_kmh: 230.0,
         to_kmh: 252.0,

@@ -20,15 +20,17 @@ use firmware_core::vehicle::{
 };
 use firmware_core::wheel_rail::table::{ContactTable, ZoneTable};
 use report::Plot;
+use std::sync::atomic::AtomicBool;
 
 /// The comparison.
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not stand.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let (without, with) = rayon::join(|| Pushed::new(false), || Pushed::new(true));
     let (without, with) = (without?, with?);
-    let (kept, taken) = rayon::join(|| without.looks(20.0), || with.looks(5.0));
+    let (kept, taken) = rayon::join(|| without.looks(20.0, stop), || with.looks(5.0, stop));
+    let (kept, taken) = (kept?, taken?);
     let push_j = without.push_j;
     let change = |look: &Look| look.energy_j - kept[0].energy_j;
     let most_j = kept.iter().map(|look| change(look).abs()).fold(0.0, f64::max);
@@ -160,7 +162,7 @@ impl Pushed {
     }
 
     /// Looks every 10 ms.
-    fn looks(&self, seconds: f64) -> Vec<Look> {
+    fn looks(&self, seconds: f64, stop: &AtomicBool) -> Result<Vec<Look>, EvidenceError> {
         let Self { vehicle, table, .. } = self;
         let track = Track::default();
         let running = Running {
@@ -179,6 +181,9 @@ impl Pushed {
             // What a step sees at the time of its positions, on copies: the run itself is not
             // touched.
             let looks = step % STEPS_PER_LOOK == 0;
+            if looks {
+                EvidenceError::check(stop)?;
+            }
             if self.damped || looks {
                 let (mut seen, mut meter) = (state.clone(), metered.clone());
                 vehicle.evaluate(&mut seen, &running, &mut meter);
@@ -200,7 +205,7 @@ impl Pushed {
             }
             vehicle.step(&mut state, &running, &mut metered, 1);
         }
-        found
+        Ok(found)
     }
 }
 

@@ -13,6 +13,7 @@ use firmware_core::wheel_rail::creep::{CreepForce, CreepLaw, Creepage, Fastsim, 
 use firmware_core::wheel_rail::kalker::coefficients;
 use report::Plot;
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
 
 /// Creepage, `F/(mu N)` of the full theory and of CONTACT's FASTSIM.
 const TRACTION_CURVE: &str = include_str!("tables/traction-curve.csv");
@@ -31,7 +32,7 @@ const CELLS: u16 = 220;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(_stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let [creepages, full, theirs] =
         columns(TRACTION_CURVE, ["longitudinal_creepage", "contact", "fastsim"])?;
     let patch = eurosprinter();
@@ -122,7 +123,7 @@ fn spin_case(law: &CreepLaw, patch: &Patch) -> f64 {
 }
 
 /// How far ours is from the full theory at most, over the friction limit.
-pub(super) fn share_beside_full_theory() -> Result<f64, EvidenceError> {
+pub(super) fn difference_to_full_theory() -> Result<f64, EvidenceError> {
     let [creepages, full] = columns(TRACTION_CURVE, ["longitudinal_creepage", "contact"])?;
     let (law, patch) = (law(CELLS)?, eurosprinter());
     let off = |(xi, full): (&f64, &f64)| (traction(&law, &patch, *xi) - full).abs();

@@ -13,10 +13,11 @@ use crate::error::EvidenceError;
 use firmware_core::track::IrregularitySample;
 use report::Plot;
 use scenario::irregularity::{
-    Band, FADE_IN_M, PERFECT_M, SAMPLE_STEP_M, aar6, cross_variance_m2, vertical_variance_m2,
+    Band, FADE_IN_M, PERFECT_M, SAMPLE_STEP_M, aar6_until, cross_variance_m2, vertical_variance_m2,
 };
 use signal::spectrum::Spectrum;
 use std::f64::consts::TAU;
+use std::sync::atomic::AtomicBool;
 
 /// Length of the track (m).
 const LENGTH_M: f64 = 120e3;
@@ -51,11 +52,12 @@ fn equation_2(w: f64) -> f64 {
 ///
 /// # Errors
 /// A spectrum that cannot be formed.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
-    let track = aar6(&BAND, 0.0, LENGTH_M);
+pub(super) fn reference(stop: &AtomicBool) -> Result<Reference, EvidenceError> {
+    let track = aar6_until(stop, &BAND, 0.0, LENGTH_M).ok_or(EvidenceError::Stopped)?;
     let begin = ((PERFECT_M + FADE_IN_M) / SAMPLE_STEP_M) as usize + 1;
     let (mut checks, mut plots) = (Vec::new(), Vec::new());
     for (name, read, equation, closed) in CHANNELS {
+        EvidenceError::check(stop)?;
         let values: Vec<f64> = track.samples[begin..].iter().map(read).collect();
         let spectrum = Spectrum::welch(&values, 1.0 / SAMPLE_STEP_M, SEGMENT_M)?;
         checks.extend(bands(name, &spectrum, equation));

@@ -11,6 +11,7 @@ use super::columns;
 use crate::error::EvidenceError;
 use firmware_core::wheel_rail::kalker::{KalkerCoefficients, coefficients};
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
 
 const TABLE: &str = include_str!("tables/kalker-e3.csv");
 const HEADS: [&str; 11] = [
@@ -37,7 +38,7 @@ const ROUNDING: f64 = 1e-12;
 ///
 /// # Errors
 /// A table that cannot be read.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(_stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let rows = rows()?;
     let mut checks = tabulated(&rows);
     checks.extend(between_poisson_ratios(&rows));

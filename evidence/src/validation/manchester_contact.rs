@@ -21,6 +21,7 @@ use firmware_core::wheel_rail::wheel::{Surface, Touch, Wheel, WheelForce, WheelM
 use report::Plot;
 use scenario::contact_geometry::{ContactPair, PlacedRail, Placement};
 use scenario::profile::{Profile, s1002, uic60};
+use std::sync::atomic::AtomicBool;
 
 const SIDES: [(&str, f64, &str); 2] = [
     ("left", -1.0, include_str!("tables/manchester-a22-left.csv")),
@@ -52,7 +53,7 @@ const SOFTNESS_M: f64 = 5e-6;
 ///
 /// # Errors
 /// Profiles or a table that do not fit.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let bench = Bench::new()?;
     let creep = CreepLaw::Fastsim(
         Fastsim::new(100, 100)
@@ -63,7 +64,14 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
     let (mut roll_rad, mut spin_ratio) = (0.0_f64, 1.0_f64);
     for (name, side, text) in SIDES {
         let cases = cases(side, text)?;
-        let settled: Vec<Settled> = cases.iter().map(|case| bench.settle(case, creep)).collect();
+        let settle_all = |creep: CreepLaw| -> Result<Vec<Settled>, EvidenceError> {
+            let settle = |case| {
+                EvidenceError::check(stop)?;
+                Ok(bench.settle(case, creep))
+            };
+            cases.iter().map(settle).collect()
+        };
+        let settled = settle_all(creep)?;
         for (case, ours) in cases.iter().zip(&settled) {
             checks.extend(bench.checks(name, case, ours));
             roll_rad = roll_rad.max(case.roll_rad.abs());
@@ -73,13 +81,10 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
             }
         }
         plots.extend(geometry_plots(name, &cases, &settled));
-        let others =
-            [("linear, saturated", CreepLaw::LinearSaturated), ("Polach", CreepLaw::Polach)].map(
-                |(law, creep)| {
-                    let settled = cases.iter().map(|case| bench.settle(case, creep)).collect();
-                    (law, settled)
-                },
-            );
+        let others = [
+            ("linear, saturated", settle_all(CreepLaw::LinearSaturated)?),
+            ("Polach", settle_all(CreepLaw::Polach)?),
+        ];
         plots.extend(force_plots(name, &cases, &settled, &others));
     }
     Ok(Reference {
@@ -228,7 +233,7 @@ impl Bench {
         let pair = ContactPair::new(&s1002(), uic60(), Placement::UIC)?;
         let table = ContactTable::new(&pair.tables(), RADIUS_M, Material::STEEL);
         let rail = PlacedRail::new(uic60(), &Placement::UIC)?;
-        let fastsim_share = fastsim::share_beside_full_theory()?;
+        let fastsim_share = fastsim::difference_to_full_theory()?;
         Ok(Self { table, wheel: s1002(), rail, fastsim_share })
     }
 

@@ -4,7 +4,7 @@
 //! One file per reference. Each computes its numbers when it is asked, compares them with the known
 //! ones as [`Check`]s with tolerances that its [`Reference`] derives, and says what is left out.
 //! Nothing here is tuned to pass; the same functions are the tests (`tests/validation.rs`) and the
-//! page of `yawbench reproduce --validation` ([`page`]).
+//! page of `yawbench reproduce --validation` ([`page()`]).
 //!
 //! | file | known from |
 //! | --- | --- |
@@ -26,13 +26,16 @@ mod kaas_petersen;
 mod kalker;
 mod locomotive;
 mod manchester_contact;
-pub mod page;
+mod page;
 mod ride;
+mod steps;
 mod symmetry;
-pub mod text;
+mod text;
 mod vehicles;
 
 pub use check::{Check, Reference};
+pub use page::page;
+pub use text::{misses, text};
 
 use crate::error::EvidenceError;
 use files::Identity;
@@ -43,8 +46,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// Hash over the sources of the crates that compute the references, made by the build script.
 const PROGRAM: &str = env!("VALIDATION_SOURCES");
 
-/// Computes one reference.
-pub type Compute = fn() -> Result<Reference, EvidenceError>;
+/// Computes one reference, or fails with [`EvidenceError::Stopped`] once the flag is set.
+pub type Compute = fn(&AtomicBool) -> Result<Reference, EvidenceError>;
 
 /// Every reference, in the order of the page.
 pub const REFERENCES: [Compute; 10] = [
@@ -61,7 +64,7 @@ pub const REFERENCES: [Compute; 10] = [
 ];
 
 /// Computes all of them in parallel. `progress` gets the title of each when it is done, the number
-/// done and the number of all. Once `stop` is set no further reference begins.
+/// done and the number of all. Once `stop` is set, those that are done are all.
 ///
 /// # Errors
 /// A reference that cannot be computed.
@@ -71,12 +74,14 @@ pub fn all(
 ) -> Result<Vec<Reference>, EvidenceError> {
     let done = AtomicUsize::new(0);
     let one = |compute: &Compute| -> Option<Result<Reference, EvidenceError>> {
-        if stop.load(Ordering::Relaxed) {
-            return None;
-        }
-        let computed = compute();
-        if let Ok(reference) = &computed {
-            progress(reference.title, done.fetch_add(1, Ordering::Relaxed) + 1, REFERENCES.len());
+        let computed = EvidenceError::check(stop).and_then(|()| compute(stop));
+        match &computed {
+            Err(EvidenceError::Stopped) => return None,
+            Err(_) => {}
+            Ok(reference) => {
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                progress(reference.title, done, REFERENCES.len());
+            }
         }
         Some(computed)
     };

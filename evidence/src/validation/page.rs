@@ -41,7 +41,7 @@ fn overview_table(references: &[Reference]) -> Table {
         .number("comparisons", "")
         .number_with_digits("most of a tolerance used", "%", 3);
     table.rows(references.iter().map(|reference| {
-        let used = reference.checks.iter().filter(|check| two_sided(check)).map(Check::used);
+        let used = reference.checks.iter().filter(|check| check.is_two_sided()).map(Check::used);
         let row: [Cell; 4] = [
             reference.title.into(),
             reference.verdict().into(),
@@ -52,12 +52,6 @@ fn overview_table(references: &[Reference]) -> Table {
     }))
 }
 
-/// Whether being far from the known value is worse on both sides, or on the only one that has a
-/// bound.
-fn two_sided(check: &Check) -> bool {
-    check.highest.is_some()
-}
-
 fn section(reference: &Reference) -> Section {
     let mut section = Section::new(reference.title)
         .text(&reference.what)
@@ -66,7 +60,7 @@ fn section(reference: &Reference) -> Section {
     for limit in &reference.limits {
         section = section.note(limit);
     }
-    section = section.table(table(reference));
+    section = section.table(text::table(reference.title, shown(reference)));
     for miss in reference.misses() {
         section = section.warning(&format!("Misses: {}, {}", miss.quantity, miss.at));
     }
@@ -95,32 +89,4 @@ fn shown(reference: &Reference) -> Vec<(&Check, usize)> {
         }
     }
     rows
-}
-
-fn table(reference: &Reference) -> Table {
-    let table = Table::new(reference.title)
-        .text("quantity")
-        .text("at")
-        .number("comparisons", "")
-        .number_with_digits("known", "", 7)
-        .number_with_digits("ours", "", 7)
-        .text("allowed")
-        .text("unit")
-        .number_with_digits("used", "%", 2)
-        .text("verdict");
-    table.rows(shown(reference).into_iter().map(|(check, count)| {
-        let used = two_sided(check).then(|| 100.0 * check.used());
-        let row: [Cell; 9] = [
-            check.quantity.as_str().into(),
-            check.at.as_str().into(),
-            (count as u64).into(),
-            check.expected.into(),
-            check.ours.into(),
-            check.allowed().into(),
-            check.unit.into(),
-            used.into(),
-            if check.passes { "passes" } else { "MISSES" }.into(),
-        ];
-        row
-    }))
 }

@@ -2,7 +2,7 @@
 //!
 //! A sine of amplitude `A` on a line of the window's Fourier series has the index `3.57 (A^3 F(f) /
 //! f)^(1/10)` ([`vehicle_studies::ride::sperling`]); `F` is written out here once more. The
-//! weightings Wb and Wd ([`vehicle_studies::ride::weighting`]) are tabulated as factors in third
+//! weightings Wb and Wd ([`vehicle_studies::ride::Weighting`]) are tabulated as factors in third
 //! octaves, at nominal frequencies in ISO 2631-1 and at true ones in ISO 8041-1.
 
 use super::check::{Check, Reference};
@@ -10,8 +10,9 @@ use crate::error::EvidenceError;
 use report::Plot;
 use signal::statistics;
 use std::f64::consts::TAU;
+use std::sync::atomic::AtomicBool;
+use vehicle_studies::ride::Weighting;
 use vehicle_studies::ride::sperling::{Direction, WINDOW_1985_S, WINDOW_2019_S, index};
-use vehicle_studies::ride::weighting::Weighting;
 
 const RATE_HZ: f64 = 1000.0;
 /// Amplitude of the sines (m/s2).
@@ -58,7 +59,7 @@ const WB: [(i32, f64); 3] = [(0, 0.3853), (8, 1.054), (20, 0.1154)];
 ///
 /// # Errors
 /// A signal that cannot be assessed.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(_stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let mut checks = sines()?;
     checks.extend(factors());
     checks.extend(weighted_sines()?);

@@ -7,12 +7,14 @@
 
 use super::check::{Check, Reference};
 use super::locomotive::{Locomotive, SUBSTEP_S};
+use super::steps::stepped;
 use crate::error::EvidenceError;
 use firmware_core::lanes::Lanes;
 use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
 use firmware_core::vehicle::{LATERAL, ROLL, Running, Vehicle, VehicleState, YAW};
 use nalgebra::Vector3;
 use scenario::irregularity::{Band, Samples, aar6};
+use std::sync::atomic::AtomicBool;
 
 /// Time (s) and speed (m/s) of the runs.
 const DURATION_S: f64 = 6.0;
@@ -24,7 +26,7 @@ const WHEELSET_3: usize = 5;
 ///
 /// # Errors
 /// The vehicle's file does not fit, or it does not stand.
-pub(super) fn reference() -> Result<Reference, EvidenceError> {
+pub(super) fn reference(stop: &AtomicBool) -> Result<Reference, EvidenceError> {
     let locomotive = Locomotive::new()?;
     let band = Band { seed: 1, shortest: 1.0, longest: 100.0, scale: 1.0 };
     let track = aar6(&band, 0.0, DURATION_S * SPEED_M_PER_S + 50.0);
@@ -34,8 +36,8 @@ pub(super) fn reference() -> Result<Reference, EvidenceError> {
         (sample.alignment_m, sample.cross_level_m) = (-alignment_m, -cross_level_m);
     }
     let other_vehicle = mirrored_vehicle(&locomotive.vehicle);
-    let seen = bumpy_run(&locomotive, &locomotive.vehicle, 1.0, &track)?;
-    let image = bumpy_run(&locomotive, &other_vehicle, -1.0, &other_track)?;
+    let seen = bumpy_run(&locomotive, &locomotive.vehicle, 1.0, &track, stop)?;
+    let image = bumpy_run(&locomotive, &other_vehicle, -1.0, &other_track, stop)?;
     let expected = mirrored_state(&seen);
     let moved_mm = 1e3 * seen.position[0][LATERAL].lane(0).abs();
     let at = "after 6 s";
@@ -129,6 +131,7 @@ fn bumpy_run(
     vehicle: &Vehicle,
     sign: f64,
     samples: &Samples,
+    stop: &AtomicBool,
 ) -> Result<VehicleState, EvidenceError> {
     let Samples { samples, first_m, step_m } = samples;
     let irregularity = Irregularity { samples, first_m: *first_m, step_m: *step_m };
@@ -149,6 +152,6 @@ fn bumpy_run(
     }
     vehicle.start(&mut state, &running);
     let steps = libm::round(DURATION_S / SUBSTEP_S) as u32;
-    vehicle.step(&mut state, &running, &mut dampers, steps);
+    stepped(steps, stop, |steps| vehicle.step(&mut state, &running, &mut dampers, steps))?;
     Ok(state)
 }

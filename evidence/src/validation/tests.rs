@@ -2,9 +2,12 @@
 
 use super::*;
 
+/// A flag that is not set.
+static GO: AtomicBool = AtomicBool::new(false);
+
 /// Prints what is tightest, and fails naming what misses.
 fn assert_met(compute: Compute) -> Reference {
-    let reference = compute().unwrap();
+    let reference = compute(&GO).unwrap();
     for (check, count) in reference.tightest() {
         println!(
             "{} x{count}: {} expected {:.6e} ours {:.6e}, {:.0} % of the tolerance",
@@ -76,7 +79,7 @@ fn a_mirrored_run_is_the_mirror_image() {
 
 #[test]
 fn a_miss_is_named_in_table_and_page() {
-    let mut reference = symmetry::reference().unwrap();
+    let mut reference = symmetry::reference(&GO).unwrap();
     reference.checks.push(Check::near("length", "in the middle", [2.0, 2.5], 0.1).unit("m"));
     let references = [reference];
     let printed = text::text(&references);
@@ -89,4 +92,18 @@ fn a_miss_is_named_in_table_and_page() {
 #[test]
 fn sperlings_index_and_the_weightings_are_the_published_ones() {
     assert_met(ride::reference);
+}
+
+#[test]
+fn a_reference_ends_when_the_flag_is_set_and_those_that_are_done_stay() {
+    let set = AtomicBool::new(true);
+    for compute in [cooperrider::reference, energy::reference, symmetry::reference] {
+        let ended = compute(&set);
+        assert!(matches!(ended, Err(EvidenceError::Stopped)), "{ended:?}");
+    }
+    assert!(matches!(irregularity::reference(&set), Err(EvidenceError::Stopped)));
+    // The flag is set by the first reference that is done.
+    let stop = AtomicBool::new(false);
+    let done = all(&stop, &|_, _, _| stop.store(true, Ordering::Relaxed)).unwrap();
+    assert!((1..REFERENCES.len()).contains(&done.len()), "{}", done.len());
 }

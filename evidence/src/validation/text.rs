@@ -1,41 +1,53 @@
-//! The comparisons as a table of plain text.
+//! The comparisons as tables for a terminal.
 
 use super::Reference;
-use report::significant;
-use std::fmt::Write;
+use super::check::Check;
+use report::{Cell, Table, significant};
 
-/// One line per quantity: how many comparisons, the tightest, and whether all pass; then what
-/// misses.
+/// For every reference a table with a row per quantity (how many comparisons, the tightest); then
+/// what misses.
 pub fn text(references: &[Reference]) -> String {
-    let mut out = String::new();
+    let mut lines = Vec::new();
     for reference in references {
-        line(&mut out, format_args!("{} - {}", reference.verdict(), reference.title));
-        for (check, count) in reference.tightest() {
-            line(
-                &mut out,
-                format_args!(
-                    "  {:<48} {:>4}  {:<28} ours {:>11}  known {:>11}  {:<24} {:>4.0} %",
-                    check.quantity,
-                    count,
-                    check.at,
-                    significant(check.ours, 5),
-                    significant(check.expected, 5),
-                    format!("{} {}", check.allowed(), check.unit),
-                    100.0 * check.used()
-                ),
-            );
-        }
+        lines.push(format!("{} - {}", reference.verdict(), reference.title));
+        lines.extend(table(reference.title, reference.tightest()).lines());
+        lines.push(String::new());
     }
-    let misses: Vec<String> = misses(references).collect();
-    if misses.is_empty() {
+    let before = lines.len();
+    lines.extend(misses(references).map(|miss| format!("MISS {miss}")));
+    if lines.len() == before {
         let checks: usize = references.iter().map(|reference| reference.checks.len()).sum();
         let count = references.len();
-        line(&mut out, format_args!("all {checks} comparisons of {count} references pass"));
+        lines.push(format!("all {checks} comparisons of {count} references pass"));
     }
-    for miss in misses {
-        line(&mut out, format_args!("MISS {miss}"));
-    }
-    out
+    lines.join("\n")
+}
+
+/// A row for each of some comparisons, each with the number of those that it stands for.
+pub(super) fn table(caption: &str, checks: Vec<(&Check, usize)>) -> Table {
+    let table = Table::new(caption)
+        .text("quantity")
+        .number("comparisons", "")
+        .text("at")
+        .number_with_digits("ours", "", 7)
+        .number_with_digits("known", "", 7)
+        .text("allowed")
+        .text("unit")
+        .number_with_digits("used", "%", 2)
+        .text("verdict");
+    table.rows(checks.into_iter().map(|(check, count)| -> [Cell; 9] {
+        [
+            check.quantity.as_str().into(),
+            (count as u64).into(),
+            check.at.as_str().into(),
+            check.ours.into(),
+            check.expected.into(),
+            check.allowed().into(),
+            check.unit.into(),
+            check.is_two_sided().then(|| 100.0 * check.used()).into(),
+            if check.passes { "passes" } else { "MISSES" }.into(),
+        ]
+    }))
 }
 
 /// Every comparison that misses, in a line.
@@ -54,9 +66,4 @@ pub fn misses(references: &[Reference]) -> impl Iterator<Item = String> {
             )
         })
     })
-}
-
-fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
-    // Writing to a string cannot fail.
-    let _ = writeln!(out, "{text}");
 }

@@ -1,7 +1,7 @@
 //! The cases of the kept campaign were computed before results had an identity: they still merge
 //! among themselves, to the same table.
 
-use evidence::campaign::{Campaign, CaseResult, Table, page};
+use evidence::campaign::{Campaign, CaseResult, Table, text};
 use signal::shards::merge;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ fn the_kept_campaign_merges_to_its_own_table_byte_by_byte() {
     let table = Table::new(&cases);
     let read = |name: &str| std::fs::read_to_string(kept(name)).unwrap();
     assert_eq!(serde_json::to_string_pretty(&table).unwrap().trim(), read("table.json").trim());
-    assert_eq!(page::text(&table).trim(), read("table.txt").trim());
+    assert_eq!(text(&table).trim(), read("table.txt").trim());
 }
 
 #[test]

@@ -57,9 +57,9 @@ fn compute(
     shard: &str,
 ) -> Result<(Computed, usize), SignalError> {
     let began = AtomicUsize::new(0);
-    let item = |index| -> Result<Square, SignalError> {
+    let item = |index| -> Result<Option<Square>, SignalError> {
         began.fetch_add(1, Ordering::Relaxed);
-        Ok(square(index))
+        Ok(Some(square(index)))
     };
     let work = Work { items: 7, name: "squares".to_owned(), identity };
     let (shard, folder) = (shard.parse().unwrap(), folder(place, identity));
@@ -84,9 +84,9 @@ fn items_are_computed_once_and_merge_in_order() {
 fn a_stop_leaves_what_was_done_and_the_rest_is_computed_later() {
     let (place, identity) = (place("stop"), identity("a", b"1"));
     let stop = AtomicBool::new(false);
-    let item = |index| -> Result<Square, SignalError> {
+    let item = |index| -> Result<Option<Square>, SignalError> {
         stop.store(true, Ordering::Relaxed);
-        Ok(square(index))
+        Ok(Some(square(index)))
     };
     let work = Work { items: 100, name: "squares".to_owned(), identity: &identity };
     let folder = folder(&place, &identity);
@@ -95,9 +95,44 @@ fn a_stop_leaves_what_was_done_and_the_rest_is_computed_later() {
     let kept: Vec<Square> = merge(&[stopped.path], Some(&identity)).unwrap();
     assert_eq!(kept.len(), stopped.done);
     let go = AtomicBool::new(false);
-    let item = |index| -> Result<Square, SignalError> { Ok(square(index)) };
+    let item = |index| -> Result<Option<Square>, SignalError> { Ok(Some(square(index))) };
     let whole = run(&work, Shard::WHOLE, &folder, &go, &item, &|_, _, _| {}).unwrap();
     assert_eq!((whole.done, whole.is_stopped()), (100, false));
+    std::fs::remove_dir_all(&place).unwrap();
+}
+
+#[test]
+fn an_item_at_work_that_sees_the_stop_is_left_for_the_next_process() {
+    let (place, identity) = (place("at-work"), identity("a", b"1"));
+    let stop = AtomicBool::new(false);
+    // Items 0 to 2 are done; those at work when the third is done see the flag.
+    let item = |index| -> Result<Option<Square>, SignalError> {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        Ok((index < 3).then(|| square(index)))
+    };
+    let set = |_: &Square, done, _| stop.store(done == 3, Ordering::Relaxed);
+    let work = Work { items: 50, name: "squares".to_owned(), identity: &identity };
+    let folder = folder(&place, &identity);
+    let stopped = run(&work, Shard::WHOLE, &folder, &stop, &item, &set).unwrap();
+    assert!(stopped.is_stopped() && stopped.done <= 3, "{stopped:?}");
+    let kept: Vec<Square> = merge(&[stopped.path], Some(&identity)).unwrap_or_default();
+    assert_eq!(kept.len(), stopped.done);
+    std::fs::remove_dir_all(&place).unwrap();
+}
+
+#[test]
+fn an_incomplete_last_line_is_reported_and_its_item_computed_again() {
+    let (place, identity) = (place("killed"), identity("a", b"1"));
+    let (whole, _) = compute(&place, &identity, "1/1").unwrap();
+    assert!(!whole.cut_off);
+    let text = std::fs::read_to_string(&whole.path).unwrap();
+    std::fs::write(&whole.path, &text[..text.len() - 4]).unwrap();
+    let (again, began) = compute(&place, &identity, "1/1").unwrap();
+    assert_eq!((again.cut_off, again.done, began), (true, 7, 1));
+    let (third, began) = compute(&place, &identity, "1/1").unwrap();
+    assert_eq!((third.cut_off, began), (false, 0));
     std::fs::remove_dir_all(&place).unwrap();
 }
 
@@ -154,7 +189,7 @@ fn lines_without_an_identity_merge_only_among_themselves() {
 fn an_item_that_fails_ends_the_work_and_keeps_what_was_done() {
     let (place, identity) = (place("failed"), identity("a", b"1"));
     let item = |index| match index {
-        0 => Ok(square(0)),
+        0 => Ok(Some(square(0))),
         _ => Err(SignalError::NotFinite(index)),
     };
     let work = Work { items: 2, name: "squares".to_owned(), identity: &identity };

@@ -5,13 +5,13 @@ use firmware_core::damper::{Damper, Nominal};
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
 use std::path::Path;
-use vehicle_studies::critical_speed::fold::Fold;
-use vehicle_studies::critical_speed::linear::LinearSpeed;
+use vehicle_studies::critical_speed::Fold;
+use vehicle_studies::critical_speed::LinearSpeed;
 use vehicle_studies::critical_speed::{Critical, Procedure};
 use vehicle_studies::ride::{self, Ride};
 use vehicle_studies::trip::Equipped;
 
-fn locomotive(nominal: Nominal) -> Equipped {
+fn locomotive(nominal: Nominal) -> Equipped<'static> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/ss9-160kmh.toml");
     let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
     let run = Run::load(&path, overrides).unwrap();
@@ -29,8 +29,10 @@ fn a_wide_clearance_leaves_the_locomotive_without_yaw_dampers() {
     let worn = |clearance_2a_m: f64| locomotive(Nominal { clearance_2a_m, ..Nominal::NEW });
     let mut none = worn(8e-3);
     none.dampers.clear();
-    let dies = |equipped: &Equipped| at(Fold::of(equipped, &procedure).unwrap().dies);
-    let grows = |equipped: &Equipped| at(LinearSpeed::of(equipped, &procedure, 3.5e-3).critical);
+    let dies = |equipped: &Equipped<'_>| at(Fold::of(equipped, &procedure).unwrap().dies);
+    let grows = |equipped: &Equipped<'_>| {
+        at(LinearSpeed::of(equipped, &procedure, 3.5e-3).unwrap().critical)
+    };
     let without = dies(&none);
     // The cycle at its end has more than 4 mm of stroke: at 8 mm a damper is still touched a
     // little.

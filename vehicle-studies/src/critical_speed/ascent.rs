@@ -42,8 +42,8 @@ impl Ascent {
     /// Asks on the tracks of all seeds.
     ///
     /// # Errors
-    /// The vehicle does not run steadily at some speed.
-    pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, StudyError> {
+    /// The vehicle does not run steadily at some speed, or the work is stopped.
+    pub fn of(equipped: &Equipped<'_>, procedure: &Procedure) -> Result<Self, StudyError> {
         let seeds: Result<Vec<OnTrack>, StudyError> = procedure
             .seeds
             .par_iter()
@@ -82,7 +82,11 @@ impl Ascent {
     }
 }
 
-fn critical(equipped: &Equipped, procedure: &Procedure, seed: u64) -> Result<Critical, StudyError> {
+fn critical(
+    equipped: &Equipped<'_>,
+    procedure: &Procedure,
+    seed: u64,
+) -> Result<Critical, StudyError> {
     let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
     let track = match procedure.criterion {
         Criterion::LimitCycle => rough_start(&procedure.band(seed), procedure.rough_m),
@@ -98,29 +102,22 @@ fn critical(equipped: &Equipped, procedure: &Procedure, seed: u64) -> Result<Cri
                 .is_none_or(|over| over > 1.0),
         })
     };
-    let mut failed = None;
-    let found = first_unstable([from_kmh, to_kmh], step_kmh, resolution_kmh, |kmh| {
-        unstable(kmh).unwrap_or_else(|why| {
-            failed = Some(why);
-            true
-        })
-    });
-    failed.map_or(Ok(found), Err)
+    first_unstable([from_kmh, to_kmh], step_kmh, resolution_kmh, unstable)
 }
 
 /// The residual motion at one speed (km/h) after the rough beginning of a track.
 fn settled(
-    equipped: &Equipped,
+    equipped: &Equipped<'_>,
     procedure: &Procedure,
     track: &Track<'_>,
     kmh: f64,
-) -> Result<Hunting, NoEquilibrium> {
+) -> Result<Hunting, StudyError> {
     let (trip, mut state, duration_s) = set_off(equipped, procedure, track, kmh)?;
-    Ok(after(&trip, &mut state, [duration_s, procedure.watched_s]))
+    after(&trip, &mut state, [duration_s, procedure.watched_s])
 }
 
 /// The wheelset that starts off the middle of the track, the last of a vehicle with fewer.
-pub fn offset_wheelset(equipped: &Equipped, procedure: &Procedure) -> Option<BodyId> {
+pub fn offset_wheelset(equipped: &Equipped<'_>, procedure: &Procedure) -> Option<BodyId> {
     let number = procedure.offset_wheelset.min(equipped.vehicle.axles.len());
     number.checked_sub(1).and_then(|number| equipped.wheelset(number))
 }
@@ -131,7 +128,7 @@ pub fn offset_wheelset(equipped: &Equipped, procedure: &Procedure) -> Option<Bod
 /// # Errors
 /// The vehicle does not run steadily.
 pub fn set_off<'a>(
-    equipped: &'a Equipped,
+    equipped: &'a Equipped<'a>,
     procedure: &Procedure,
     track: &'a Track<'a>,
     kmh: f64,

@@ -65,40 +65,63 @@ impl std::fmt::Display for Critical {
 /// The first speed of a climb at which `unstable` holds, met within a resolution by halving the
 /// last step. Speeds in km/h.
 ///
-/// ```
-/// use vehicle_studies::critical_speed::{Critical, first_unstable};
-/// let from_211_km_h = first_unstable([100.0, 300.0], 5.0, 0.5, |kmh| kmh >= 211.3);
-/// assert_eq!(from_211_km_h, Critical::At(211.5625));
-/// assert_eq!(first_unstable([100.0, 300.0], 5.0, 0.5, |_| false), Critical::Above(300.0));
-/// ```
-pub fn first_unstable(
+/// # Errors
+/// The first error of `unstable`; no further speed is tried.
+pub(super) fn first_unstable<E>(
     [from, to]: [f64; 2],
     step: f64,
     resolution: f64,
-    mut unstable: impl FnMut(f64) -> bool,
-) -> Critical {
-    if unstable(from) {
-        return Critical::Below(from);
+    mut unstable: impl FnMut(f64) -> Result<bool, E>,
+) -> Result<Critical, E> {
+    debug_assert!(from < to && step > 0.0 && resolution > 0.0, "{from} to {to} in {step}");
+    if unstable(from)? {
+        return Ok(Critical::Below(from));
     }
     let (mut low, mut high) = (from, from);
     loop {
         if high >= to {
-            return Critical::Above(to);
+            return Ok(Critical::Above(to));
         }
         high = (high + step).min(to);
-        if unstable(high) {
+        if unstable(high)? {
             break;
         }
         low = high;
     }
     while high - low > resolution {
         let middle = 0.5 * (low + high);
-        if unstable(middle) {
+        if unstable(middle)? {
             high = middle;
         } else {
             low = middle;
         }
     }
     // The last speed that is known to be unstable.
-    Critical::At(high)
+    Ok(Critical::At(high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::convert::Infallible;
+
+    #[test]
+    fn the_first_unstable_speed_is_met_within_the_resolution() {
+        let climb = |critical_kmh: f64| {
+            first_unstable([100.0, 300.0], 5.0, 0.5, |kmh| Ok::<_, Infallible>(kmh >= critical_kmh))
+        };
+        assert_eq!(climb(211.3), Ok(Critical::At(211.5625)));
+        assert_eq!(climb(301.0), Ok(Critical::Above(300.0)));
+        assert_eq!(climb(90.0), Ok(Critical::Below(100.0)));
+    }
+
+    #[test]
+    fn an_error_ends_the_climb_at_once() {
+        let mut tried = 0;
+        let climbed = first_unstable([100.0, 300.0], 5.0, 0.5, |kmh| {
+            tried += 1;
+            if kmh < 110.0 { Ok(false) } else { Err("stopped") }
+        });
+        assert_eq!((climbed, tried), (Err("stopped"), 3));
+    }
 }

@@ -13,6 +13,7 @@
 use super::bracket::Critical;
 use super::hunting::{Hunting, after};
 use super::procedure::Procedure;
+use crate::error::StudyError;
 use crate::trip::{Equipped, Trip};
 use firmware_core::line::LineState;
 use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
@@ -54,8 +55,8 @@ impl Fold {
     /// Follows the largest motion that stays at the highest speed.
     ///
     /// # Errors
-    /// The vehicle does not run steadily at the highest speed.
-    pub fn of(equipped: &Equipped, procedure: &Procedure) -> Result<Self, NoEquilibrium> {
+    /// The vehicle does not run steadily at the highest speed, or the work is stopped.
+    pub fn of(equipped: &Equipped<'_>, procedure: &Procedure) -> Result<Self, StudyError> {
         let Procedure { from_kmh, to_kmh, resolution_kmh, alive_m, .. } = *procedure;
         let alive = |motion: &Hunting| motion.amplitude_m.is_some_and(|m| m > alive_m);
         let (motion, mut state) = swinging(equipped, procedure)?;
@@ -66,8 +67,9 @@ impl Fold {
         let (mut at, mut step) = (to_kmh, procedure.step_kmh);
         loop {
             let next = (at - step).max(from_kmh);
+            debug_assert!(next < at, "{next} and {at} km/h");
             let mut tried = state.clone();
-            let motion = held(equipped, procedure, next, &mut tried);
+            let motion = held(equipped, procedure, next, &mut tried)?;
             if alive(&motion) {
                 cycle.push(CyclePoint { kmh: next, motion });
                 (at, state) = (next, tried);
@@ -84,7 +86,12 @@ impl Fold {
 }
 
 /// Holds a speed on perfect track.
-fn held(equipped: &Equipped, procedure: &Procedure, kmh: f64, state: &mut LineState) -> Hunting {
+fn held(
+    equipped: &Equipped<'_>,
+    procedure: &Procedure,
+    kmh: f64,
+    state: &mut LineState,
+) -> Result<Hunting, StudyError> {
     let track = Track::default();
     let trip = Trip::new(equipped, &track, kmh / 3.6, procedure.substeps);
     after(&trip, state, [procedure.hold_s, procedure.watched_s])
@@ -92,11 +99,11 @@ fn held(equipped: &Equipped, procedure: &Procedure, kmh: f64, state: &mut LineSt
 
 /// The largest motion that remains after a burst at the highest speed, and its state.
 fn swinging(
-    equipped: &Equipped,
+    equipped: &Equipped<'_>,
     procedure: &Procedure,
-) -> Result<(Hunting, LineState), NoEquilibrium> {
+) -> Result<(Hunting, LineState), StudyError> {
     let speed_m_per_s = procedure.to_kmh / 3.6;
-    let shaken: Result<Vec<(Hunting, LineState)>, NoEquilibrium> = BURST_HZ
+    let shaken: Result<Vec<(Hunting, LineState)>, StudyError> = BURST_HZ
         .par_iter()
         .map(|burst_hz| {
             let samples = burst(speed_m_per_s / burst_hz);
@@ -108,14 +115,17 @@ fn swinging(
             let mut state = trip.begin(&[])?;
             let burst_s = BURST_CYCLES / burst_hz + BURST_FROM_M / speed_m_per_s;
             let times = [burst_s + procedure.hold_s, procedure.watched_s];
-            Ok((after(&trip, &mut state, times), state))
+            Ok((after(&trip, &mut state, times)?, state))
         })
         .collect();
     let mut shaken = shaken?;
     // What has left the track has no cycle.
     let size = |motion: &Hunting| motion.amplitude_m.unwrap_or(-1.0);
     shaken.sort_by(|a, b| size(&b.0).total_cmp(&size(&a.0)));
-    shaken.into_iter().next().ok_or(NoEquilibrium { residual_m_per_s2: f64::NAN })
+    // One for every frequency of the burst.
+    debug_assert_eq!(shaken.len(), BURST_HZ.len());
+    let none = NoEquilibrium { residual_m_per_s2: f64::NAN };
+    shaken.into_iter().next().ok_or_else(|| none.into())
 }
 
 /// A sine of alignment that grows and fades over its length.

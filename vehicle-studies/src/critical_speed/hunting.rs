@@ -1,5 +1,6 @@
 //! Is it hunting? The lateral motion of the wheelsets over the last seconds of a run.
 
+use crate::error::StudyError;
 use crate::trip::{Trip, lateral_m};
 use firmware_core::line::LineState;
 use firmware_core::vehicle::BodyId;
@@ -38,23 +39,30 @@ impl Hunting {
     }
 }
 
-/// Runs on, and looks at the last `watched_s` of `duration_s`.
-pub fn after(trip: &Trip<'_>, state: &mut LineState, [duration_s, watched_s]: [f64; 2]) -> Hunting {
+/// Runs on, and evaluates the last `watched_s` of `duration_s`.
+///
+/// # Errors
+/// The trip is stopped.
+pub(super) fn after(
+    trip: &Trip<'_>,
+    state: &mut LineState,
+    [duration_s, watched_s]: [f64; 2],
+) -> Result<Hunting, StudyError> {
+    debug_assert!((0.0..=duration_s).contains(&watched_s), "{watched_s} s of {duration_s} s");
     let wheelsets: Vec<BodyId> = trip.vehicle().axles.iter().map(|axle| axle.body).collect();
     let mut seen: Vec<Vec<f64>> = vec![Vec::new(); wheelsets.len()];
-    let on_track = trip.go(state, duration_s - watched_s, |_| {})
+    let on_track = trip.go(state, duration_s - watched_s, |_| {})?
         && trip.go(state, watched_s, |state| {
             for (values, body) in seen.iter_mut().zip(&wheelsets) {
                 values.push(lateral_m(state, *body));
             }
-        });
+        })?;
     if !on_track {
-        return Hunting::DERAILED;
+        return Ok(Hunting::DERAILED);
     }
     let most = seen.iter().max_by(|a, b| greatest(a).total_cmp(&greatest(b)));
-    most.map_or(Hunting { amplitude_m: Some(0.0), frequency_hz: None }, |values| {
-        Hunting::of(values)
-    })
+    let still = Hunting { amplitude_m: Some(0.0), frequency_hz: None };
+    Ok(most.map_or(still, |values| Hunting::of(values)))
 }
 
 fn greatest(values: &[f64]) -> f64 {

@@ -2,13 +2,14 @@
 //!
 //! Eigenvalues about steady running ([`crate::modes`]) with every damper as stiffness and damping
 //! of one stroke and of the frequency of the mode that is asked for
-//! ([`crate::describing_function`]); the frequency is that of the least damped mode, found by
+//! (`describing_function`); the frequency is that of the least damped mode, found by
 //! repetition. At zero stroke a clearance would mean that there is no damper: a stroke has to be
 //! given.
 
 use super::bracket::{Critical, first_unstable};
 use super::procedure::Procedure;
 use crate::describing_function::impedance;
+use crate::error::StudyError;
 use crate::modes::{Coordinate, Impedances, Jacobians};
 use crate::trip::Equipped;
 use firmware_core::vehicle::VehicleState;
@@ -66,7 +67,14 @@ pub struct LinearSpeed {
 impl LinearSpeed {
     /// At each of some strokes (m, positive); once for a vehicle without dampers, to which a stroke
     /// means nothing.
-    pub fn at_strokes(equipped: &Equipped, procedure: &Procedure, strokes_m: &[f64]) -> Vec<Self> {
+    ///
+    /// # Errors
+    /// The work is stopped.
+    pub fn at_strokes(
+        equipped: &Equipped<'_>,
+        procedure: &Procedure,
+        strokes_m: &[f64],
+    ) -> Result<Vec<Self>, StudyError> {
         let none = equipped.dampers.is_empty() && !strokes_m.is_empty();
         let strokes_m = if none { &[0.0] } else { strokes_m };
         strokes_m.iter().map(|stroke_m| Self::of(equipped, procedure, *stroke_m)).collect()
@@ -81,37 +89,49 @@ impl LinearSpeed {
     }
 
     /// At one stroke (m, positive).
-    pub fn of(equipped: &Equipped, procedure: &Procedure, stroke_m: f64) -> Self {
+    ///
+    /// # Errors
+    /// The work is stopped.
+    pub fn of(
+        equipped: &Equipped<'_>,
+        procedure: &Procedure,
+        stroke_m: f64,
+    ) -> Result<Self, StudyError> {
+        debug_assert!(stroke_m > 0.0 || equipped.dampers.is_empty(), "no stroke");
         let Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, .. } = *procedure;
         let mut growing = None;
-        let critical = first_unstable([from_kmh, to_kmh], 2.0 * step_kmh, resolution_kmh, |kmh| {
+        let climb = [from_kmh, to_kmh];
+        let critical = first_unstable(climb, 2.0 * step_kmh, resolution_kmh, |kmh| {
+            equipped.check_stop()?;
             let mode = least_damped(equipped, kmh / 3.6, stroke_m);
             let grows = mode.filter(|mode| mode.growth_per_s > 0.0);
             // The last one found is that of the speed that is reported.
             growing = grows.or(growing);
-            grows.is_some()
-        });
+            Ok::<_, StudyError>(grows.is_some())
+        })?;
         let mode = critical.kmh().and(growing);
         let steps = ((to_kmh - from_kmh) / LOCUS_STEP_KMH + 1e-9) as usize;
         let speeds: Vec<f64> =
             (0..=steps).map(|step| from_kmh + step as f64 * LOCUS_STEP_KMH).collect();
-        let at = |kmh: &f64| AtSpeed {
-            kmh: *kmh,
-            modes: modes_at(equipped, kmh / 3.6, stroke_m).unwrap_or_default(),
+        let at = |kmh: &f64| -> Result<AtSpeed, StudyError> {
+            equipped.check_stop()?;
+            let modes = modes_at(equipped, kmh / 3.6, stroke_m).unwrap_or_default();
+            Ok(AtSpeed { kmh: *kmh, modes })
         };
-        let locus = speeds.par_iter().map(at).collect();
-        Self { stroke_m, critical, frequency_hz: mode.map(|mode| mode.frequency_hz), locus }
+        let locus: Result<Vec<AtSpeed>, StudyError> = speeds.par_iter().map(at).collect();
+        let frequency_hz = mode.map(|mode| mode.frequency_hz);
+        Ok(Self { stroke_m, critical, frequency_hz, locus: locus? })
     }
 }
 
 /// The least damped mode at a speed, the dampers at a stroke; none where there is no steady
 /// running.
-pub fn least_damped(equipped: &Equipped, speed_m_per_s: f64, stroke_m: f64) -> Option<Mode> {
+fn least_damped(equipped: &Equipped<'_>, speed_m_per_s: f64, stroke_m: f64) -> Option<Mode> {
     modes_at(equipped, speed_m_per_s, stroke_m)?.first().copied()
 }
 
 /// The modes at a speed, the dampers at a stroke and the frequency of the least damped one.
-fn modes_at(equipped: &Equipped, speed_m_per_s: f64, stroke_m: f64) -> Option<Vec<Mode>> {
+fn modes_at(equipped: &Equipped<'_>, speed_m_per_s: f64, stroke_m: f64) -> Option<Vec<Mode>> {
     let steady = equilibrium::running(&equipped.vehicle, equipped.table(), speed_m_per_s).ok()?;
     let mut frequency_hz = FIRST_HZ;
     let mut found = Vec::new();
@@ -130,7 +150,7 @@ fn modes_at(equipped: &Equipped, speed_m_per_s: f64, stroke_m: f64) -> Option<Ve
 /// All modes in the range of hunting, the least damped first, with the dampers at a stroke and a
 /// frequency.
 fn modes(
-    equipped: &Equipped,
+    equipped: &Equipped<'_>,
     about: (&VehicleState, f64),
     stroke_m: f64,
     frequency_hz: f64,

@@ -2,14 +2,12 @@
 //! motions behind it.
 
 use super::answer::Point;
-use super::ascent::Ascent;
 use super::fold::Fold;
-use super::linear::LinearSpeed;
 use super::locus;
 use super::procedure::Procedure;
-use super::text::conditions;
-use crate::over_keys;
-use report::{Cell, Plot, Report, Section, Table};
+use super::text::{conditions, table};
+use crate::{over_keys, point_table};
+use report::{Plot, Report, Section};
 use scenario::setting::Setting;
 
 /// Bifurcation diagrams that are drawn, at most.
@@ -17,61 +15,13 @@ const DRAWN: usize = 6;
 
 /// The report, behind its title and facts.
 pub(super) fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
-    let mut found = Section::new("Critical speeds").table(table(points));
-    for line in conditions(points, procedure) {
-        found = found.text(&line);
-    }
+    let conditions = conditions(points, procedure);
+    let found = point_table::section("Critical speeds", table(points), points, &conditions);
     let report = report.subtitle("Critical speed").section(found);
     [over_keys(points), bifurcation(points, procedure), locus::section(points)]
         .into_iter()
         .flatten()
         .fold(report, Report::section)
-}
-
-/// The columns that some point has an entry for.
-fn table(points: &[Point]) -> Table {
-    let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
-    let strokes: Vec<String> = points
-        .iter()
-        .max_by_key(|point| point.answer.linear.len())
-        .map(|point| point.answer.linear.iter().map(LinearSpeed::stroke_in_words).collect())
-        .unwrap_or_default();
-    let has = |of: fn(&Point) -> bool| points.iter().any(of);
-    let ascent = has(|point| point.answer.ascent.is_some());
-    let fold = has(|point| point.answer.fold.is_some());
-    let failure = has(|point| point.failure.is_some());
-    let mut table = keys
-        .iter()
-        .fold(Table::new("Critical speed, km/h"), |table, set| table.number(&set.called(), ""));
-    if ascent {
-        table = table.text("hunts from").text("range over seeds");
-    }
-    if fold {
-        table = table.text("no cycle below");
-    }
-    for stroke in &strokes {
-        table = table.text(&format!("by eigenvalues, {stroke}"));
-    }
-    if failure {
-        table = table.text("no answer");
-    }
-    table.rows(points.iter().map(|point| {
-        let found = &point.answer;
-        let mut row: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
-        if ascent {
-            row.push(found.ascent.as_ref().map(Ascent::mean).into());
-            row.push(found.ascent.as_ref().map(Ascent::range).into());
-        }
-        if fold {
-            row.push(found.fold.as_ref().map(|fold| fold.dies.to_string()).into());
-        }
-        let linear = (0..strokes.len()).map(|index| found.linear.get(index));
-        row.extend(linear.map(|linear| linear.map(|linear| linear.critical.to_string()).into()));
-        if failure {
-            row.push(point.failure.clone().into());
-        }
-        row
-    }))
 }
 
 /// Critical speed over what was varied: a line for one key, a map for two.

@@ -9,8 +9,7 @@
 //! Limits: straight track, and 400 m of it behind a run-in.
 
 use super::procedure::Procedure;
-use crate::curve::Passed;
-use crate::curve::limits::AxleLimits;
+use crate::curve::{AxleLimits, Passed};
 use crate::error::StudyError;
 use crate::trip::{Equipped, START_M, Trip};
 use firmware_core::track::{Layout, Track};
@@ -35,7 +34,7 @@ pub(super) fn rough(procedure: &Procedure, seed: u64) -> OwnedTrack {
 /// # Errors
 /// No steady running, or a signal that cannot be filtered.
 pub(super) fn greatest_over_limit(
-    equipped: &Equipped,
+    equipped: &Equipped<'_>,
     procedure: &Procedure,
     track: &Track<'_>,
     kmh: f64,

@@ -43,7 +43,7 @@ impl Study for Question {
     fn answer(
         &self,
         _run: &Run,
-        equipped: &Equipped,
+        equipped: &Equipped<'_>,
         answer: &mut CriticalSpeeds,
     ) -> Result<(), StudyError> {
         answer.equivalent_conicity_at_3_mm = conicity(equipped);
@@ -56,7 +56,7 @@ impl Study for Question {
             let fold = Fold::of(equipped, &self.procedure)?;
             answer.fold = Some(fold);
         }
-        answer.linear = LinearSpeed::at_strokes(equipped, &self.procedure, &self.strokes_m);
+        answer.linear = LinearSpeed::at_strokes(equipped, &self.procedure, &self.strokes_m)?;
         Ok(())
     }
 
@@ -70,7 +70,7 @@ impl Study for Question {
 }
 
 /// Equivalent conicity at 3 mm of profiles, or the conicity of a cone.
-fn conicity(equipped: &Equipped) -> Option<f64> {
+fn conicity(equipped: &Equipped<'_>) -> Option<f64> {
     match (equipped.contact.as_ref(), equipped.vehicle.axles.first()?.wheel.surface) {
         (Some(contact), Surface::Profiles) => {
             RollingRadiusDifference::of_wheelset(&contact.pair, REACH_M)

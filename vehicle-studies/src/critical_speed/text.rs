@@ -1,56 +1,62 @@
-//! Critical speeds as a table in print, with the conditions for which they hold.
+//! Critical speeds as a table, with the conditions for which they hold.
 
 use super::answer::Point;
+use super::ascent::Ascent;
+use super::linear::LinearSpeed;
 use super::procedure::{Criterion, Procedure};
 use crate::over_seeds::seeds_in_words;
-use crate::text_table::{pace, table};
-use scenario::setting::Setting;
+use crate::point_table::{self, key_cells, keyed};
+use report::Table;
 
-/// The points as a table for a terminal, and under which conditions they hold.
+/// The points as text for a terminal, and under which conditions they hold.
 pub(super) fn text(points: &[Point], procedure: &Procedure) -> String {
-    let mut rows = vec![heads(points)];
-    rows.extend(points.iter().map(cells));
-    let mut lines = table(&rows, points);
-    lines.push(String::new());
-    lines.extend(conditions(points, procedure));
-    lines.extend(pace(points));
-    lines.join("\n")
+    point_table::text(&[table(points)], points, &conditions(points, procedure))
 }
 
-fn heads(points: &[Point]) -> Vec<String> {
-    let Some(first) = points.first() else { return Vec::new() };
-    let mut heads: Vec<String> = first.at.iter().map(Setting::called).collect();
-    if first.answer.ascent.is_some() {
-        heads.extend(["hunts from", "over seeds"].map(str::to_owned));
+/// The points as a table, with the columns that some point has an entry for.
+pub(super) fn table(points: &[Point]) -> Table {
+    let strokes: Vec<String> = points
+        .iter()
+        .max_by_key(|point| point.answer.linear.len())
+        .map(|point| point.answer.linear.iter().map(LinearSpeed::stroke_in_words).collect())
+        .unwrap_or_default();
+    let ascent = points.iter().any(|point| point.answer.ascent.is_some());
+    let fold = points.iter().any(|point| point.answer.fold.is_some());
+    let mut table = keyed("Critical speed", points);
+    if ascent {
+        table = table.written("hunts from", "km/h").written("over seeds", "km/h");
     }
-    if first.answer.fold.is_some() {
-        heads.extend(["no cycle below", "mm", "Hz"].map(str::to_owned));
+    if fold {
+        table = table.written("no cycle below", "km/h").fixed("amplitude", "mm", 2).fixed(
+            "frequency",
+            "Hz",
+            2,
+        );
     }
-    for linear in &first.answer.linear {
-        heads.extend([format!("linear, {}", linear.stroke_in_words()), "Hz".to_owned()]);
+    for stroke in &strokes {
+        let head = format!("linear, {stroke}, unstable from");
+        table = table.written(&head, "km/h").fixed("frequency", "Hz", 2);
     }
-    heads
-}
-
-fn cells(point: &Point) -> Vec<String> {
-    let mut cells: Vec<String> = point.values_in_words();
-    if let Some(ascent) = &point.answer.ascent {
-        cells.extend([ascent.mean(), ascent.range()]);
-    }
-    if let Some(fold) = &point.answer.fold {
-        let last = fold.cycle.last().map(|point| point.motion);
-        let amplitude_mm = last.and_then(|motion| motion.amplitude_m).map(|m| 1e3 * m);
-        let frequency_hz = last.and_then(|motion| motion.frequency_hz);
-        cells.extend([fold.dies.to_string(), or_dash(amplitude_mm), or_dash(frequency_hz)]);
-    }
-    for linear in &point.answer.linear {
-        cells.extend([linear.critical.to_string(), or_dash(linear.frequency_hz)]);
-    }
-    cells
-}
-
-fn or_dash(value: Option<f64>) -> String {
-    value.map_or("-".to_owned(), |value| format!("{value:.2}"))
+    table.rows(points.iter().map(|point| {
+        let found = &point.answer;
+        let mut row = key_cells(point);
+        if ascent {
+            row.push(found.ascent.as_ref().map(Ascent::mean).into());
+            row.push(found.ascent.as_ref().map(Ascent::range).into());
+        }
+        if fold {
+            let last = found.fold.as_ref().and_then(|fold| Some(fold.cycle.last()?.motion));
+            row.push(found.fold.as_ref().map(|fold| fold.dies.to_string()).into());
+            row.push(last.and_then(|motion| Some(1e3 * motion.amplitude_m?)).into());
+            row.push(last.and_then(|motion| motion.frequency_hz).into());
+        }
+        for index in 0..strokes.len() {
+            let linear = found.linear.get(index);
+            row.push(linear.map(|linear| linear.critical.to_string()).into());
+            row.push(linear.and_then(|linear| linear.frequency_hz).into());
+        }
+        row
+    }))
 }
 
 /// What every critical speed holds for.
@@ -64,14 +70,11 @@ pub(super) fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String>
         }
     };
     let seeds = seeds_in_words(&procedure.seeds);
-    let mut lines = vec![
-        "speeds in km/h".to_owned(),
-        format!(
-            "equivalent conicity at 3 mm {}, friction {}",
-            spread(|point| point.answer.equivalent_conicity_at_3_mm),
-            spread(|point| point.answer.friction)
-        ),
-    ];
+    let mut lines = vec![format!(
+        "equivalent conicity at 3 mm {}, friction {}",
+        spread(|point| point.answer.equivalent_conicity_at_3_mm),
+        spread(|point| point.answer.friction)
+    )];
     let over_track = points.iter().any(|point| point.answer.ascent.is_some());
     if over_track && procedure.criterion == Criterion::En14363 {
         lines.push(format!(

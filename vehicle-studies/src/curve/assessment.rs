@@ -77,8 +77,12 @@ impl Curve {
     /// The vehicle of a run goes through the curve on the tracks of all seeds.
     ///
     /// # Errors
-    /// No curve, no steady running, a track that the vehicle leaves.
-    pub fn of(run: &Run, equipped: &Equipped, procedure: &Procedure) -> Result<Self, StudyError> {
+    /// No curve, no steady running, a track that the vehicle leaves; the work is stopped.
+    pub fn of(
+        run: &Run,
+        equipped: &Equipped<'_>,
+        procedure: &Procedure,
+    ) -> Result<Self, StudyError> {
         let layout = &run.track.layout;
         let sections = sections(layout);
         let full = sections.iter().find(|section| section.part == Part::Curve);
@@ -92,7 +96,7 @@ impl Curve {
         let tracks = track.tracks(run, layout, START_M + run.speed_m_per_s * duration_s + 30.0);
         let through = |(number, track): (usize, &OwnedTrack)| {
             passed(run, equipped, track, duration_s)
-                .map_err(|why| StudyError::OnTrack(number + 1, Box::new(why)))
+                .map_err(|why| why.on_track(number + 1))
                 .and_then(|passed| on_track(passed, &sections, sign > 0.0))
         };
         let found: Result<Vec<OnTrack>, StudyError> =
@@ -163,7 +167,7 @@ struct OnTrack {
 
 fn passed(
     run: &Run,
-    equipped: &Equipped,
+    equipped: &Equipped<'_>,
     track: &OwnedTrack,
     duration_s: f64,
 ) -> Result<Passed, StudyError> {

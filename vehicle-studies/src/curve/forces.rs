@@ -163,14 +163,14 @@ impl Passage<'_> {
         spectrum: Option<&Spectrum>,
         stretch_m: &Range<f64>,
     ) -> Result<Option<f64>, SignalError> {
-        let ([from_hz, to_hz], beside_hz) = UNSTABLE_HZ;
+        let ([from_hz, to_hz], half_width_hz) = UNSTABLE_HZ;
         let [over_m, every_m] = STABILITY_M;
         let peak = spectrum
             .and_then(|spectrum| spectrum.peaks(from_hz, to_hz, 1).first().map(|(hz, _)| *hz));
         let Some(peak_hz) = peak.filter(|_| stretch_m.end - stretch_m.start >= over_m - 0.1) else {
             return Ok(None);
         };
-        let inside = |hz: f64| (hz - peak_hz).abs() <= beside_hz && hz >= 0.4;
+        let inside = |hz: f64| (hz - peak_hz).abs() <= half_width_hz && hz >= 0.4;
         let band =
             through(sum_n, RATE_HZ, |hz| Complex::from(f64::from(u8::from(inside(hz)))), SETTLE_S)?;
         let mut greatest: f64 = 0.0;
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn a_force_is_told_where_it_acts_and_a_mirrored_wheelset_has_mirrored_forces() {
+    fn a_force_is_assigned_to_its_place_and_a_mirrored_wheelset_has_mirrored_forces() {
         // A step at 200 m, where the section begins: only the first 2 m know of what was before.
         let step = |m: f64| if m < 200.0 { -50.0e3 } else { 20.0e3 };
         let found = forces(&wheelset(step, |_| 0.0), true);

@@ -12,9 +12,9 @@
 use serde::{Deserialize, Serialize};
 
 /// Limit of Y/Q.
-pub const Y_OVER_Q: f64 = 0.8;
+pub(super) const Y_OVER_Q: f64 = 0.8;
 /// Limit of wheel unloading.
-pub const UNLOADING: f64 = 0.65;
+pub(super) const UNLOADING: f64 = 0.65;
 
 /// The limits of a wheelset's forces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -33,7 +33,7 @@ impl AxleLimits {
     /// Those of an axle load (N).
     ///
     /// ```
-    /// use vehicle_studies::curve::limits::AxleLimits;
+    /// use vehicle_studies::curve::AxleLimits;
     /// // The SS9, 21 t an axle: 78.7 and 83.7 kN.
     /// let limits = AxleLimits::of(206.0e3, 1.0);
     /// assert_eq!(limits.prudhomme_n.round(), 78_667.0);

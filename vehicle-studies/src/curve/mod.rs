@@ -5,7 +5,7 @@
 //! | `sections` | where the full curve is, and where its transitions |
 //! | `forces` | what one track does to one wheelset in one section, by EN 14363 and GB/T 5599-2019 |
 //! | `passed` | one trip, and those forces for all wheelsets |
-//! | [`limits`] | Prud'homme's limit and the others |
+//! | `limits` | Prud'homme's limit and the others |
 //! | `assessment` | [`Curve::of`]: all of it for one vehicle over the tracks of several seeds |
 //!
 //! The layout is that of the scenario, which needs a `[track.curve]`; so is the irregularity, with
@@ -15,7 +15,7 @@
 mod answer;
 mod assessment;
 mod forces;
-pub mod limits;
+mod limits;
 mod page;
 mod passed;
 mod procedure;
@@ -28,6 +28,7 @@ mod wheelset;
 
 pub use answer::{CurveAnswer, Point};
 pub use assessment::{Curve, ForceSpectrum, SectionCurve};
+pub use limits::AxleLimits;
 pub(crate) use passed::Passed;
 pub use procedure::Procedure;
 pub use sections::{Part, Section};

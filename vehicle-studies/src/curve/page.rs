@@ -6,21 +6,20 @@ use super::assessment::{Curve, SectionCurve};
 use super::limits::{UNLOADING, Y_OVER_Q};
 use super::procedure::Procedure;
 use super::sections::Part;
-use super::text::conditions;
+use super::text::{conditions, table};
 use super::wheelset::WheelCurve;
 use crate::over_keys::{self, Line};
 use crate::over_seeds::OverSeeds;
-use report::{Cell, Plot, Report, Section, Table};
+use crate::point_table;
+use report::{Plot, Report, Section, Table};
 
 /// Points whose spectra are drawn, at most.
 const DRAWN: usize = 8;
 
 /// The report, behind its title and facts.
 pub(super) fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
-    let mut found = Section::new("Curve").table(table(points));
-    for line in conditions(points, procedure) {
-        found = found.text(&line);
-    }
+    let conditions = conditions(points, procedure);
+    let found = point_table::section("Curve", table(points), points, &conditions);
     let mut report = report.subtitle("Curving").section(found);
     let plots = over_what_was_varied(points);
     if !plots.is_empty() {
@@ -31,51 +30,6 @@ pub(super) fn page(points: &[Point], procedure: &Procedure, report: Report) -> R
         report = report.section(wheelsets(curve)).section(spectra(points));
     }
     report
-}
-
-fn table(points: &[Point]) -> Table {
-    let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
-    let mut table = Table::new("Worst wheelset or wheel, mean over seeds");
-    for set in keys {
-        table = table.number(&set.called(), "");
-    }
-    table = table
-        .text("section")
-        .number_with_digits("sum of Y", "kN", 3)
-        .number_with_digits("Y/Q", "", 3)
-        .number_with_digits("rms of sum Y", "kN", 3)
-        .number_with_digits("unloading", "", 3)
-        .number_with_digits("wear power", "W", 4)
-        .number_with_digits("T gamma", "N", 3);
-    let rows = points.iter().flat_map(|point| {
-        let keys: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
-        let sections = point.answer.curve.as_ref().map_or(&[][..], |curve| &curve.sections);
-        let mut rows: Vec<Vec<Cell>> = sections
-            .iter()
-            .map(|section| {
-                let mean = |over: Option<OverSeeds>, scale: f64| over.map(|over| scale * over.mean);
-                let mut row = keys.clone();
-                row.extend([
-                    section.section.part.name().into(),
-                    mean(section.worst(|axle| Some(axle.sum_n)), 1e-3).into(),
-                    mean(section.worst_wheel(|wheel| wheel.y_over_q), 1.0).into(),
-                    mean(section.worst(|axle| axle.stability_rms_n), 1e-3).into(),
-                    mean(section.worst_wheel(|wheel| wheel.unloading), 1.0).into(),
-                    section.wear_w.mean.into(),
-                    mean(section.worst_wheel(|wheel| wheel.t_gamma_n), 1.0).into(),
-                ]);
-                row
-            })
-            .collect();
-        if let Some(why) = &point.failure {
-            let mut row = keys;
-            row.push(why.clone().into());
-            row.extend((0..6).map(|_| Cell::from(None::<f64>)));
-            rows.push(row);
-        }
-        rows
-    });
-    table.rows(rows)
 }
 
 fn over_what_was_varied(points: &[Point]) -> Vec<Plot> {

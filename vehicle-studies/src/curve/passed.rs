@@ -20,7 +20,7 @@ impl Passed {
     /// Runs for a time at the trip's speed.
     ///
     /// # Errors
-    /// The vehicle does not run steadily.
+    /// The vehicle does not run steadily, or the work is stopped.
     pub(crate) fn over(
         trip: &Trip<'_>,
         speed_m_per_s: f64,
@@ -30,7 +30,7 @@ impl Passed {
         let axles = state.vehicle.wheels.iter().take(trip.vehicle().axles.len());
         let loads = axles.map(|[[left], [right]]| [-left.vertical_n, -right.vertical_n]).collect();
         let places = Places::wheelsets_of(trip.vehicle());
-        let signals = Signals::of(trip, &mut state, duration_s, &places, Wheels::Recorded);
+        let signals = Signals::of(trip, &mut state, duration_s, &places, Wheels::Recorded)?;
         Ok(Self { signals, loads, speed_m_per_s })
     }
 

@@ -29,7 +29,7 @@ impl Study for Procedure {
     fn answer(
         &self,
         run: &Run,
-        equipped: &Equipped,
+        equipped: &Equipped<'_>,
         answer: &mut CurveAnswer,
     ) -> Result<(), StudyError> {
         answer.curve = Some(Curve::of(run, equipped, self)?);

@@ -1,4 +1,4 @@
-//! Curving as a table in print, with the conditions for which it holds.
+//! Curving as tables, with the conditions for which it holds.
 
 use super::answer::Point;
 use super::assessment::{Curve, SectionCurve};
@@ -6,127 +6,101 @@ use super::limits::{UNLOADING, Y_OVER_Q};
 use super::procedure::Procedure;
 use super::wheelset::{WheelCurve, WheelsetCurve};
 use crate::over_seeds::OverSeeds;
-use crate::text_table::{pace, table};
-use scenario::setting::Setting;
+use crate::point_table::{self, key_cells, keyed};
+use report::{Cell, Table};
 
-/// The points as a table for a terminal, and under which conditions they hold. A single point is
+/// The points as text for a terminal, and under which conditions they hold. A single point is
 /// listed wheelset by wheelset as well.
 pub(super) fn text(points: &[Point], procedure: &Procedure) -> String {
-    let mut rows = vec![heads(points)];
-    rows.extend(points.iter().flat_map(cells));
-    let mut lines = table(&rows, points);
-    lines.push(String::new());
-    if let [Point { answer, .. }] = points
-        && let Some(full) = answer.curve.as_ref().and_then(Curve::full)
-    {
-        lines.extend(table(&wheelsets(full), points));
-        lines.push(String::new());
+    let mut tables = vec![table(points)];
+    if let [Point { answer, .. }] = points {
+        tables.extend(answer.curve.as_ref().and_then(Curve::full).map(wheelsets));
     }
-    lines.extend(conditions(points, procedure));
-    lines.extend(pace(points));
-    lines.join("\n")
-}
-
-fn heads(points: &[Point]) -> Vec<String> {
-    let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
-    let mut heads: Vec<String> = keys.iter().map(Setting::called).collect();
-    heads.extend(
-        [
-            "section",
-            "sum Y kN",
-            "seeds",
-            "Y/Q",
-            "Y qst kN",
-            "rms sum Y kN",
-            "Q/P",
-            "dQ/Q0",
-            "H kN",
-            "wear W",
-            "T gamma N",
-        ]
-        .map(str::to_owned),
-    );
-    heads
+    point_table::text(&tables, points, &conditions(points, procedure))
 }
 
 /// A row for each section of a point: the worst wheelset or wheel.
-fn cells(point: &Point) -> Vec<Vec<String>> {
-    let keys: Vec<String> = point.values_in_words();
-    let Some(curve) = &point.answer.curve else { return vec![keys] };
+pub(super) fn table(points: &[Point]) -> Table {
+    keyed("Worst wheelset or wheel, mean over seeds", points)
+        .text("section")
+        .fixed("sum Y", "kN", 1)
+        .written("over seeds", "kN")
+        .fixed("Y/Q", "", 3)
+        .fixed("Y qst", "kN", 1)
+        .fixed("rms sum Y", "kN", 1)
+        .fixed("Q/P", "", 3)
+        .fixed("dQ/Q0", "", 3)
+        .fixed("H", "kN", 1)
+        .fixed("wear", "W", 0)
+        .fixed("T gamma", "N", 0)
+        .rows(points.iter().flat_map(rows))
+}
+
+fn rows(point: &Point) -> Vec<Vec<Cell>> {
+    let sections = point.answer.curve.as_ref().map_or(&[][..], |curve| &curve.sections);
     let row = |section: &SectionCurve| {
+        let mean = |over: Option<OverSeeds>, scale: f64| over.map(|over| scale * over.mean).into();
+        let of_wheels = |of: fn(&WheelCurve) -> OverSeeds| section.worst_wheel(of);
         let sum_n = section.worst(|wheelset| Some(wheelset.sum_n));
         let range =
             |over: OverSeeds| format!("{:.1} to {:.1}", 1e-3 * over.lowest, 1e-3 * over.highest);
-        let of_wheels = |of: fn(&WheelCurve) -> OverSeeds| section.worst_wheel(of);
-        let stability = section.worst(|wheelset| wheelset.stability_rms_n);
-        let mut row = keys.clone();
+        let mut row = key_cells(point);
         row.extend([
-            section.section.part.name().to_owned(),
-            number(sum_n, 1e-3, 1),
-            sum_n.map_or_else(dash, range),
-            number(of_wheels(|wheel| wheel.y_over_q), 1.0, 3),
-            number(of_wheels(|wheel| wheel.y_quasi_static_n), 1e-3, 1),
-            number(stability, 1e-3, 1),
-            number(of_wheels(|wheel| wheel.derailment_gb), 1.0, 3),
-            number(of_wheels(|wheel| wheel.unloading), 1.0, 3),
-            number(section.worst(|wheelset| Some(wheelset.axle_force_gb_n)), 1e-3, 1),
-            number(Some(section.wear_w), 1.0, 0),
-            number(of_wheels(|wheel| wheel.t_gamma_n), 1.0, 0),
+            section.section.part.name().into(),
+            mean(sum_n, 1e-3),
+            sum_n.map(range).into(),
+            mean(of_wheels(|wheel| wheel.y_over_q), 1.0),
+            mean(of_wheels(|wheel| wheel.y_quasi_static_n), 1e-3),
+            mean(section.worst(|wheelset| wheelset.stability_rms_n), 1e-3),
+            mean(of_wheels(|wheel| wheel.derailment_gb), 1.0),
+            mean(of_wheels(|wheel| wheel.unloading), 1.0),
+            mean(section.worst(|wheelset| Some(wheelset.axle_force_gb_n)), 1e-3),
+            mean(Some(section.wear_w), 1.0),
+            mean(of_wheels(|wheel| wheel.t_gamma_n), 1.0),
         ]);
         row
     };
-    curve.sections.iter().map(row).collect()
+    sections.iter().map(row).collect()
 }
 
 /// The wheelsets of the full curve, row by row.
-fn wheelsets(full: &SectionCurve) -> Vec<Vec<String>> {
-    let heads = [
-        "wheelset",
-        "sum Y qst kN",
-        "0.15 %",
-        "99.85 %",
-        "outer Y qst kN",
-        "outer Y/Q",
-        "inner Y qst kN",
-        "inner Y/Q",
-        "outer dQ/Q0",
-        "inner dQ/Q0",
-        "wear W outer",
-        "inner",
-        "T gamma N outer",
-        "inner",
-    ];
-    let mut rows = vec![heads.map(str::to_owned).to_vec()];
-    rows.extend(full.wheelsets.iter().enumerate().map(|(index, wheelset)| {
+fn wheelsets(full: &SectionCurve) -> Table {
+    let table = Table::new("Wheelsets in the full curve, mean over seeds")
+        .written("wheelset", "")
+        .fixed("sum Y qst", "kN", 1)
+        .fixed("0.15 %", "kN", 1)
+        .fixed("99.85 %", "kN", 1)
+        .fixed("outer Y qst", "kN", 1)
+        .fixed("outer Y/Q", "", 3)
+        .fixed("inner Y qst", "kN", 1)
+        .fixed("inner Y/Q", "", 3)
+        .fixed("outer dQ/Q0", "", 3)
+        .fixed("inner dQ/Q0", "", 3)
+        .fixed("outer wear", "W", 0)
+        .fixed("inner wear", "W", 0)
+        .fixed("outer T gamma", "N", 1)
+        .fixed("inner T gamma", "N", 1);
+    table.rows(full.wheelsets.iter().zip(1_u64..).map(|(wheelset, number)| {
         let WheelsetCurve { outer, inner, .. } = wheelset;
-        let kn = |over: OverSeeds| number(Some(over), 1e-3, 1);
-        let plain = |over: OverSeeds, digits: usize| number(Some(over), 1.0, digits);
-        vec![
-            (index + 1).to_string(),
+        let kn = |over: OverSeeds| Cell::from(1e-3 * over.mean);
+        let plain = |over: OverSeeds| Cell::from(over.mean);
+        [
+            number.into(),
             kn(wheelset.sum_quasi_static_n),
             kn(wheelset.sum_low_n),
             kn(wheelset.sum_high_n),
             kn(outer.y_quasi_static_n),
-            plain(outer.y_over_q, 3),
+            plain(outer.y_over_q),
             kn(inner.y_quasi_static_n),
-            plain(inner.y_over_q, 3),
-            plain(outer.unloading, 3),
-            plain(inner.unloading, 3),
-            plain(outer.wear_w, 0),
-            plain(inner.wear_w, 0),
-            plain(outer.t_gamma_n, 1),
-            plain(inner.t_gamma_n, 1),
+            plain(inner.y_over_q),
+            plain(outer.unloading),
+            plain(inner.unloading),
+            plain(outer.wear_w),
+            plain(inner.wear_w),
+            plain(outer.t_gamma_n),
+            plain(inner.t_gamma_n),
         ]
-    }));
-    rows
-}
-
-fn number(over: Option<OverSeeds>, scale: f64, digits: usize) -> String {
-    over.map_or_else(dash, |over| format!("{:.digits$}", scale * over.mean))
-}
-
-fn dash() -> String {
-    "-".to_owned()
+    }))
 }
 
 /// What curving holds for.

@@ -46,8 +46,13 @@ impl Ride {
     /// The vehicle of a run rides on the tracks of all seeds.
     ///
     /// # Errors
-    /// No steady running, a track that the vehicle leaves, a section too short.
-    pub fn of(run: &Run, equipped: &Equipped, procedure: &Procedure) -> Result<Self, StudyError> {
+    /// No steady running, a track that the vehicle leaves, a section too short; the work is
+    /// stopped.
+    pub fn of(
+        run: &Run,
+        equipped: &Equipped<'_>,
+        procedure: &Procedure,
+    ) -> Result<Self, StudyError> {
         let places = Places::of(run, procedure.floor_height_m);
         let track = Roughness::of(run, &procedure.seeds);
         let duration_s = procedure.run_in_s + procedure.section_s;
@@ -57,11 +62,10 @@ impl Ride {
             let track = track.view();
             let trip = Trip::new(equipped, &track, run.speed_m_per_s, run.substeps);
             let mut state = trip.begin(&[])?;
-            let signals = Signals::of(&trip, &mut state, duration_s, &places, Wheels::LeftOut);
+            let signals = Signals::of(&trip, &mut state, duration_s, &places, Wheels::LeftOut)?;
             if signals.derailed {
                 let at_m = signals.distance_m.last().copied().unwrap_or_default();
-                let off = Box::new(StudyError::OffTheTrack(at_m));
-                return Err(StudyError::OnTrack(number + 1, off));
+                return Err(StudyError::OffTheTrack(at_m).on_track(number + 1));
             }
             Ok(signals)
         };

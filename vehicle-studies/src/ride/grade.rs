@@ -62,7 +62,7 @@ impl Kind {
     /// The grade of a Sperling index.
     ///
     /// ```
-    /// use vehicle_studies::ride::grade::{Grade, Kind};
+    /// use vehicle_studies::ride::{Grade, Kind};
     /// assert_eq!(Kind::Locomotive.grade(2.75), Grade::Excellent);
     /// assert_eq!(Kind::Coach.grade(2.76), Grade::Qualified);
     /// ```
@@ -72,19 +72,25 @@ impl Kind {
 }
 
 /// Upper ends of a locomotive's grades of peak acceleration, lateral and vertical (m/s2).
-pub const LOCOMOTIVE_PEAK_M_PER_S2: [[f64; 3]; 2] = [[1.47, 1.96, 2.45], [2.45, 2.95, 3.63]];
+pub(super) const LOCOMOTIVE_PEAK_M_PER_S2: [[f64; 3]; 2] = [[1.47, 1.96, 2.45], [2.45, 2.95, 3.63]];
 
 /// Upper ends of EN 12299's words for mean comfort.
-pub const MEAN_COMFORT: [(f64, &str); 4] =
+pub(super) const MEAN_COMFORT: [(f64, &str); 4] =
     [(1.5, "very comfortable"), (2.5, "comfortable"), (3.5, "medium"), (4.5, "uncomfortable")];
 
 /// The word for a mean comfort.
-///
-/// ```
-/// assert_eq!(vehicle_studies::ride::grade::mean_comfort(2.1), "comfortable");
-/// assert_eq!(vehicle_studies::ride::grade::mean_comfort(5.0), "very uncomfortable");
-/// ```
-pub fn mean_comfort(n_mv: f64) -> &'static str {
+pub(super) fn mean_comfort(n_mv: f64) -> &'static str {
     let found = MEAN_COMFORT.iter().find(|(end, _)| n_mv < *end);
     found.map_or("very uncomfortable", |(_, word)| word)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mean_comfort_has_a_word() {
+        assert_eq!(mean_comfort(2.1), "comfortable");
+        assert_eq!(mean_comfort(5.0), "very uncomfortable");
+    }
 }

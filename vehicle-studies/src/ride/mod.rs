@@ -3,8 +3,8 @@
 //! | module | what it says |
 //! | --- | --- |
 //! | [`sperling`] | the index of GB 5599-85 (20 s windows) and of GB/T 5599-2019 (5 s windows) |
-//! | [`weighting`] | Wb and Wd, the weightings behind EN 12299's mean comfort |
-//! | [`grade`] | what is excellent, good, qualified; the words of EN 12299 |
+//! | [`Weighting`] | Wb and Wd, the weightings behind EN 12299's mean comfort |
+//! | `grade` | what is excellent, good, qualified; the words of EN 12299 |
 //! | `assessment` | [`Ride::of`]: all of it for one vehicle over the tracks of several seeds |
 //!
 //! The track is straight, with the irregularity of the scenario: random by its wavelengths with the
@@ -13,7 +13,7 @@
 
 mod answer;
 mod assessment;
-pub mod grade;
+mod grade;
 mod page;
 mod procedure;
 mod shake;
@@ -21,9 +21,11 @@ pub mod sperling;
 mod study;
 mod text;
 mod vibration;
-pub mod weighting;
+mod weighting;
 
 pub use answer::{Point, RideAnswer};
 pub use assessment::Ride;
+pub use grade::{Grade, Kind};
 pub use procedure::Procedure;
 pub use vibration::{Peak, PlaceRide, PlaceSpectrum, Vibration};
+pub use weighting::Weighting;

@@ -5,11 +5,12 @@ use super::assessment::Ride;
 use super::grade::{Grade, Kind, LOCOMOTIVE_PEAK_M_PER_S2, MEAN_COMFORT};
 use super::procedure::Procedure;
 use super::sperling::Direction;
-use super::text::{conditions, worst_sperling};
+use super::text::{conditions, table, worst_sperling};
 use super::vibration::{PlaceRide, Vibration};
 use crate::over_keys::{self, Line};
 use crate::over_seeds::OverSeeds;
-use report::{Cell, Plot, Report, Section, Table};
+use crate::point_table;
+use report::{Plot, Report, Section, Table};
 
 /// Points whose spectra are drawn, at most.
 const DRAWN: usize = 8;
@@ -17,10 +18,8 @@ const DIRECTIONS: [Direction; 2] = [Direction::Lateral, Direction::Vertical];
 
 /// The report, behind its title and facts.
 pub(super) fn page(points: &[Point], procedure: &Procedure, report: Report) -> Report {
-    let mut found = Section::new("Ride").table(table(points, procedure));
-    for line in conditions(points, procedure) {
-        found = found.text(&line);
-    }
+    let table = table(points, procedure);
+    let found = point_table::section("Ride", table, points, &conditions(points, procedure));
     let mut report = report.subtitle("Ride").section(found);
     let plots = over_what_was_varied(points, procedure);
     if !plots.is_empty() {
@@ -31,33 +30,6 @@ pub(super) fn page(points: &[Point], procedure: &Procedure, report: Report) -> R
         report = report.section(spectra(points)).section(places(points));
     }
     report
-}
-
-fn table(points: &[Point], procedure: &Procedure) -> Table {
-    let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
-    let mut table = Table::new("Sperling index of GB 5599-85 and mean comfort");
-    for set in keys {
-        table = table.number(&set.called(), "");
-    }
-    for direction in DIRECTIONS {
-        let name = direction.name();
-        table = table.number_with_digits(&format!("W {name}"), "", 3).text("grade");
-    }
-    table = table.number_with_digits("N_MV", "", 3).text("EN 12299");
-    table.rows(points.iter().map(|point| {
-        let mut row: Vec<Cell> = point.at.iter().map(|set| set.number().into()).collect();
-        let ride = point.answer.ride.as_ref();
-        for direction in DIRECTIONS {
-            let index = ride.and_then(|ride| worst_sperling(ride, direction)).map(|over| over.mean);
-            row.push(index.into());
-            let grade = index.map(|index| procedure.kind.grade(index).name().to_owned());
-            row.push(grade.or_else(|| point.failure.clone()).into());
-        }
-        let n_mv = ride.and_then(|ride| ride.worst(|place| place.n_mv));
-        row.push(n_mv.into());
-        row.push(n_mv.map(|n_mv| super::grade::mean_comfort(n_mv).to_owned()).into());
-        row
-    }))
 }
 
 fn over_what_was_varied(points: &[Point], procedure: &Procedure) -> Vec<Plot> {

@@ -31,7 +31,7 @@ impl Study for Procedure {
     fn answer(
         &self,
         run: &Run,
-        equipped: &Equipped,
+        equipped: &Equipped<'_>,
         answer: &mut RideAnswer,
     ) -> Result<(), StudyError> {
         answer.ride = Some(Ride::of(run, equipped, self)?);

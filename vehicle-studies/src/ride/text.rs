@@ -1,78 +1,66 @@
-//! Rides as a table in print, with the conditions for which they hold.
+//! Rides as a table, with the conditions for which they hold.
 
 use super::answer::Point;
 use super::assessment::Ride;
+use super::grade::mean_comfort;
 use super::procedure::Procedure;
 use super::sperling::Direction;
 use super::vibration::Vibration;
 use crate::over_seeds::OverSeeds;
-use crate::text_table::{pace, table};
-use scenario::setting::Setting;
+use crate::point_table::{self, key_cells, keyed};
+use report::{Cell, Table};
 
-/// The points as a table for a terminal, and under which conditions they hold.
+const DIRECTIONS: [Direction; 2] = [Direction::Lateral, Direction::Vertical];
+
+/// The points as text for a terminal, and under which conditions they hold.
 pub(super) fn text(points: &[Point], procedure: &Procedure) -> String {
-    let mut rows = vec![heads(points)];
-    rows.extend(points.iter().map(|point| cells(point, procedure)));
-    let mut lines = table(&rows, points);
-    lines.push(String::new());
-    lines.extend(conditions(points, procedure));
-    lines.extend(pace(points));
-    lines.join("\n")
+    point_table::text(&[table(points, procedure)], points, &conditions(points, procedure))
 }
 
-fn heads(points: &[Point]) -> Vec<String> {
-    let keys = points.first().map(|point| point.at.as_slice()).unwrap_or_default();
-    let mut heads: Vec<String> = keys.iter().map(Setting::called).collect();
-    heads.extend(
-        [
-            "W lateral",
-            "seeds",
-            "grade",
-            "W vertical",
-            "seeds",
-            "grade",
-            "2019 lat",
-            "2019 vert",
-            "N_MV",
-            "rms lat",
-            "rms vert",
-            "peak lat",
-            "peak vert",
-            "bogie Hz",
-        ]
-        .map(str::to_owned),
-    );
-    heads
+/// The points as a table.
+pub(super) fn table(points: &[Point], procedure: &Procedure) -> Table {
+    let mut table = keyed("Ride", points);
+    for direction in DIRECTIONS {
+        let name = direction.name();
+        table = table.fixed(&format!("W {name}"), "", 2).written("over seeds", "").text("grade");
+    }
+    table = DIRECTIONS
+        .iter()
+        .fold(table, |table, direction| table.fixed(&format!("2019 {}", direction.name()), "", 2));
+    table = table.fixed("N_MV", "", 2).text("EN 12299");
+    for quantity in ["rms", "peak"] {
+        for direction in DIRECTIONS {
+            table = table.fixed(&format!("{quantity} {}", direction.name()), "m/s2", 2);
+        }
+    }
+    table.fixed("bogie", "Hz", 2).rows(points.iter().map(|point| row(point, procedure)))
 }
 
-fn cells(point: &Point, procedure: &Procedure) -> Vec<String> {
-    let mut cells: Vec<String> = point.values_in_words();
-    let Some(ride) = &point.answer.ride else { return cells };
-    for direction in [Direction::Lateral, Direction::Vertical] {
-        let index = worst_sperling(ride, direction);
-        cells.push(index.map_or_else(dash, |index| format!("{:.2}", index.mean)));
+fn row(point: &Point, procedure: &Procedure) -> Vec<Cell> {
+    let ride = point.answer.ride.as_ref();
+    let mut row = key_cells(point);
+    for direction in DIRECTIONS {
+        let index = ride.and_then(|ride| worst_sperling(ride, direction));
         let range = |index: OverSeeds| format!("{:.2} to {:.2}", index.lowest, index.highest);
-        cells.push(index.map_or_else(dash, range));
-        let grade = |index: OverSeeds| procedure.kind.grade(index.mean).name().to_owned();
-        cells.push(index.map_or_else(dash, grade));
+        row.push(index.map(|index| index.mean).into());
+        row.push(index.map(range).into());
+        row.push(index.map(|index| procedure.kind.grade(index.mean).name()).into());
     }
     let both = |of: fn(&Vibration) -> Option<f64>| {
-        [Direction::Lateral, Direction::Vertical].map(|direction| {
-            let worst = ride.worst(|place| of(place.along(direction)));
-            worst.map_or_else(dash, |value| format!("{value:.2}"))
+        DIRECTIONS.map(|direction| {
+            let worst = |ride: &Ride| ride.worst(|place| of(place.along(direction)));
+            Cell::from(ride.and_then(worst))
         })
     };
-    cells.extend(both(|vibration| vibration.sperling_2019.map(|over| over.mean)));
-    cells.push(ride.worst(|place| place.n_mv).map_or_else(dash, |n_mv| format!("{n_mv:.2}")));
-    cells.extend(both(|vibration| Some(vibration.rms_m_per_s2.mean)));
-    cells.extend(both(|vibration| Some(vibration.peak_m_per_s2.highest)));
-    let bogie = ride.bogies.first().and_then(|bogie| bogie.lateral.peaks.first());
-    cells.push(bogie.map_or_else(dash, |peak| format!("{:.2}", peak.frequency_hz)));
-    cells
-}
-
-fn dash() -> String {
-    "-".to_owned()
+    row.extend(both(|vibration| vibration.sperling_2019.map(|over| over.mean)));
+    let n_mv = ride.and_then(|ride| ride.worst(|place| place.n_mv));
+    row.push(n_mv.into());
+    row.push(n_mv.map(mean_comfort).into());
+    row.extend(both(|vibration| Some(vibration.rms_m_per_s2.mean)));
+    row.extend(both(|vibration| Some(vibration.peak_m_per_s2.highest)));
+    let peak = ride.and_then(|ride| ride.bogies.first()?.lateral.peaks.first());
+    row.push(peak.map(|peak| peak.frequency_hz).into());
+    row
 }
 
 /// The index of the floor's worse end, by windows of 20 s.
@@ -102,7 +90,7 @@ pub(super) fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String>
         ),
         format!(
             "floor {} m above the rails on the centre line above the bogies, the worse of them; \
-             accelerations in m/s2 against the track, peaks below 40 Hz",
+             accelerations against the track, peaks below 40 Hz",
             procedure.floor_height_m
         ),
         format!(
@@ -117,6 +105,6 @@ pub(super) fn conditions(points: &[Point], procedure: &Procedure) -> Vec<String>
         "N_MV: mean comfort of EN 12299 from two directions, blocks of 5 s; below 1.5 very comfortable, \
          2.5 comfortable, 3.5 medium"
             .to_owned(),
-        "bogie Hz: highest peak of the first bogie's lateral acceleration between 0.5 and 20 Hz".to_owned(),
+        "bogie: highest peak of the first bogie's lateral acceleration between 0.5 and 20 Hz".to_owned(),
     ]
 }

@@ -42,7 +42,7 @@ impl Weighting {
     /// Its frequency response.
     ///
     /// ```
-    /// use vehicle_studies::ride::weighting::Weighting;
+    /// use vehicle_studies::ride::Weighting;
     /// assert!((Weighting::WD.response(1.0).norm() - 1.011).abs() < 5e-4);
     /// assert!((Weighting::WB.response(1.0).norm() - 0.385).abs() < 5e-4);
     /// ```

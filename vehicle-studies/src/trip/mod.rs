@@ -5,38 +5,48 @@
 //! in software: `2a` adds up, compliances add up. With a clearance of a metre
 //! (`damper.clearance_2a_m = 1.0`) a damper never touches: that is a trip with dampers taken off.
 //!
-//! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on, [`pace`] is
+//! A trip ends early with [`StudyError::Stopped`] when the flag of its vehicle is set
+//! ([`Equipped::until`]).
+//!
+//! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on, [`Pace`] is
 //! how fast trips are.
 
-pub mod pace;
+mod pace;
 pub mod signals;
 #[cfg(test)]
 mod tests;
 pub mod track;
 
+use crate::error::StudyError;
 use firmware_core::damper::{Damper, DamperError, Nominal};
 use firmware_core::guard::{ForceInput, Guard};
 use firmware_core::line::{Line, LineState, Slot};
 use firmware_core::track::Track;
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
-use pace::{Odometer, Pace};
+use pace::Odometer;
+pub use pace::Pace;
 use scenario::equilibrium::{self, NoEquilibrium};
 use scenario::minimum_speed::minimum_speed_m_per_s;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use scenario::wheel_rail::Contact;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Distance at which the vehicle's reference point starts (m): all wheels on perfect track.
 pub const START_M: f64 = 15.0;
 /// Most substeps of a cycle.
 const SUBSTEPS_MAX: u32 = 64;
+/// Cycles between two looks at the flag that stops a trip.
+const CYCLES_PER_LOOK: u64 = 256;
+/// The flag of a vehicle whose trips nothing stops.
+static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// A vehicle with its dampers and its contact: what neither speed nor track changes. Copies of it,
 /// with other dampers perhaps, count their trips together.
 #[derive(Debug, Clone)]
-pub struct Equipped {
+pub struct Equipped<'a> {
     /// The vehicle.
     pub vehicle: Vehicle,
     /// Solved profiles, for wheels that run on some.
@@ -44,9 +54,10 @@ pub struct Equipped {
     /// The damper of every slot.
     pub dampers: Vec<Damper>,
     odometer: Arc<Odometer>,
+    stop: &'a AtomicBool,
 }
 
-impl Equipped {
+impl Equipped<'static> {
     /// The vehicle of a scenario.
     ///
     /// # Errors
@@ -59,12 +70,30 @@ impl Equipped {
             contact: run.contact.clone(),
             dampers: dampers?,
             odometer: Arc::default(),
+            stop: &NEVER,
         })
     }
 
     /// A vehicle on cones, with no dampers.
     pub fn without_dampers(vehicle: Vehicle) -> Self {
-        Self { vehicle, contact: None, dampers: Vec::new(), odometer: Arc::default() }
+        Self { vehicle, contact: None, dampers: Vec::new(), odometer: Arc::default(), stop: &NEVER }
+    }
+}
+
+impl Equipped<'_> {
+    /// The same vehicle, whose trips end with [`StudyError::Stopped`] once a flag is set.
+    #[must_use]
+    pub fn until(self, stop: &AtomicBool) -> Equipped<'_> {
+        let Self { vehicle, contact, dampers, odometer, .. } = self;
+        Equipped { vehicle, contact, dampers, odometer, stop }
+    }
+
+    /// Checks the flag that stops the work on this vehicle.
+    ///
+    /// # Errors
+    /// It is set.
+    pub fn check_stop(&self) -> Result<(), StudyError> {
+        if self.stop.load(Ordering::Relaxed) { Err(StudyError::Stopped) } else { Ok(()) }
     }
 
     /// The same vehicle with this damper in every slot.
@@ -122,19 +151,20 @@ fn modelled(force: &SlotForce, on_rig: &Damper) -> Result<Damper, DamperError> {
 #[derive(Debug, Clone)]
 pub struct Trip<'a> {
     line: Line<'a>,
-    odometer: &'a Odometer,
+    equipped: &'a Equipped<'a>,
 }
 
 impl<'a> Trip<'a> {
     /// A trip with as many substeps as the speed needs, at least `least_substeps`.
     pub fn new(
-        equipped: &'a Equipped,
+        equipped: &'a Equipped<'a>,
         track: &'a Track<'a>,
         speed_m_per_s: f64,
         least_substeps: u32,
     ) -> Self {
         let substeps = equipped.substeps(speed_m_per_s, least_substeps);
         let substep_s = CYCLE_S / f64::from(substeps);
+        debug_assert!(equipped.dampers.len() <= DAMPER_SLOTS, "more dampers than slots");
         #[expect(
             clippy::large_stack_arrays,
             reason = "once per trip, and a line holds it by value"
@@ -153,7 +183,7 @@ impl<'a> Trip<'a> {
             slots,
             guard: Guard::default(),
         };
-        Self { line, odometer: &equipped.odometer }
+        Self { line, equipped }
     }
 
     /// Steady running at the beginning of the track, some wheelsets moved to the right by so much
@@ -166,6 +196,7 @@ impl<'a> Trip<'a> {
         let mut start = equilibrium::running(line.vehicle, line.contact, line.speed_m_per_s)?;
         start.state.distance_m.0[0] = START_M;
         for (body, offset_m) in offsets_m {
+            debug_assert!(body.index() < start.state.position.len(), "no such body");
             if let Some(pose) = start.state.position.get_mut(body.index()) {
                 pose[LATERAL].0[0] += offset_m;
             }
@@ -173,25 +204,37 @@ impl<'a> Trip<'a> {
         Ok(line.start(start.state))
     }
 
-    /// Runs on for a time; `see` is shown every cycle. Gives false where the vehicle has left the
+    /// Runs on for a time and passes every cycle to `see`. False where the vehicle has left the
     /// track, and stands there.
+    ///
+    /// # Errors
+    /// The flag of the vehicle is set ([`StudyError::Stopped`]), the state is somewhere on the way.
     pub fn go(
         &self,
         state: &mut LineState,
         duration_s: f64,
         mut see: impl FnMut(&LineState),
-    ) -> bool {
+    ) -> Result<bool, StudyError> {
         let cycles = libm::round(duration_s / CYCLE_S) as u64;
         let began = Instant::now();
-        let gone = (0..cycles).position(|_| {
-            self.line.step(state, &[ForceInput::Missing; DAMPER_SLOTS]);
-            if !state.safe {
-                see(state);
+        let mut done = 0;
+        let mut stopped = Ok(());
+        while done < cycles {
+            if done % CYCLES_PER_LOOK == 0 {
+                stopped = self.equipped.check_stop();
+                if stopped.is_err() {
+                    break;
+                }
             }
-            state.safe
-        });
-        self.odometer.count(gone.map_or(cycles, |at| at as u64), began.elapsed());
-        gone.is_none()
+            self.line.step(state, &[ForceInput::Missing; DAMPER_SLOTS]);
+            if state.safe {
+                break;
+            }
+            see(state);
+            done += 1;
+        }
+        self.equipped.odometer.count(done, began.elapsed());
+        stopped.map(|()| done == cycles)
     }
 
     /// The vehicle.
@@ -212,5 +255,6 @@ impl<'a> Trip<'a> {
 
 /// Lateral position of a body (m), to the right.
 pub fn lateral_m(state: &LineState, body: BodyId) -> f64 {
+    debug_assert!(body.index() < state.vehicle.position.len(), "no such body");
     state.vehicle.position.get(body.index()).map_or(0.0, |pose| pose[LATERAL].lane(0))
 }

@@ -20,7 +20,7 @@ impl Pace {
     /// The sum of many; none where no time is recorded.
     ///
     /// ```
-    /// use vehicle_studies::trip::pace::Pace;
+    /// use vehicle_studies::trip::Pace;
     /// let of = |simulated_s: f64| Pace { simulated_s, busy_s: 1.0 };
     /// let each = [of(30.0), of(10.0)];
     /// let all = Pace::over(each).unwrap();
@@ -44,7 +44,7 @@ impl Pace {
 
 /// Where trips on many cores count themselves.
 #[derive(Debug, Default)]
-pub struct Odometer {
+pub(super) struct Odometer {
     cycles: AtomicU64,
     busy_us: AtomicU64,
 }

@@ -18,6 +18,7 @@
 //! half a millisecond) before the positions of the same sample.
 
 use super::Trip;
+use crate::error::StudyError;
 use firmware_core::line::LineState;
 use firmware_core::vehicle::{BodyId, LATERAL, PITCH, ROLL, VERTICAL, Vehicle, YAW};
 use firmware_core::wheel_rail::wheel::WheelForce;
@@ -191,13 +192,16 @@ pub struct Signals {
 
 impl Signals {
     /// Runs on for a time and records it.
+    ///
+    /// # Errors
+    /// The trip is stopped.
     pub fn of(
         trip: &Trip<'_>,
         state: &mut LineState,
         duration_s: f64,
         places: &Places,
         wheels: Wheels,
-    ) -> Self {
+    ) -> Result<Self, StudyError> {
         let named = |places: &[Place]| -> Vec<Acceleration> {
             let one =
                 |place: &Place| Acceleration { name: place.name.clone(), ..Default::default() };
@@ -217,9 +221,9 @@ impl Signals {
             dampers: vec![DamperSignal::default(); trip.vehicle().dampers.len()],
             ..Self::default()
         };
-        let on_track = trip.go(state, duration_s, |state| signals.push(state, places, wheels));
+        let on_track = trip.go(state, duration_s, |state| signals.push(state, places, wheels))?;
         signals.derailed = !on_track;
-        signals
+        Ok(signals)
     }
 
     /// Number of samples.
@@ -298,6 +302,7 @@ impl WheelSignal {
 
 /// Acceleration of a place, to the right and down (m/s2).
 fn acceleration_m_per_s2(state: &LineState, place: &Place) -> [f64; 2] {
+    debug_assert!(place.body.index() < state.vehicle.acceleration.len(), "no such body");
     let Some(rate) = state.vehicle.acceleration.get(place.body.index()) else { return [0.0; 2] };
     let of = |coordinate: usize| rate[coordinate].lane(0);
     [

@@ -25,7 +25,7 @@ fn signals(run: &Run, track: &OwnedTrack, duration_s: f64) -> Signals {
     let track = track.view();
     let trip = Trip::new(&equipped, &track, run.speed_m_per_s, run.substeps);
     let mut state = trip.begin(&[]).unwrap();
-    Signals::of(&trip, &mut state, duration_s, &Places::of(run, 1.25), Wheels::Recorded)
+    Signals::of(&trip, &mut state, duration_s, &Places::of(run, 1.25), Wheels::Recorded).unwrap()
 }
 
 #[test]

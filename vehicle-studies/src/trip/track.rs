@@ -16,6 +16,7 @@ const FADE_OUT_M: f64 = 10.0;
 
 /// American class 6 from the beginning up to a distance, perfect track behind it.
 pub fn rough_start(band: &Band, length_m: f64) -> OwnedTrack {
+    debug_assert!(length_m >= FADE_OUT_M, "{length_m} m of irregularity");
     let samples = aar6(band, 0.0, length_m).weighted(|distance_m| {
         let share = ((length_m - distance_m) / FADE_OUT_M).clamp(0.0, 1.0);
         // Smooth in its slope at both ends.

@@ -4,4 +4,5 @@
 
 mod changed_files;
 mod no_dampers;
+mod stopped;
 mod support;

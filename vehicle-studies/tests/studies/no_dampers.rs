@@ -1,13 +1,13 @@
 //! A vehicle without dampers.
 
-use crate::support::{bogie, linear};
+use crate::support::{GO, bogie, linear};
 use vehicle_studies::study::Study;
 
 #[test]
 fn a_vehicle_without_dampers_gets_one_linear_column_and_not_one_for_every_stroke() {
     let place = bogie("no-dampers");
     let asked = linear(&place);
-    let point = asked.point(&asked.identity().unwrap(), 0).unwrap();
+    let point = asked.point(&asked.identity().unwrap(), 0, &GO).unwrap().unwrap();
     assert_eq!(point.answer.linear.len(), 1);
     let text = asked.study.text(std::slice::from_ref(&point));
     assert_eq!(text.matches("linear, ").count(), 1, "{text}");

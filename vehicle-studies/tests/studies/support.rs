@@ -1,10 +1,14 @@
 //! A small study: the linear critical speed of Cooperrider's bogie.
 
 use std::path::{Path, PathBuf};
-use vehicle_studies::critical_speed::linear::STROKES_M;
+use std::sync::atomic::AtomicBool;
+use vehicle_studies::critical_speed::STROKES_M;
 use vehicle_studies::critical_speed::{Procedure, Question};
 use vehicle_studies::grid::Grid;
 use vehicle_studies::study::{Varied, VariedStudy};
+
+/// A flag that is not set.
+pub(crate) static GO: AtomicBool = AtomicBool::new(false);
 
 /// A fresh folder with the bogie's scenario and vehicle.
 pub(crate) fn bogie(name: &str) -> PathBuf {

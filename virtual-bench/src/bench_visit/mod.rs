@@ -37,5 +37,4 @@ pub use crate::series_model::NullGenerator;
 pub use crate::specimen::Specimen;
 pub use crate::{excitation, random, specimen};
 pub use raw_record::RawRecord;
-pub(crate) use recording::visit_until;
-pub use recording::{LABORATORY_DEGC, measurements, record, record_from, visit};
+pub use recording::{LABORATORY_DEGC, measurements, record, record_from, visit, visit_until};

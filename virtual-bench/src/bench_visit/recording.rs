@@ -44,7 +44,7 @@ pub fn visit(
 
 /// The same, until `stop` is set: the tests that were recorded to their end. `begins` is called
 /// with the number of every test as it begins.
-pub(crate) fn visit_until(
+pub fn visit_until(
     stop: &AtomicBool,
     specimen: &dyn Specimen,
     tests: &[Test],
