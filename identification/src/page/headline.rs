@@ -168,8 +168,8 @@ pub(super) fn about(identification: &Identification) -> Section {
              independent blocks.",
         )
         .text(&format!(
-            "Candidates were judged by leaving out {left_out}. Tests held out were used only for \
-             the errors shown{}.",
+            "Candidates were judged by leaving out {left_out}. The tests held out were used \
+             for the errors shown and to keep or cut accepted effects{}.",
             if tried.is_some() {
                 " and to refuse an empirical map that is worse on them"
             } else {
