@@ -89,7 +89,10 @@ fn test_list(name: &str) -> Result<TestList, CommandError> {
     if built_in.is_none() && is_word && !Path::new(name).exists() {
         let similar = did_you_mean(name, ["full", "short"]);
         let expected = format!("full, short or the file of a list{similar}");
-        return Err(CommandError::option(format!("--tests {name}"), expected));
+        return Err(CommandError::option(
+            format!("--tests {name} (cannot be read as a file)"),
+            expected,
+        ));
     }
     Ok(built_in.map_or_else(|| TestList::named(name), Ok)?)
 }

@@ -4,7 +4,7 @@
 //! numbers.
 
 use crate::number::number;
-use crate::suggestion::closest;
+use crate::similarity::closest;
 
 /// A message of serde without names of Rust types, with a suggestion where a key or a name is
 /// unknown. Other messages stay as they are.

@@ -1,25 +1,13 @@
 //! "Did you mean" for names: keys, values of options, files.
 
+pub use crate::similarity::closest;
+
 use crate::quote::quoted;
+use crate::similarity::SIMILAR;
 use std::path::{Path, PathBuf};
 
-/// Similarity (Jaro) from which a name is worth suggesting.
-const SIMILAR: f64 = 0.75;
 /// A folder with more entries than this is not searched.
 const ENTRIES_MAX: usize = 2_000;
-
-/// The name among the known ones that `word` was probably meant to be.
-///
-/// ```
-/// assert_eq!(files::suggestion::closest("shrt", ["full", "short"]), Some("short"));
-/// assert_eq!(files::suggestion::closest("xyz", ["full", "short"]), None);
-/// ```
-pub fn closest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let scored = known.into_iter().map(|name| (strsim::jaro(word, name), name));
-    let near = scored.filter(|(score, name)| *score >= SIMILAR && *name != word);
-    // The first one of equals.
-    near.reduce(|best, next| if next.0 > best.0 { next } else { best }).map(|(_, name)| name)
-}
 
 /// `; did you mean NAME?` where a known name is close to `word`, else nothing.
 ///

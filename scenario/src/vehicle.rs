@@ -150,8 +150,8 @@ pub struct DamperSlotFile {
 /// Rounding of the heights and stations in a file (m).
 const AXLE_TOLERANCE_M: f64 = 1e-6;
 
-/// Masses that a body can have (kg). These bounds and the following lie far beyond any vehicle: they
-/// keep the equations from overflowing, and the message at the number that would do it.
+/// Masses that a body can have (kg). These bounds and the following lie far beyond any vehicle:
+/// they keep the equations from overflowing, and the message at the number that would do it.
 const MASS_KG: [f64; 2] = [1e-3, 1e7];
 /// Moments of inertia that a body can have (kg m2).
 const INERTIA_KG_M2: [f64; 2] = [1e-6, 1e12];
@@ -300,8 +300,8 @@ impl Finder<'_> {
         Err(near.error(self.source, message))
     }
 
-    /// The body, if it is a wheelset that spins: its pitch angle is the sum of the deviations of its
-    /// spin.
+    /// The body, if it is a wheelset that spins: its pitch angle is the sum of the deviations of
+    /// its spin.
     fn spinning(&self, id: BodyId) -> Option<&BodyFile> {
         if id == BodyId::GROUND {
             return None;

@@ -119,8 +119,8 @@ pub struct RailSupportFile {
 
 /// Lengths of wheels and tracks that are computed, models of a few centimetres included (m).
 const LENGTH_M: [f64; 2] = [1e-3, 10.0];
-/// Largest mass, stiffness and damping of a rail (kg, N/m, N s/m), and largest force (N): far beyond
-/// any, so that no equation overflows.
+/// Masses, stiffnesses and damping of a rail (kg, N/m, N s/m), and forces (N): far beyond any, so
+/// that no equation overflows.
 const RAIL_MASS_KG: [f64; 2] = [1e-3, 1e6];
 const RATE: [f64; 2] = [1e-3, 1e15];
 const FORCE_N: [f64; 2] = [1e-6, 1e12];
