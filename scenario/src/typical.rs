@@ -61,11 +61,11 @@ pub(crate) fn vehicle_warnings(file: &VehicleFile) -> Vec<String> {
     let bodies = file
         .body
         .iter()
-        .flat_map(|body| of(format!("body {}", quoted(&body.name)), body_warnings(body)));
+        .flat_map(|body| of(&format!("body {}", quoted(&body.name)), body_warnings(body)));
     let suspensions = file.suspension.iter().flat_map(|suspension| {
-        of(format!("suspension {}", quoted(&suspension.name)), suspension_warnings(suspension))
+        of(&format!("suspension {}", quoted(&suspension.name)), suspension_warnings(suspension))
     });
-    of("wheel_rail".to_owned(), radius.into_iter().collect())
+    of("wheel_rail", radius.into_iter().collect())
         .into_iter()
         .chain(bodies)
         .chain(suspensions)
@@ -104,7 +104,7 @@ fn suspension_warnings(file: &SuspensionFile) -> Vec<String> {
 }
 
 /// Lines with what they are about.
-fn of(place: String, lines: Vec<String>) -> Vec<String> {
+fn of(place: &str, lines: Vec<String>) -> Vec<String> {
     lines.into_iter().map(|line| format!("{place}: {line}")).collect()
 }
 

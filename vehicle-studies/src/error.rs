@@ -44,7 +44,7 @@ pub enum StudyError {
     /// Two axes of the same key: the key.
     KeyTwice(String),
     /// A grid with too many points: number of points, most points.
-    TooManyPoints(u128, usize),
+    TooManyPoints(usize, usize),
     /// A question that cannot be serialised: reason.
     NotSerialised(String),
 }

@@ -102,9 +102,9 @@ impl Grid {
                 return Err(StudyError::KeyTwice(axis.key.clone()));
             }
         }
-        let lengths = axes.iter().map(|axis| axis.changes.len() as u128);
-        let points = lengths.fold(1, u128::saturating_mul);
-        if points > POINTS_MAX as u128 {
+        let lengths = axes.iter().map(|axis| axis.changes.len());
+        let points = lengths.fold(1, usize::saturating_mul);
+        if points > POINTS_MAX {
             return Err(StudyError::TooManyPoints(points, POINTS_MAX));
         }
         Ok(Self { axes })
