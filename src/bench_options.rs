@@ -1,11 +1,13 @@
 //! Options that `run` and `rig` share: frames on the wire and real time.
 
+use crate::value::ValueError;
 use can_protocol::Profile;
 use clap::{Args, ValueEnum};
 use files::quoted;
 use hil_host::realtime::RealtimeOptions;
 use std::fmt;
 use std::num::NonZeroU8;
+use std::path::Path;
 use std::str::FromStr;
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -78,6 +80,25 @@ pub(crate) fn slow_down(text: &str) -> Result<NonZeroU8, InvalidValue> {
     text.parse().map_err(|_| InvalidValue { found: text.to_owned(), expected })
 }
 
+/// Where Linux lists its processors, those that are isolated included.
+const PROCESSORS: &str = "/sys/devices/system/cpu";
+
+/// The number of a processor that this machine has.
+fn processor(text: &str) -> Result<usize, ValueError> {
+    let is_listed = |number: usize| {
+        let listed = Path::new(PROCESSORS);
+        // Without a list the kernel decides, and the run reports what it refuses.
+        !listed.join("cpu0").exists() || listed.join(format!("cpu{number}")).exists()
+    };
+    let last = || (0_usize..).take_while(|number| is_listed(*number)).take(4096).last();
+    let expected = || match last() {
+        None | Some(0) => "0, the only processor of this machine".to_owned(),
+        Some(last) => format!("a processor of this machine, 0 to {last}"),
+    };
+    let number = text.parse().ok().filter(|number| is_listed(*number));
+    number.ok_or_else(|| ValueError::new(expected()))
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct RealtimeArgs {
     /// SCHED_FIFO priority of the loop; 0 leaves the scheduler alone.
@@ -85,7 +106,7 @@ pub(crate) struct RealtimeArgs {
         value_parser = clap::value_parser!(u8).range(0..=99))]
     fifo_priority: u8,
     /// Processor for the loop.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = processor)]
     cpu: Option<usize>,
     /// Fail unless the whole real-time set-up was granted.
     #[arg(long)]

@@ -18,16 +18,16 @@ const COMMAND: &str = "campaign";
 
 #[derive(Debug, Args)]
 pub(crate) struct CampaignArgs {
-    /// Number of cases; 773 cover every kind. Cases that the folder already holds are not computed
-    /// again.
+    /// Number of cases, required except with --merge; 773 cover every kind. Cases that the folder
+    /// already holds are not computed again.
     #[arg(long, value_name = "N", required_unless_present = "merge",
         value_parser = whole::<usize>(1, 1_000_000))]
     cases: Option<usize>,
-    /// Seed of the cases.
+    /// Seed of the cases, required except with --merge.
     #[arg(long, value_name = "S", required_unless_present = "merge")]
     seed: Option<u64>,
     /// The part of the campaign to compute, such as 1/4.
-    #[arg(long, value_name = "I/N")]
+    #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
     shard: Option<Shard>,
     /// Fewer and shorter tests per case: a quick check of the campaign itself.
     #[arg(long)]

@@ -9,7 +9,7 @@ use crate::error::CommandError;
 use crate::output::print;
 use crate::{exit, output, stop};
 use clap::Args;
-use files::ResultFolder;
+use files::{ResultFolder, did_you_mean};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use measurement::mapping::Companion;
 use std::io::{BufWriter, Write as _};
@@ -71,7 +71,7 @@ pub(crate) fn command(args: &CharacteriseArgs) -> Result<ExitCode, CommandError>
     if let Some(first) = args.from.first() {
         return of_records(args, first, &datasheet);
     }
-    let list = TestList::named(&args.tests)?;
+    let list = test_list(&args.tests)?;
     let (path, visit) = match (&args.physical, &args.model) {
         (Some(path), _) => (path, Visit::of_hydraulic(path, list, args.seed)?),
         (None, Some(path)) => (path, Visit::of_model(path, list, args.seed)?),
@@ -80,6 +80,21 @@ pub(crate) fn command(args: &CharacteriseArgs) -> Result<ExitCode, CommandError>
         }
     };
     of_visit(args, path, &visit, &datasheet)
+}
+
+/// The tests by their name or file.
+fn test_list(name: &str) -> Result<TestList, CommandError> {
+    let built_in = TestList::built_in(name);
+    let is_word = Path::new(name).extension().is_none() && !name.contains('/');
+    if built_in.is_none() && is_word && !Path::new(name).exists() {
+        let similar = did_you_mean(name, ["full", "short"]);
+        let expected = format!("full, short or the file of a list{similar}");
+        return Err(CommandError::option(
+            format!("--tests {name} (cannot be read as a file)"),
+            expected,
+        ));
+    }
+    Ok(built_in.map_or_else(|| TestList::named(name), Ok)?)
 }
 
 /// The figures of measured records.

@@ -3,6 +3,7 @@
 use crate::error::CommandError;
 use crate::study::{self, StudyArgs};
 use clap::{Args, ValueEnum};
+use files::number;
 use std::process::ExitCode;
 use vehicle_studies::critical_speed::STROKES_M;
 use vehicle_studies::critical_speed::{Criterion, Procedure, Question};
@@ -67,16 +68,16 @@ pub(crate) fn command(args: &CriticalSpeedArgs) -> Result<ExitCode, CommandError
 fn question(args: &CriticalSpeedArgs) -> Result<Question, CommandError> {
     let CriticalSpeedArgs { from_kmh, to_kmh, threshold_mm, .. } = *args;
     if !(from_kmh > 0.0 && from_kmh < to_kmh && to_kmh <= 600.0) {
-        let options = format!("--from-kmh {from_kmh} --to-kmh {to_kmh}");
+        let options = format!("--from-kmh {} --to-kmh {}", number(from_kmh), number(to_kmh));
         return Err(CommandError::option(options, "0 < from < to <= 600"));
     }
     if !(threshold_mm > 0.0 && threshold_mm < 100.0) {
-        let option = format!("--threshold-mm {threshold_mm}");
+        let option = format!("--threshold-mm {}", number(threshold_mm));
         return Err(CommandError::option(option, "more than 0 and less than 100"));
     }
     if let Some(stroke) = args.stroke_mm.iter().find(|mm| !(1e-3..=500.0).contains(*mm)) {
         let expected = "0.001 to 500: at zero stroke a damper with clearance has no force";
-        return Err(CommandError::option(format!("--stroke-mm {stroke}"), expected));
+        return Err(CommandError::option(format!("--stroke-mm {}", number(*stroke)), expected));
     }
     let linear = matches!(args.method, Method::Linear | Method::Both);
     if !(linear || args.stroke_mm.is_empty()) {

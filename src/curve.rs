@@ -3,6 +3,7 @@
 use crate::error::CommandError;
 use crate::study::{self, StudyArgs};
 use clap::Args;
+use files::number;
 use std::process::ExitCode;
 use vehicle_studies::curve::Procedure;
 
@@ -22,7 +23,7 @@ pub(crate) struct CurveArgs {
 /// Bad input, before anything is written; points of another study; a disk that fails.
 pub(crate) fn command(args: &CurveArgs) -> Result<ExitCode, CommandError> {
     if !(args.k1 > 0.0 && args.k1 <= 1.0) {
-        let option = format!("--k1 {}", args.k1);
+        let option = format!("--k1 {}", number(args.k1));
         return Err(CommandError::option(option, "more than 0 and at most 1"));
     }
     study::command(&args.study, Procedure { seeds: args.study.seeds()?, k1: args.k1 })

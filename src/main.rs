@@ -109,13 +109,28 @@ fn main() -> ExitCode {
             return ExitCode::from(exit::BAD_INPUT);
         }
         // Help or version, on standard output.
-        Err(help) => help.exit(),
+        Err(help) => return show_help(&help),
     };
     match run(&cli.command) {
         Ok(code) => code,
         Err(why) => {
             output::complain(&why.to_string());
             ExitCode::from(why.exit_code())
+        }
+    }
+}
+
+/// Prints help or version.
+fn show_help(help: &clap::Error) -> ExitCode {
+    if help.use_stderr() {
+        let _ = help.print();
+        return ExitCode::from(exit::BAD_INPUT);
+    }
+    match output::print(&help.render().to_string()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            output::complain(&why.to_string());
+            ExitCode::from(exit::FAILED)
         }
     }
 }

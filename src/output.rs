@@ -30,6 +30,13 @@ pub(crate) fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
+/// Prints what is unusual about an input on standard error.
+pub(crate) fn warn(warnings: &[String]) {
+    for warning in warnings {
+        let _ = writeln!(io::stderr(), "warning: {warning}");
+    }
+}
+
 /// Prints an error on standard error. Where nothing takes it, the exit code still says it.
 pub(crate) fn complain(error: &str) {
     let _ = writeln!(io::stderr(), "error: {error}");

@@ -2,7 +2,7 @@
 
 use crate::error::CommandError;
 use crate::exit::INTERRUPTED;
-use crate::output::print;
+use crate::output::{print, warn};
 use crate::{progress, stop, validation};
 use clap::Args;
 use evidence::EvidenceError;
@@ -10,7 +10,8 @@ use evidence::reproduce::Locomotive;
 use evidence::reproduce::{Basis, FIGURES, Recipe, named, page, text};
 use evidence::reproduce::{Calibrated, UNKNOWNS, calibrate};
 use evidence::reproduce::{Figure, Row};
-use files::{Identity, ResultFolder};
+use files::{Identity, ResultFolder, did_you_mean};
+use scenario::run::{Overrides, Run};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -75,10 +76,12 @@ pub(crate) fn command(args: &ReproduceArgs) -> Result<ExitCode, CommandError> {
     if recipes.is_empty() {
         let known: Vec<&str> = FIGURES.iter().map(|recipe| recipe.number).collect();
         let given = args.figure.as_deref().unwrap_or_default();
-        let expected = format!("one of {}", known.join(", "));
+        let similar = did_you_mean(given, known.iter().copied());
+        let expected = format!("one of {}{similar}", known.join(", "));
         return Err(CommandError::option(format!("--figure {given}"), expected));
     }
     let locomotive = Locomotive::load(&args.scenario, &[])?;
+    warn(&Run::load(&args.scenario, Overrides::default())?.warnings);
     let [from_kmh, to_kmh] = SPEEDS_KMH;
     let seeds = (1..=args.seeds).collect();
     let procedure = Procedure { from_kmh, to_kmh, seeds, ..Procedure::default() };

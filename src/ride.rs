@@ -3,6 +3,7 @@
 use crate::error::CommandError;
 use crate::study::{self, StudyArgs};
 use clap::{Args, ValueEnum};
+use files::number;
 use std::process::ExitCode;
 use vehicle_studies::ride::Kind;
 use vehicle_studies::ride::Procedure;
@@ -49,13 +50,13 @@ fn procedure(args: &RideArgs) -> Result<Procedure, CommandError> {
     let RideArgs { section_s, run_in_s, floor_m, .. } = *args;
     if !(WINDOW_1985_S..=3600.0).contains(&section_s) {
         let expected = format!("{WINDOW_1985_S} (one window of the index) to 3600");
-        return Err(CommandError::option(format!("--section-s {section_s}"), expected));
+        return Err(CommandError::option(format!("--section-s {}", number(section_s)), expected));
     }
     if !(0.0..=600.0).contains(&run_in_s) {
-        return Err(CommandError::option(format!("--run-in-s {run_in_s}"), "0 to 600"));
+        return Err(CommandError::option(format!("--run-in-s {}", number(run_in_s)), "0 to 600"));
     }
     if !(0.0..=6.0).contains(&floor_m) {
-        return Err(CommandError::option(format!("--floor-m {floor_m}"), "0 to 6"));
+        return Err(CommandError::option(format!("--floor-m {}", number(floor_m)), "0 to 6"));
     }
     Ok(Procedure {
         kind: match args.grades {

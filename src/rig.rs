@@ -3,7 +3,7 @@
 use crate::bench_options::{RealtimeArgs, WireArgs};
 use crate::error::CommandError;
 use crate::exit::{INTERRUPTED, SAFE_STATE};
-use crate::output::print;
+use crate::output::{print, warn};
 use crate::stop;
 use can_protocol::Node;
 use clap::Args;
@@ -52,6 +52,7 @@ pub(crate) fn command(args: &RigArgs) -> Result<ExitCode, CommandError> {
         Some(path) => scenario::rig::RigFile::load(path)?,
         None => scenario::rig::RigFile::default_setup()?,
     };
+    warn(&setup.warnings());
     let stop = stop::flag();
     let options =
         Options { exit_after_run: args.exit_after_run, realtime: args.realtime.options() };

@@ -9,7 +9,8 @@ use crate::value::number;
 use clap::{Args, ValueEnum};
 use hil_host::bus::BusChoice;
 use hil_host::control::End;
-use hil_host::{PaceChoice, RunOptions, Summary, run};
+use hil_host::{DamperSummary, PaceChoice, RunOptions, Summary, run};
+use report::{Cell, Table};
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::PathBuf;
@@ -124,6 +125,31 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     })
 }
 
+/// The forces, strokes and work of every damper.
+fn damper_table(dampers: &[DamperSummary]) -> Table {
+    let table = Table::new("")
+        .text("damper")
+        .text("is")
+        .fixed("min", "kN", 2)
+        .fixed("max", "kN", 2)
+        .fixed("rms", "kN", 2)
+        .fixed("stroke", "mm", 2)
+        .fixed("PSD", "Hz", 2)
+        .fixed("work", "J/s", 1);
+    table.rows(dampers.iter().map(|damper| -> [Cell; 8] {
+        [
+            damper.name.as_str().into(),
+            damper.place.as_str().into(),
+            (damper.force_n.min * 1e-3).into(),
+            (damper.force_n.max * 1e-3).into(),
+            (damper.force_n.rms * 1e-3).into(),
+            damper.stroke_m.mean_peak.map(|peak_m| peak_m * 1e3).into(),
+            damper.frequency_psd_peak_hz.into(),
+            damper.work_per_s_j.into(),
+        ]
+    }))
+}
+
 fn summary_lines(summary: &Summary) -> Vec<String> {
     let mut lines = Vec::new();
     lines.push(summary.title.clone());
@@ -140,22 +166,8 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
         summary.cycle_time_us.max,
         summary.overruns,
     ));
-    lines.push(format!(
-        "{:<12} {:<9} {:>9} {:>9} {:>9} {:>10} {:>8} {:>9}",
-        "damper", "is", "min kN", "max kN", "rms kN", "stroke mm", "PSD Hz", "work J/s"
-    ));
-    for damper in &summary.damper {
-        lines.push(format!(
-            "{:<12} {:<9} {:>9.2} {:>9.2} {:>9.2} {:>10.2} {:>8} {:>9.1}",
-            damper.name,
-            damper.place,
-            damper.force_n.min * 1e-3,
-            damper.force_n.max * 1e-3,
-            damper.force_n.rms * 1e-3,
-            damper.stroke_m.mean_peak.unwrap_or(0.0) * 1e3,
-            damper.frequency_psd_peak_hz.map_or("-".to_owned(), |hz| format!("{hz:.2}")),
-            damper.work_per_s_j,
-        ));
+    if !summary.damper.is_empty() {
+        lines.extend(damper_table(&summary.damper).lines());
     }
     let bodies = [
         ("carbody", summary.accelerations.carbody),

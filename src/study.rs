@@ -6,7 +6,7 @@
 
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
-use crate::output::print;
+use crate::output::{print, warn};
 use crate::{output, progress, stop};
 use clap::Args;
 use files::{Identity, ResultFolder};
@@ -19,6 +19,9 @@ use std::process::ExitCode;
 use vehicle_studies::GridPoint;
 use vehicle_studies::grid::{Axis, Grid};
 use vehicle_studies::study::{Study, Varied, VariedStudy};
+
+/// Most points that one command computes: a point takes seconds.
+const POINTS_MAX: usize = 20_000;
 
 /// The options of every study of a vehicle.
 #[derive(Debug, Args)]
@@ -33,7 +36,7 @@ pub(crate) struct StudyArgs {
     #[arg(long, value_name = "N", default_value_t = 5)]
     seeds: u64,
     /// The part of the points to compute, such as 1/4.
-    #[arg(long, value_name = "I/N")]
+    #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
     shard: Option<Shard>,
     /// Compute nothing: make the answer from points that shards have computed.
     #[arg(long, value_name = "JSONL", num_args = 1.., conflicts_with = "shard")]
@@ -81,9 +84,14 @@ struct StudyFile<'a, P, A> {
 /// study runs; a disk that fails.
 pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> Result<ExitCode, CommandError> {
     let grid = Grid::new(args.vary.clone())?;
+    let shard = args.shard.unwrap_or(Shard::WHOLE);
+    if args.merge.is_empty() {
+        check_size(&grid, shard, args.seeds)?;
+    }
     let varied = Varied { scenario: args.scenario.clone(), grid };
     let asked = VariedStudy { varied, study };
     let identity = asked.identity()?;
+    let run = Run::load(&args.scenario, Overrides { duration_s: Some(1.0), speed_kmh: None })?;
     let name = format!("{}-{}", output::stem(&args.scenario), S::NAME);
     let (mut folder, changed) =
         ResultFolder::for_identity(args.out.as_deref(), &name, S::NAME, &identity)?;
@@ -91,12 +99,14 @@ pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> Result<ExitCode, 
     if !args.merge.is_empty() {
         let points = merged(args, &asked, &identity)?;
         note(changed);
+        warn(&run.warnings);
         folder.create()?;
-        return finish(args, &asked.study, &folder, &points);
+        return finish(args, &asked.study, &run, &folder, &points);
     }
     note(changed);
+    warn(&run.warnings);
     folder.create()?;
-    let computed = compute(&asked, &identity, args.shard.unwrap_or(Shard::WHOLE), &folder)?;
+    let computed = compute(&asked, &identity, shard, &folder)?;
     output::note_cut_off(&computed, "point");
     if computed.is_stopped() {
         let Computed { path, done, of, .. } = computed;
@@ -107,7 +117,21 @@ pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> Result<ExitCode, 
         return Ok(ExitCode::from(INTERRUPTED));
     }
     let points = shards::merge(&[computed.path], Some(&identity))?;
-    finish(args, &asked.study, &folder, &points)
+    finish(args, &asked.study, &run, &folder, &points)
+}
+
+/// Refuses more points than one command computes in a reasonable time.
+fn check_size(grid: &Grid, shard: Shard, seeds: u64) -> Result<(), CommandError> {
+    let points = grid.len().div_ceil(shard.of);
+    if points <= POINTS_MAX {
+        return Ok(());
+    }
+    let shards = grid.len().div_ceil(POINTS_MAX);
+    let tracks = if seeds == 1 { "1 track".to_owned() } else { format!("{seeds} tracks") };
+    Err(CommandError::option(
+        format!("--vary: {points} points of {tracks} each"),
+        format!("at most {POINTS_MAX} in one command; --shard 1/{shards} computes a part of them"),
+    ))
 }
 
 /// Says why another folder than the usual one is used.
@@ -160,6 +184,7 @@ fn compute<S: Study>(
 fn finish<S: Study>(
     args: &StudyArgs,
     study: &S,
+    run: &Run,
     folder: &ResultFolder,
     points: &[GridPoint<S::Answer>],
 ) -> Result<ExitCode, CommandError> {
@@ -167,7 +192,6 @@ fn finish<S: Study>(
     let scenario = args.scenario.display().to_string();
     let file = StudyFile { format: 1, scenario, procedure: study, points: &lasting };
     let json = format!("{}\n", serde_json::to_string_pretty(&file)?);
-    let run = Run::load(&args.scenario, Overrides { duration_s: Some(1.0), speed_kmh: None })?;
     let titled = Report::new(&run.title);
     let titled = run.about.iter().fold(titled, |report, line| report.fact("vehicle", line));
     let html = study.page(&lasting, titled).to_html()?;

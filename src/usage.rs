@@ -45,7 +45,11 @@ pub(crate) fn one_line(error: &clap::Error, command: Option<&str>) -> String {
         }),
         ErrorKind::ValueValidation => argument.map(|argument| {
             let value = text(ContextKind::InvalidValue).unwrap_or_default();
-            format!("{} {}: {}", option(&argument), quoted(&value), reason(error, &value))
+            let (option, reason) = (option(&argument), reason(error, &value));
+            if value.is_empty() {
+                return format!("{option}: found an empty value, {reason}");
+            }
+            format!("{option} {}: {reason}", quoted(&value))
         }),
         ErrorKind::TooManyValues => argument.map(|argument| {
             let value = text(ContextKind::InvalidValue).unwrap_or_default();

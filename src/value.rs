@@ -8,6 +8,13 @@ pub(crate) struct ValueError {
     expected: String,
 }
 
+impl ValueError {
+    /// The error of a value, by what was expected instead.
+    pub(crate) const fn new(expected: String) -> Self {
+        Self { expected }
+    }
+}
+
 impl fmt::Display for ValueError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "expected {}", self.expected)

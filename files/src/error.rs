@@ -12,6 +12,9 @@ pub enum FolderError {
     NoPlace(PathBuf, io::Error),
     /// It holds a result: folder, of which command.
     Holds(PathBuf, String),
+    /// It holds the result of another kind of command, which is never replaced: folder, the kind
+    /// found, the kind expected.
+    OtherCommand(PathBuf, String, &'static str),
     /// It holds the result of another question: folder, name found, name expected, what differs.
     Other(PathBuf, String, String, Vec<String>),
     /// A file is in the way that the program did not write.
@@ -37,6 +40,13 @@ impl fmt::Display for FolderError {
                 "--out {}: holds a result of `{}`, expected a new folder; --overwrite replaces it",
                 quoted(&shown(path)),
                 quoted(command)
+            ),
+            Self::OtherCommand(path, found, expected) => write!(
+                f,
+                "--out {}: holds a result of `{}`, expected one of `{expected}` or a new folder; \
+                 --overwrite replaces results of the same command only",
+                quoted(&shown(path)),
+                quoted(found)
             ),
             Self::Other(path, found, expected, changes) => write!(
                 f,
@@ -67,6 +77,7 @@ impl FolderError {
         match self {
             Self::NoPlace(..)
             | Self::Holds(..)
+            | Self::OtherCommand(..)
             | Self::Other(..)
             | Self::Occupied(..)
             | Self::IsInput(..)

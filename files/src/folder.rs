@@ -30,7 +30,8 @@ impl ResultFolder {
     /// made.
     ///
     /// # Errors
-    /// [`FolderError::Holds`] where `given` holds a result and `overwrite` is false.
+    /// [`FolderError::Holds`] where `given` holds a result and `overwrite` is false;
+    /// [`FolderError::OtherCommand`] where it holds that of another command.
     pub fn fresh(
         given: Option<&Path>,
         name: &str,
@@ -39,10 +40,13 @@ impl ResultFolder {
     ) -> Result<Self, FolderError> {
         let by_default = given.is_none();
         let path = given.map_or_else(|| free(name, 1), Path::to_owned);
-        if let Some(held) = Manifest::of(&path)?
-            && !overwrite
-        {
-            return Err(FolderError::Holds(path, held.command));
+        if let Some(held) = Manifest::of(&path)? {
+            if held.command != command {
+                return Err(FolderError::OtherCommand(path, held.command, command));
+            }
+            if !overwrite {
+                return Err(FolderError::Holds(path, held.command));
+            }
         }
         Ok(Self { path, command, identity: None, overwrite, by_default })
     }
@@ -198,7 +202,7 @@ impl ResultFolder {
             Some(held) if self.identity.is_some() && held.identity == self.identity => {
                 return Ok(());
             }
-            Some(held) if self.overwrite => self.remove(&held)?,
+            Some(held) if self.overwrite && held.command == self.command => self.remove(&held)?,
             Some(held) => return Err(FolderError::Holds(self.path.clone(), held.command)),
             None if self.file(manifest::NAME).symlink_metadata().is_ok() => {
                 return Err(FolderError::Occupied(self.file(manifest::NAME)));

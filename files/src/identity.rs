@@ -98,12 +98,32 @@ fn differences(key: &str, before: &Value, now: &Value, changes: &mut Vec<String>
             changes.push(format!("{}, which is gone", below(name)));
         }
     } else if before != now {
-        let (before, now) = (before.to_string(), now.to_string());
         let name = if key.is_empty() { "the question" } else { key };
-        changes.push(match before.len().max(now.len()) {
-            0..=60 => format!("{name}: {now}, before {before}"),
+        changes.push(match (in_words(before), in_words(now)) {
+            (Some(before), Some(now)) if before.len().max(now.len()) <= 60 => {
+                format!("{name}: {now}, before {before}")
+            }
             _ => name.to_owned(),
         });
+    }
+}
+
+/// A value as a sentence takes it; none where it is nested.
+fn in_words(value: &Value) -> Option<String> {
+    match value {
+        Value::Null => Some("none".to_owned()),
+        Value::Array(list) if list.is_empty() => Some("none".to_owned()),
+        Value::Array(list) => {
+            let plain = list.iter().all(|value| !(value.is_array() || value.is_object()));
+            plain.then(|| list.iter().filter_map(in_words).collect::<Vec<_>>().join(", "))
+        }
+        Value::Object(_) => None,
+        Value::String(text) => Some(format!("\"{}\"", crate::quoted(text))),
+        Value::Number(number) => {
+            let short = number.as_f64().map(|value| crate::number(value).to_string());
+            Some(if number.is_f64() { short? } else { number.to_string() })
+        }
+        Value::Bool(_) => Some(value.to_string()),
     }
 }
 
@@ -124,6 +144,23 @@ mod tests {
             other.changes(&first),
             ["seeds: 3, before 5", "the content of the wheel profile", "the program's own sources"]
         );
+    }
+
+    #[test]
+    fn changes_are_words_and_not_json() {
+        let of = |question: &Value| Identity::new(question, BTreeMap::new(), "").unwrap();
+        let first = of(&json!({"axes": [], "seeds": [1, 2], "k1": null, "method": "fold"}));
+        let other = of(&json!({"axes": [{"key": "a"}], "seeds": [1], "k1": 0.85, "method": "all"}));
+        assert_eq!(
+            other.changes(&first),
+            [
+                "axes",
+                "k1: 0.85, before none",
+                "method: \"all\", before \"fold\"",
+                "seeds: 1, before 1, 2"
+            ]
+        );
+        assert_eq!(first.changes(&other)[0], "axes");
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 use crate::kind;
 use crate::quote::quoted;
+use crate::suggestion;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read, Seek};
@@ -102,8 +103,15 @@ impl std::error::Error for InputError {}
 pub fn open(path: &Path, limit: Limit) -> Result<File, InputError> {
     let unreadable = |why: io::Error| InputError::Unreadable(path.to_owned(), why.to_string());
     // Opening a named pipe waits for its other end without this flag.
-    let file =
-        File::options().read(true).custom_flags(libc::O_NONBLOCK).open(path).map_err(unreadable)?;
+    let file = File::options().read(true).custom_flags(libc::O_NONBLOCK).open(path);
+    let file = file.map_err(|why| match why.kind() {
+        io::ErrorKind::NotFound => absent(path, &why),
+        // A socket cannot be opened at all.
+        _ if path.metadata().is_ok_and(|about| about.file_type().is_socket()) => {
+            InputError::NotAFile(path.to_owned(), "a socket")
+        }
+        _ => unreadable(why),
+    })?;
     let about = file.metadata().map_err(unreadable)?;
     let kind = about.file_type();
     let what = match () {
@@ -120,6 +128,14 @@ pub fn open(path: &Path, limit: Limit) -> Result<File, InputError> {
         return Err(InputError::TooLarge(path.to_owned(), about.len(), limit.bytes()));
     }
     Ok(file)
+}
+
+/// A file that is not there, with the name that was probably meant.
+fn absent(path: &Path, why: &io::Error) -> InputError {
+    let similar = suggestion::file_like(path).map(|file| file.display().to_string());
+    let similar =
+        similar.map_or(String::new(), |file| format!("; did you mean {}?", quoted(&file)));
+    InputError::Unreadable(path.to_owned(), format!("{why}{similar}"))
 }
 
 /// The bytes of a file that should hold text in any encoding.
@@ -189,7 +205,27 @@ mod tests {
         assert_eq!(said(&pipe), "found a named pipe, expected a file");
         assert_eq!(said(Path::new("/dev/zero")), "found a device, expected a file");
         assert_eq!(said(&folder), "found a folder, expected a file");
+        let socket = folder.join("socket");
+        let _bound = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        assert_eq!(said(&socket), "found a socket, expected a file");
         assert!(said(&folder.join("none")).starts_with("cannot be read: No such file"));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_similar_name_is_suggested_for_an_absent_file() {
+        let folder = folder("similar");
+        for name in ["coach-80kmh.toml", "notes.txt"] {
+            std::fs::write(folder.join(name), "").unwrap();
+        }
+        let said = |name: &str| read_text(&folder.join(name), Limit::Text).unwrap_err().reason();
+        let expected = format!("; did you mean {}?", folder.join("coach-80kmh.toml").display());
+        assert!(said("coach-80kmh.tml").ends_with(&expected));
+        assert!(said("caoch-80kmh.toml").ends_with(&expected));
+        assert!(said("coach-80kmh").ends_with(&expected));
+        for other in ["xyz.toml", "tone", "none/notes.txt"] {
+            assert!(said(other).ends_with("(os error 2)"), "{other}");
+        }
         std::fs::remove_dir_all(&folder).unwrap();
     }
 

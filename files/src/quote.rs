@@ -3,6 +3,7 @@
 //! A cell of a CSV file can hold a terminal sequence or a megabyte. Neither may reach the terminal
 //! as it is.
 
+use crate::expectation::in_plain_words;
 use std::fmt::{self, Write as _};
 
 /// Longest quotation, in characters.
@@ -48,14 +49,15 @@ pub fn acts(shown: char) -> bool {
 }
 
 /// A message of another library about a file: every part of it in back quotes or double quotes is a
-/// quotation, and so is what a quote that never closes leaves; line ends become blanks.
+/// quotation, and so is what a quote that never closes leaves; line ends become blanks. Names of
+/// Rust types are replaced by plain words ([`expectation`](crate::expectation)).
 ///
 /// ```
 /// let said = format!("unknown field `{}`, expected `a`", "x".repeat(300));
 /// assert!(files::quote::message(&said).ends_with("… (300 characters)`, expected `a`"));
 /// ```
 pub fn message(said: &str) -> String {
-    let line = said.trim().replace(['\n', '\r'], " ");
+    let line = in_plain_words(&said.trim().replace(['\n', '\r'], " "));
     let mut shown = String::new();
     let mut rest = line.as_str();
     while let Some(open) = rest.find(['`', '"']) {

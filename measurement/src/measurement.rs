@@ -1,7 +1,7 @@
 //! A test on a uniform clock: its signals, and parts of it.
 
-use crate::{interpolant, smoothing};
 use crate::sign::Agreement;
+use crate::{interpolant, smoothing};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

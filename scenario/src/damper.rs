@@ -19,7 +19,7 @@ use crate::inputs::Inputs;
 use crate::kind::Kind;
 use crate::quantity::{Provenance, Quantity};
 use crate::source::Source;
-use files::quoted;
+use files::{did_you_mean, quoted};
 use firmware_core::damper::effects::{CATALOGUE, Effect};
 use firmware_core::damper::{Damper, Nominal};
 use serde::de::{Error as _, MapAccess, Visitor};
@@ -314,9 +314,10 @@ impl EffectFile {
         let Some(info) = CATALOGUE.iter().find(|info| info.name == self.name) else {
             let known: Vec<&str> = CATALOGUE.iter().map(|info| info.name).collect();
             return Err(source.whole_error(format!(
-                "effect \"{}\" is not known, expected one of {}",
+                "effect \"{}\" is not known, expected one of {}{}",
                 quoted(&self.name),
-                known.join(", ")
+                known.join(", "),
+                did_you_mean(&self.name, known.iter().copied())
             )));
         };
         let mut values = Vec::new();
@@ -341,10 +342,11 @@ impl EffectFile {
             return Err(value.error(
                 source,
                 format!(
-                    "effect \"{}\": unknown key `{}`, expected {}",
+                    "effect \"{}\": unknown key `{}`, expected {}{}",
                     self.name,
                     quoted(extra),
-                    known.join(", ")
+                    known.join(", "),
+                    did_you_mean(extra, known.iter().copied())
                 ),
             ));
         }

@@ -2,7 +2,7 @@
 
 use crate::equilibrium::NoEquilibrium;
 use crate::kind::Kind;
-use files::{InputError, quoted};
+use files::{InputError, did_you_mean, number, quoted};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -206,10 +206,10 @@ impl fmt::Display for ScenarioError {
                 write!(f, "{at}found {found}, expected {expected} ({message})")
             }
             Self::Value { at, key, found, expected } => {
-                write!(f, "{at}{key} = {found}, expected {expected}")
+                write!(f, "{at}{key} = {}, expected {expected}", number(*found))
             }
             Self::Option { option, found, expected } => {
-                write!(f, "{option} {found}: expected {expected}")
+                write!(f, "{option} {}: expected {expected}", number(*found))
             }
             Self::Setting { file, key, why } => {
                 write!(f, "{}: cannot set `{}`: {why}", shown(file), quoted(key))
@@ -225,6 +225,7 @@ impl fmt::Display for ScenarioError {
                 if let Some(file) = file {
                     write!(f, "{}: ", shown(file))?;
                 }
+                let [found, lowest, highest] = [found, lowest, highest].map(|value| number(*value));
                 write!(f, "{name} is {found}, must be within {lowest} and {highest}")
             }
             Self::Equilibrium { file, part, error } => {
@@ -277,10 +278,11 @@ impl fmt::Display for SettingError {
                 write!(f, "{} is a list, expected a name or a number behind it", quoted(name))
             }
             Self::Absent(list, name, known) => {
+                let similar = did_you_mean(name, known.iter().map(String::as_str));
                 let known: Vec<String> =
                     known.iter().map(|name| quoted(name).to_string()).collect();
                 let (list, name, known) = (quoted(list), quoted(name), known.join(", "));
-                write!(f, "{list} has no \"{name}\", expected one of {known}, or *")
+                write!(f, "{list} has no \"{name}\", expected one of {known}, or *{similar}")
             }
             Self::Unwritable(message) => f.write_str(message),
         }

@@ -17,7 +17,7 @@ use crate::inputs::Inputs;
 use crate::quantity::Quantity;
 use crate::source::{self, Source};
 use files::quote::message;
-use files::{Limit, quoted};
+use files::{Limit, did_you_mean, number, quoted};
 use firmware_core::track::IrregularitySample;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -264,18 +264,21 @@ fn covers(path: &Path, samples: &Samples, from_m: f64, to_m: f64) -> Result<(), 
     let fail = |message: String| Err(ScenarioError::mismatch(path, message));
     if samples.first_m > from_m || last_m < to_m {
         return fail(format!(
-            "covers {} to {last_m} m, but the run needs {from_m} to {to_m:.0} m",
-            samples.first_m
+            "covers {} to {} m, but the run needs {} to {to_m:.0} m",
+            number(samples.first_m),
+            number(last_m),
+            number(from_m)
         ));
     }
     if samples.step_m > 1.0 {
-        return fail(format!("steps of {} m, expected at most 1 m", samples.step_m));
+        return fail(format!("steps of {} m, expected at most 1 m", number(samples.step_m)));
     }
     let largest = samples.samples.iter().fold(0.0, |most: f64, sample| {
         let sizes = [sample.vertical_m, sample.alignment_m, sample.cross_level_m, sample.gauge_m];
         sizes.iter().fold(most, |most, size| most.max(size.abs()))
     });
     if largest > 0.2 {
+        let largest = number(largest);
         return fail(format!("a value of {largest} m, expected at most 0.2 m: are these metres?"));
     }
     Ok(())
@@ -299,7 +302,12 @@ fn read_csv(path: &Path, inputs: &mut Inputs) -> Result<Samples, ScenarioError> 
     if let Some(unknown) = headers.iter().find(|name| !known.contains(name)) {
         return Err(fail(
             Some(1),
-            format!("unknown column `{}`, expected {}", quoted(unknown), known.join(", ")),
+            format!(
+                "unknown column `{}`, expected {}{}",
+                quoted(unknown),
+                known.join(", "),
+                did_you_mean(unknown, known)
+            ),
         ));
     }
     let column = |name: &str| headers.iter().position(|header| header == name);
@@ -350,7 +358,10 @@ fn read_csv(path: &Path, inputs: &mut Inputs) -> Result<Samples, ScenarioError> 
             return Err(fail(
                 *line,
                 format!(
-                    "column `distance_m`: found {place}, expected {expected} (even steps of {step_m} m)"
+                    "column `distance_m`: found {}, expected {} (even steps of {} m)",
+                    number(*place),
+                    number(expected),
+                    number(step_m)
                 ),
             ));
         }

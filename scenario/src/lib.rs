@@ -13,7 +13,8 @@
 //!
 //! What is computed from them: wheel and rail [`profile`]s become the contact table of the step
 //! ([`contact_geometry`], [`conicity`]), [`equilibrium`] is the steady motion, [`minimum_speed`]
-//! the speed below which the substeps are too coarse, [`typical`] what is unusual about a damper.
+//! the speed below which the substeps are too coarse. `typical` has the usual ranges of dampers and
+//! vehicles, for [`run::Run::warnings`].
 //!
 //! Files are read through [`source`], with the limits of the crate `files`; `Run::inputs` holds the
 //! hash of each, by its role. [`ScenarioError`] is the one error: a line with file, line, key, what
@@ -47,7 +48,7 @@ mod slot;
 pub mod source;
 mod title;
 pub mod track;
-pub mod typical;
+mod typical;
 pub mod vehicle;
 pub mod watch;
 pub mod wheel_rail;

@@ -7,6 +7,7 @@
 
 use crate::error::ScenarioError;
 use crate::source::Source;
+use files::number;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -63,6 +64,42 @@ impl Quantity {
     #[must_use]
     pub fn with_provenance(self, provenance: Provenance, note: Option<String>) -> Self {
         Self { provenance: Some(provenance), note, ..self }
+    }
+
+    /// The value, if a vehicle can have it: above zero and within two bounds far beyond any.
+    ///
+    /// A number outside them overflows in the equations, where nothing would name it.
+    pub(crate) fn positive_within(
+        &self,
+        source: &Source,
+        key: &str,
+        lower: f64,
+        upper: f64,
+    ) -> Result<f64, ScenarioError> {
+        debug_assert!(0.0 < lower && lower < upper, "a range of positive numbers");
+        let expected = format!("a positive number from {} to {}", number(lower), number(upper));
+        self.within(source, key, lower, upper, &expected)
+    }
+
+    /// The value, if it is zero or more and at most `upper`.
+    pub(crate) fn up_to(
+        &self,
+        source: &Source,
+        key: &str,
+        upper: f64,
+    ) -> Result<f64, ScenarioError> {
+        self.within(source, key, 0.0, upper, &format!("zero or more and at most {}", number(upper)))
+    }
+
+    /// The value, if its size is at most `largest`.
+    pub(crate) fn sized(
+        &self,
+        source: &Source,
+        key: &str,
+        largest: f64,
+    ) -> Result<f64, ScenarioError> {
+        let bound = number(largest);
+        self.within(source, key, -largest, largest, &format!("a number from -{bound} to {bound}"))
     }
 
     /// The value, if it is finite and above zero.

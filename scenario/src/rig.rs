@@ -5,6 +5,7 @@ use crate::error::ScenarioError;
 use crate::kind::Kind;
 use crate::quantity::Quantity;
 use crate::source::Source;
+use crate::typical;
 use files::quoted;
 use firmware_core::damper::Damper;
 use serde::{Deserialize, Serialize};
@@ -71,6 +72,14 @@ const DISPLACEMENT_NOISE_M: f64 = 0.2e-6;
 
 /// Longest pure delay that a rig keeps (cycles).
 pub const DELAY_CYCLES_MAX: u16 = 64;
+
+impl RigSetup {
+    /// What is unusual about the numbers of its damper, one line each, for a command to print.
+    pub fn warnings(&self) -> Vec<String> {
+        let lines = typical::damper_warnings(&self.damper);
+        lines.into_iter().map(|line| format!("{}: {line}", self.name)).collect()
+    }
+}
 
 impl RigFile {
     /// Reads a rig file.

@@ -25,7 +25,7 @@ use crate::typical;
 use crate::vehicle::VehicleFile;
 use crate::wheel_rail::Contact;
 use files::quote::escaped;
-use files::quoted;
+use files::{number, quoted};
 use firmware_core::damper::Damper;
 use firmware_core::vehicle::Vehicle;
 use firmware_core::wheel_rail::table::ContactTable;
@@ -34,6 +34,9 @@ use std::path::Path;
 
 /// Substeps per cycle unless a scenario says otherwise: chosen by the convergence test.
 pub const SUBSTEPS: u32 = 4;
+
+/// Most substeps per cycle.
+const SUBSTEPS_MAX: u32 = 64;
 
 /// No wheel on rail has run faster (km/h).
 const SPEED_MAX_KMH: f64 = 600.0;
@@ -172,8 +175,9 @@ impl Run {
         // A short run keeps half of itself for its statistics.
         let run_in_s = run_in_s.min(0.5 * duration_s);
         let substeps = file.substeps.unwrap_or(SUBSTEPS);
-        if !(2..=64).contains(&substeps) {
-            return Err(source.whole_error(format!("substeps = {substeps}, expected 2 to 64")));
+        if !(2..=SUBSTEPS_MAX).contains(&substeps) {
+            let found = format!("substeps = {substeps}, expected 2 to {SUBSTEPS_MAX}");
+            return Err(source.whole_error(found));
         }
         let vehicle_source = Source::read(&source.sibling(&file.vehicle))?;
         inputs.note("vehicle", vehicle_source.content_hash());
@@ -219,7 +223,8 @@ impl Run {
             Some(title) => quoted(title).to_string(),
             None => title::title(&vehicle_name, file.speed_kmh.value, &slots, &rig.damper),
         };
-        let warnings = warnings(&slots, &rig.damper, compare.as_ref());
+        let mut warnings = warnings(&slots, &rig.damper, compare.as_ref());
+        warnings.extend(typical::vehicle_warnings(&vehicle_file));
         let body_names =
             vehicle_file.body.iter().map(|body| quoted(&body.name).to_string()).collect();
         file.run_in_s = Some(Quantity::plain(run_in_s));
@@ -320,9 +325,12 @@ impl RunFile {
         }
         let least = slowest(substeps);
         if speed_m_per_s < least {
-            let least_kmh = libm::ceil(least * 3.6);
-            let expected =
-                format!("at least {least_kmh:.0} at {substeps} substeps: creep grows stiff as 1/V");
+            let least_kmh = number(libm::ceil(least * 3.6));
+            let fine = (substeps + 1..=SUBSTEPS_MAX).find(|n| speed_m_per_s >= slowest(*n));
+            let advice = fine.map_or(String::new(), |n| format!("; substeps = {n} is enough"));
+            let expected = format!(
+                "at least {least_kmh} at {substeps} substeps: creep grows stiff as 1/V{advice}"
+            );
             return Err(self.speed_kmh.refused(source, "speed_kmh", expected));
         }
         Ok((speed_m_per_s, substeps))
@@ -338,10 +346,10 @@ fn warnings(slots: &[Slot], on_rig: &Damper, compare: Option<&CompareSetup>) -> 
     };
     for slot in slots {
         let lines = match &slot.force {
-            SlotForce::Modelled(damper) => typical::warnings(damper),
+            SlotForce::Modelled(damper) => typical::damper_warnings(damper),
             SlotForce::Rig { virtual_clearance_2a_m, .. } => {
                 let wear = typical::wear_warning(*virtual_clearance_2a_m);
-                typical::warnings(on_rig).into_iter().chain(wear).collect()
+                typical::damper_warnings(on_rig).into_iter().chain(wear).collect()
             }
         };
         for line in lines {
@@ -349,7 +357,7 @@ fn warnings(slots: &[Slot], on_rig: &Damper, compare: Option<&CompareSetup>) -> 
         }
     }
     if let Some(CompareSetup { name, damper, .. }) = compare {
-        for line in typical::warnings(damper) {
+        for line in typical::damper_warnings(damper) {
             note(line, name);
         }
     }

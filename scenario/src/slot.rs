@@ -6,7 +6,7 @@ use crate::run_file::{On, RunFile, SlotFile};
 use crate::source::Source;
 use crate::vehicle::VehicleFile;
 use crate::watch::WatchSetup;
-use files::quoted;
+use files::{did_you_mean, number, quoted};
 use firmware_core::damper::Damper;
 use firmware_core::vehicle::DAMPER_SLOTS;
 
@@ -52,7 +52,10 @@ pub(crate) fn slots(
     if let Some(unknown) = file.slot.iter().find(|slot| !places.contains(&slot.place.as_str())) {
         let expected = match places.as_slice() {
             [] => "expected none: the vehicle has no damper".to_owned(),
-            places => format!("expected one of {}", quoted(&places.join(", "))),
+            places => {
+                let similar = did_you_mean(&unknown.place, places.iter().copied());
+                format!("expected one of {}{similar}", quoted(&places.join(", ")))
+            }
         };
         let place = quoted(&unknown.place);
         return Err(
@@ -125,8 +128,10 @@ impl SlotFile {
                     return Err(given.error(
                         source,
                         format!(
-                            "stiffness_n_per_m = {stiffness}, expected at least twice the ke_n_per_m \
-                             of the rig's damper ({rig_ke_n_per_m}): softer wear needs a softer damper"
+                            "stiffness_n_per_m = {}, expected at least twice the ke_n_per_m of the \
+                             rig's damper ({}): softer wear needs a softer damper",
+                            number(stiffness),
+                            number(rig_ke_n_per_m)
                         ),
                     ));
                 }

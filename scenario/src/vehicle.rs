@@ -9,7 +9,7 @@ use crate::error::ScenarioError;
 use crate::quantity::Quantity;
 use crate::source::Source;
 use crate::wheel_rail::WheelRailFile;
-use files::quoted;
+use files::{did_you_mean, quoted};
 use firmware_core::vehicle::{
     Anchor, Axle, Body, BodyId, BumpStop, DamperMount, Suspension, Torsion, Vehicle,
 };
@@ -150,6 +150,18 @@ pub struct DamperSlotFile {
 /// Rounding of the heights and stations in a file (m).
 const AXLE_TOLERANCE_M: f64 = 1e-6;
 
+/// Masses that a body can have (kg). These bounds and the following lie far beyond any vehicle:
+/// they keep the equations from overflowing, and the message at the number that would do it.
+const MASS_KG: [f64; 2] = [1e-3, 1e7];
+/// Moments of inertia that a body can have (kg m2).
+const INERTIA_KG_M2: [f64; 2] = [1e-6, 1e12];
+/// Largest stiffness and damping, in any direction (N/m, N s/m, N m/rad, N m s/rad).
+const RATE_MAX: f64 = 1e15;
+/// Largest force of a bump stop (N).
+const FORCE_MAX_N: f64 = 1e12;
+/// Largest coordinate of a point on a vehicle (m).
+const LENGTH_MAX_M: f64 = 1e3;
+
 fn yes() -> bool {
     true
 }
@@ -161,7 +173,7 @@ impl VehicleFile {
     /// The first number, name or count that does not fit, with file and line.
     pub fn build(&self, source: &Source) -> Result<Vehicle, ScenarioError> {
         let mut vehicle = Vehicle::default();
-        let radius_m = self.wheel_rail.wheel_radius_m.positive(source, "wheel_radius_m")?;
+        let radius_m = self.wheel_rail.radius_m(source)?;
         for body in &self.body {
             let built = body.build(source, radius_m)?;
             push(&mut vehicle.bodies, built, source, "body")?;
@@ -182,8 +194,8 @@ impl VehicleFile {
             let at = find.body(second).station_m.value;
             let place = [
                 at,
-                slot.lateral_m.finite(source, "lateral_m")?,
-                slot.height_m.finite(source, "height_m")?,
+                slot.lateral_m.sized(source, "lateral_m", LENGTH_MAX_M)?,
+                slot.height_m.sized(source, "height_m", LENGTH_MAX_M)?,
             ];
             let mount = DamperMount {
                 first: find.anchor(first, place),
@@ -237,14 +249,16 @@ impl Finder<'_> {
         found.and_then(BodyId::new).ok_or_else(|| {
             let known: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
             self.source.whole_error(format!(
-                "body \"{}\" does not exist, expected track or one of {}",
+                "body \"{}\" does not exist, expected track or one of {}{}",
                 quoted(name),
-                quoted(&known.join(", "))
+                quoted(&known.join(", ")),
+                did_you_mean(name, known.iter().copied())
             ))
         })
     }
 
     fn body(&self, id: BodyId) -> &BodyFile {
+        debug_assert!(id.index() < self.bodies.len(), "a body that `id` has found");
         &self.bodies[id.index()]
     }
 
@@ -268,14 +282,7 @@ impl Finder<'_> {
         near: &Quantity,
         what: impl Fn() -> String,
     ) -> Result<(), ScenarioError> {
-        if anchor.body == BodyId::GROUND {
-            return Ok(());
-        }
-        let body = self.body(anchor.body);
-        let spins = body.free.as_ref().is_none_or(|free| free.contains(&Coordinate::Pitch));
-        if !body.wheelset || !spins {
-            return Ok(());
-        }
+        let Some(body) = self.spinning(anchor.body) else { return Ok(()) };
         let (ahead_m, above_m) = (anchor.point_m.x, -anchor.point_m.z);
         let (force, place, off_m) = if longitudinal && above_m.abs() > AXLE_TOLERANCE_M {
             ("longitudinal", "above", above_m)
@@ -293,6 +300,17 @@ impl Finder<'_> {
         Err(near.error(self.source, message))
     }
 
+    /// The body, if it is a wheelset that spins: its pitch angle is the sum of the deviations of
+    /// its spin.
+    fn spinning(&self, id: BodyId) -> Option<&BodyFile> {
+        if id == BodyId::GROUND {
+            return None;
+        }
+        let body = self.body(id);
+        let spins = body.free.as_ref().is_none_or(|free| free.contains(&Coordinate::Pitch));
+        (body.wheelset && spins).then_some(body)
+    }
+
     /// Optional quantities that may not be negative, zero where absent.
     fn three(
         &self,
@@ -302,7 +320,7 @@ impl Finder<'_> {
         let mut result = [0.0; 3];
         for ((slot, value), key) in result.iter_mut().zip(values).zip(keys) {
             if let Some(value) = value {
-                *slot = value.not_negative(self.source, key)?;
+                *slot = value.up_to(self.source, key, RATE_MAX)?;
             }
         }
         Ok(result)
@@ -311,7 +329,7 @@ impl Finder<'_> {
 
 impl BodyFile {
     fn build(&self, source: &Source, radius_m: f64) -> Result<Body, ScenarioError> {
-        let mass_kg = self.mass_kg.positive(source, "mass_kg")?;
+        let mass_kg = self.mass_kg.positive_within(source, "mass_kg", MASS_KG[0], MASS_KG[1])?;
         let mut inertia_kg_m2 = [0.0; 3];
         let given = [
             (&self.roll_inertia_kg_m2, "roll_inertia_kg_m2"),
@@ -320,7 +338,8 @@ impl BodyFile {
         ];
         for (slot, (value, key)) in inertia_kg_m2.iter_mut().zip(given) {
             if let Some(value) = value {
-                *slot = value.positive(source, key)?;
+                let [least, most] = INERTIA_KG_M2;
+                *slot = value.positive_within(source, key, least, most)?;
             }
         }
         let free = match &self.free {
@@ -337,8 +356,8 @@ impl BodyFile {
             mass_kg,
             inertia_kg_m2,
             free,
-            station_m: self.station_m.finite(source, "station_m")?,
-            height_m: self.height_m.finite(source, "height_m")?,
+            station_m: self.station_m.sized(source, "station_m", LENGTH_MAX_M)?,
+            height_m: self.height_m.sized(source, "height_m", LENGTH_MAX_M)?,
             rolling_radius_m: self.wheelset.then_some(radius_m),
         };
         for (axis, (value, key)) in given.into_iter().enumerate() {
@@ -377,15 +396,15 @@ impl SuspensionFile {
             ));
         }
         let first = find.id(&self.first)?;
-        let lateral = self.lateral_m.finite(source, "lateral_m")?;
-        let height = self.height_m.finite(source, "height_m")?;
+        let lateral = self.lateral_m.sized(source, "lateral_m", LENGTH_MAX_M)?;
+        let height = self.height_m.sized(source, "height_m", LENGTH_MAX_M)?;
         let sides: &[f64] = if self.both_sides && lateral != 0.0 { &[-1.0, 1.0] } else { &[1.0] };
         for (number, name) in self.second.iter().enumerate() {
             let second = find.id(name)?;
             let at = if second == BodyId::GROUND { first } else { second };
             let station = find.body(at).station_m.value;
             let play = self.play_y_m.get(number).or(self.play_y_m.first());
-            let play_y = play.map_or(Ok(0.0), |p| p.not_negative(source, "play_y_m"))?;
+            let play_y = play.map_or(Ok(0.0), |p| p.up_to(source, "play_y_m", LENGTH_MAX_M))?;
             for side in sides {
                 let place = [station, side * lateral, height];
                 let element = Suspension {
@@ -435,8 +454,22 @@ impl TorsionFile {
             ],
         )?;
         let first = find.id(&self.first)?;
+        let pitch = [&self.stiffness_pitch_n_m_per_rad, &self.damping_pitch_n_m_s_per_rad];
+        let pitch = pitch.into_iter().flatten().find(|given| given.value != 0.0);
         for name in &self.second {
             let second = find.id(name)?;
+            for id in [first, second] {
+                if let (Some(given), Some(body)) = (pitch, find.spinning(id)) {
+                    let message = format!(
+                        "torsion \"{}\" acts about the pitch axis of \"{}\", expected roll or yaw \
+                         alone: the wheelset spins about that axis, its spin adds up, and the torque \
+                         would brake it and make the wheel load drift",
+                        quoted(&self.name),
+                        quoted(&body.name),
+                    );
+                    return Err(given.error(find.source, message));
+                }
+            }
             let element = Torsion { first, second, stiffness_n_m_per_rad, damping_n_m_s_per_rad };
             push(&mut vehicle.torsions, element, find.source, "torsion")?;
         }
@@ -462,8 +495,8 @@ impl BumpStopFile {
         let mut last = (-1.0, 0.0);
         for (deflection, force) in self.deflection_m.iter().zip(&self.force_n) {
             let pair = (
-                deflection.not_negative(source, "deflection_m")?,
-                force.not_negative(source, "force_n")?,
+                deflection.up_to(source, "deflection_m", LENGTH_MAX_M)?,
+                force.up_to(source, "force_n", FORCE_MAX_N)?,
             );
             if pair.0 <= last.0 || pair.1 < last.1 || (last.0 < 0.0 && pair.1 != 0.0) {
                 return Err(deflection.error(
@@ -478,7 +511,7 @@ impl BumpStopFile {
             push(&mut characteristic, pair, source, "deflection_m")?;
         }
         let first = find.id(&self.first)?;
-        let height = self.height_m.finite(source, "height_m")?;
+        let height = self.height_m.sized(source, "height_m", LENGTH_MAX_M)?;
         for name in &self.second {
             let second = find.id(name)?;
             let place = [find.body(second).station_m.value, 0.0, height];

@@ -6,7 +6,7 @@ use crate::inputs::Inputs;
 use crate::profile::{self, Jm3Like, Part, Profile};
 use crate::quantity::Quantity;
 use crate::source::Source;
-use files::quoted;
+use files::{did_you_mean, quoted};
 use firmware_core::vehicle::RailSupport;
 use firmware_core::wheel_rail::creep::{ConicalPrescribed, CreepLaw, Fastsim};
 use firmware_core::wheel_rail::hertz::Material;
@@ -117,16 +117,36 @@ pub struct RailSupportFile {
     pub damping_z_n_s_per_m: Quantity,
 }
 
+/// Lengths of wheels and tracks that are computed, models of a few centimetres included (m).
+const LENGTH_M: [f64; 2] = [1e-3, 10.0];
+/// Masses, stiffnesses and damping of a rail (kg, N/m, N s/m), and forces (N): far beyond any, so
+/// that no equation overflows.
+const RAIL_MASS_KG: [f64; 2] = [1e-3, 1e6];
+const RATE: [f64; 2] = [1e-3, 1e15];
+const FORCE_N: [f64; 2] = [1e-6, 1e12];
+
 impl WheelRailFile {
+    /// The rolling radius of the wheels (m).
+    pub(crate) fn radius_m(&self, source: &Source) -> Result<f64, ScenarioError> {
+        let [least, most] = LENGTH_M;
+        self.wheel_radius_m.positive_within(source, "wheel_radius_m", least, most)
+    }
+
+    /// Half the distance between the tape circles (m).
+    fn half_tape_m(&self, source: &Source) -> Result<f64, ScenarioError> {
+        let [least, most] = LENGTH_M;
+        self.half_tape_spacing_m.positive_within(source, "half_tape_spacing_m", least, most)
+    }
+
     pub(crate) fn wheel(&self, source: &Source) -> Result<Wheel, ScenarioError> {
         let surface = match &self.surface {
             SurfaceFile::Profiles { .. } => Surface::Profiles,
             SurfaceFile::Conical { conicity, load_n, flange_gap_m, flange_n_per_m } => {
                 Surface::Conical(Conical {
-                    conicity: conicity.not_negative(source, "conicity")?,
-                    load_n: load_n.positive(source, "load_n")?,
+                    conicity: conicity.up_to(source, "conicity", 10.0)?,
+                    load_n: load_n.positive_within(source, "load_n", FORCE_N[0], FORCE_N[1])?,
                     flange_gap_m: flange_gap_m.positive(source, "flange_gap_m")?,
-                    flange_n_per_m: flange_n_per_m.not_negative(source, "flange_n_per_m")?,
+                    flange_n_per_m: flange_n_per_m.up_to(source, "flange_n_per_m", RATE[1])?,
                 })
             }
         };
@@ -139,8 +159,8 @@ impl WheelRailFile {
             ));
         }
         Ok(Wheel {
-            tape_m: self.half_tape_spacing_m.positive(source, "half_tape_spacing_m")?,
-            radius_m: self.wheel_radius_m.positive(source, "wheel_radius_m")?,
+            tape_m: self.half_tape_m(source)?,
+            radius_m: self.radius_m(source)?,
             friction: self.friction.within(source, "friction", 1e-3, 2.0, "0.001 to 2")?,
             material: Material::STEEL,
             surface,
@@ -155,16 +175,36 @@ impl WheelRailFile {
         let Some(rail) = &self.rail_support else { return Ok(None) };
         Ok(Some(RailSupport {
             mass_kg: [
-                rail.mass_y_kg.positive(source, "mass_y_kg")?,
-                rail.mass_z_kg.positive(source, "mass_z_kg")?,
+                rail.mass_y_kg.positive_within(
+                    source,
+                    "mass_y_kg",
+                    RAIL_MASS_KG[0],
+                    RAIL_MASS_KG[1],
+                )?,
+                rail.mass_z_kg.positive_within(
+                    source,
+                    "mass_z_kg",
+                    RAIL_MASS_KG[0],
+                    RAIL_MASS_KG[1],
+                )?,
             ],
             stiffness_n_per_m: [
-                rail.stiffness_y_n_per_m.positive(source, "stiffness_y_n_per_m")?,
-                rail.stiffness_z_n_per_m.positive(source, "stiffness_z_n_per_m")?,
+                rail.stiffness_y_n_per_m.positive_within(
+                    source,
+                    "stiffness_y_n_per_m",
+                    RATE[0],
+                    RATE[1],
+                )?,
+                rail.stiffness_z_n_per_m.positive_within(
+                    source,
+                    "stiffness_z_n_per_m",
+                    RATE[0],
+                    RATE[1],
+                )?,
             ],
             damping_n_s_per_m: [
-                rail.damping_y_n_s_per_m.not_negative(source, "damping_y_n_s_per_m")?,
-                rail.damping_z_n_s_per_m.not_negative(source, "damping_z_n_s_per_m")?,
+                rail.damping_y_n_s_per_m.up_to(source, "damping_y_n_s_per_m", RATE[1])?,
+                rail.damping_z_n_s_per_m.up_to(source, "damping_z_n_s_per_m", RATE[1])?,
             ],
         }))
     }
@@ -197,7 +237,7 @@ impl WheelRailFile {
         };
         let shape = jm3_like.as_ref().map_or(Ok(Jm3Like::default()), |file| file.shape(source))?;
         let tape_circle_m = tape_circle_m.positive(source, "tape_circle_m")?;
-        let half_tape_m = self.half_tape_spacing_m.positive(source, "half_tape_spacing_m")?;
+        let half_tape_m = self.half_tape_m(source)?;
         let placement = Placement {
             rail_cant: rail_cant.within(source, "rail_cant", 0.0, 0.1, "0 to 0.1")?,
             gauge_m: gauge_m.positive(source, "gauge_m")?,
@@ -218,7 +258,7 @@ impl WheelRailFile {
             "uic60" => profile::uic60(),
             path => from_csv(source, path, Part::Rail, inputs)?,
         };
-        let radius_m = self.wheel_radius_m.positive(source, "wheel_radius_m")?;
+        let radius_m = self.radius_m(source)?;
         let contact = Contact::new(&wheel, rail, placement, radius_m);
         contact.map(Some).map_err(|error| error.asked_by(source.path()))
     }
@@ -291,11 +331,12 @@ fn from_csv(
         Part::Wheel => ("wheel profile", "lma, s1002, jm3_like"),
         Part::Rail => ("rail profile", "cn60, uic60"),
     };
-    let path = source.sibling(path);
+    let (name, path) = (path, source.sibling(path));
     if !path.exists() {
         return Err(source.whole_error(format!(
-            "profile \"{}\" not found, expected {known} or a CSV file",
-            quoted(&path.display().to_string())
+            "profile \"{}\" not found, expected {known} or a CSV file{}",
+            quoted(&path.display().to_string()),
+            did_you_mean(name, known.split(", "))
         )));
     }
     let (profile, hash) = Profile::from_csv_hashed(&path, part)?;
@@ -321,7 +362,12 @@ impl CreepFile {
             }
             Self::ConicalPrescribed { shear_force_n, psi, phi } => {
                 CreepLaw::ConicalPrescribed(ConicalPrescribed {
-                    shear_force_n: shear_force_n.positive(source, "shear_force_n")?,
+                    shear_force_n: shear_force_n.positive_within(
+                        source,
+                        "shear_force_n",
+                        FORCE_N[0],
+                        FORCE_N[1],
+                    )?,
                     psi: psi.positive(source, "psi")?,
                     phi: phi.positive(source, "phi")?,
                 })

@@ -177,7 +177,7 @@ fn an_output_folder_that_cannot_be_created_is_bad_input() {
 }
 
 /// Command lines that are refused before anything is read, and the whole line that says so.
-const REFUSED: [(&[&str], &str); 26] = [
+const REFUSED: [(&[&str], &str); 36] = [
     (&["runn", "a.toml"], "runn: unknown command; did you mean run?"),
     (&["xyz"], "xyz: unknown command; `yawbench --help` lists the commands"),
     (&["--foo"], "--foo: unknown option"),
@@ -225,6 +225,35 @@ const REFUSED: [(&[&str], &str); 26] = [
     (&["simulate", "a.toml", "b.csv"], "--out <CSV> is missing"),
     (&["critical-speed", "a.toml", "--seeds", "x"], "--seeds x: expected a whole number"),
     (&["reproduce", "--seeds", "0"], "--seeds 0: expected 1 to 1000"),
+    (&["ride", "a.toml", "--floor-m", "1e300"], "--floor-m 1e300: expected 0 to 6"),
+    (&["curve", "a.toml", "--k1", "1e-300", "--seeds", "0"], "--seeds 0: expected 1 to 1000"),
+    (&["curve", "a.toml", "--k1", "1e300"], "--k1 1e300: expected more than 0 and at most 1"),
+    (
+        &["critical-speed", "a.toml", "--stroke-mm", "1,,2"],
+        "--stroke-mm: found an empty value, expected a number",
+    ),
+    (&["ride", "a.toml", "--shard", "-1/4"], "--shard -1/4: expected part/parts, such as 1/4"),
+    (
+        &["rig", "--bus", "memry"],
+        "--bus memry: expected memory or socketcan:INTERFACE; did you mean memory?",
+    ),
+    (
+        &["rig", "--bus", "soketcan:can1"],
+        "--bus soketcan:can1: expected memory or socketcan:INTERFACE; did you mean socketcan:can1?",
+    ),
+    (
+        &["characterise", "a.toml", "--tests", "shrt"],
+        "--tests shrt (cannot be read as a file): expected full, short or the file of a list; did you mean short?",
+    ),
+    (
+        &["ride", "a.toml", "--vary", "a=1,2", "--vary", "a=3"],
+        "`a` is varied twice, expected each key once",
+    ),
+    (
+        &["ride", "a.toml", "--vary", "a=1:2:1000000"],
+        "--vary: 1000000 points of 5 tracks each: expected at most 20000 in one command; --shard \
+         1/50 computes a part of them",
+    ),
 ];
 
 #[test]
@@ -238,6 +267,164 @@ fn a_wrong_command_line_is_answered_in_one_line() {
         assert!(result.stdout.is_empty(), "{args:?}: {:?}", result.stdout);
         assert_eq!(std::fs::read_dir(&place).unwrap().count(), 0, "{args:?} wrote something");
     }
+}
+
+#[test]
+fn too_many_points_are_counted() {
+    let axes = ["--vary", "a=1:2:1001", "--vary", "b=1:2:1000"];
+    let result = output(yawbench().args(["ride", "a.toml"]).args(axes));
+    assert_eq!(result.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&result.stderr);
+    has(&text, &["found 1001000 points of all keys together, expected at most 1000000"]);
+}
+
+#[test]
+fn numbers_of_any_size_are_short_in_a_message() {
+    let text = refused("tiny", GOOD, None, &["--speed-kmh", "1e-300"]);
+    has(&text, &["--speed-kmh 1e-300: expected at least 88 at 4 substeps"]);
+    let text = refused("huge", &GOOD.replace("160.0", "1e300"), None, &[]);
+    has(&text, &["case.toml:3: speed_kmh = 1e300, expected"]);
+    let text = refused("whole", &GOOD.replace("\"a case\"", "1e300"), None, &[]);
+    has(&text, &["case.toml:1: found the number `1e300`, expected a text"]);
+    let text = refused("mass", GOOD, Some(("value = 65440.0", "value = 1e308")), &[]);
+    has(&text, &["vehicles/ss9.toml:", "mass_kg = 1e308, expected a positive number from 0.001"]);
+}
+
+#[test]
+fn types_of_the_program_do_not_reach_the_user() {
+    let text = refused("struct", &format!("{GOOD}damper = 3\n"), None, &[]);
+    has(&text, &["case.toml:5: found the number `3`, expected a table"]);
+    let rough = format!("{GOOD}[track]\nirregularity = {{ aar6 = 3 }}\n");
+    let text = refused("variant", &rough, None, &[]);
+    has(&text, &["case.toml:6: found the number `3`, expected a table"]);
+    let node = format!("{GOOD}[[slot]]\nplace = \"front left\"\non = \"rig\"\nnode = 300\n");
+    let text = refused("u8", &node, None, &[]);
+    has(&text, &["case.toml:8: found the number `300`, expected a whole number from 0 to 255"]);
+}
+
+#[test]
+fn a_similar_name_is_suggested() {
+    let text = refused("key", &GOOD.replace("speed_kmh", "sped_kmh"), None, &[]);
+    has(&text, &["unknown field `sped_kmh`", "; did you mean `speed_kmh`?"]);
+    let rough = format!("{GOOD}[track]\nirregularity = {{ aar = {{}} }}\n");
+    let text = refused("variant", &rough, None, &[]);
+    has(&text, &["unknown variant `aar`, expected `aar6` or `csv`; did you mean `aar6`?"]);
+    let effect = "[[damper.effect]]\nname = \"seal_fricton\"\nforce_n = 100.0\n";
+    let text = refused("effect", &format!("{GOOD}{effect}"), None, &[]);
+    has(&text, &["; did you mean seal_friction?"]);
+    let slot = "[[slot]]\nplace = \"front lft\"\non = \"rig\"\n";
+    let text = refused("place", &format!("{GOOD}{slot}"), None, &[]);
+    has(&text, &["; did you mean front left?"]);
+    let text = refused("vehicle", &GOOD.replace("ss9.toml", "ss9.tml"), None, &[]);
+    has(&text, &["ss9.tml: cannot be read", "did you mean", "ss9.toml?"]);
+
+    let scenario = repository().join("scenarios/ss9-160kmh.toml");
+    let scenario = scenario.to_str().unwrap();
+    for (args, expected) in [
+        (&["run", &scenario.replace(".toml", ".tml")][..], "ss9-160kmh.toml?"),
+        (&["reproduce", "--figure", "10x", "--scenario", scenario], "; did you mean 10"),
+        (&["ride", scenario, "--vary", "damper.ke_n_per_mm=1,2"], "did you mean `ke_n_per_m`?"),
+        (
+            &["ride", scenario, "--vary", "vehicle.body.bogie_frnt.mass_kg=1,2"],
+            "or *; did you mean bogie_front?",
+        ),
+    ] {
+        let place = folder("similar");
+        let result = output(yawbench().args(args).current_dir(&place));
+        let text = String::from_utf8_lossy(&result.stderr);
+        assert_eq!(result.status.code(), Some(2), "{args:?}: {text}");
+        has(&text, &[expected]);
+    }
+}
+
+#[test]
+fn a_step_that_is_too_coarse_is_answered_with_the_substeps_that_are_enough() {
+    let text = refused("coarse", GOOD, None, &["--speed-kmh", "80"]);
+    has(&text, &["--speed-kmh 80: expected at least 88 at 4 substeps", "; substeps = 5 is enough"]);
+    let text = refused("slowest", &GOOD.replace("160.0", "0.1"), None, &[]);
+    assert!(!text.contains("is enough"), "{text}");
+}
+
+#[test]
+fn a_negative_clearance_in_software_is_refused() {
+    let slot = "[[slot]]\nplace = \"front left\"\non = \"rig\"\n\
+                virtual_wear = { clearance_2a_m = -1e-3 }\n";
+    let text = refused("negative", &format!("{GOOD}{slot}"), None, &[]);
+    has(&text, &["case.toml:8: clearance_2a_m = -0.001, expected zero or more"]);
+}
+
+#[test]
+fn a_processor_that_does_not_exist_is_refused() {
+    let text = refused("cpu", GOOD, None, &["--cpu", "99999"]);
+    has(&text, &["--cpu 99999: expected", "processor of this machine"]);
+}
+
+#[test]
+fn a_socket_is_named_as_such() {
+    let place = folder("socket");
+    let _bound = std::os::unix::net::UnixListener::bind(place.join("a.toml")).unwrap();
+    let result = output(yawbench().args(["run", "a.toml"]).current_dir(&place));
+    let text = String::from_utf8_lossy(&result.stderr);
+    assert_eq!(
+        (result.status.code(), &*text),
+        (Some(2), "error: a.toml: found a socket, expected a file\n")
+    );
+}
+
+#[test]
+fn a_result_of_another_command_is_not_replaced() {
+    let place = folder("other-command");
+    let manifest =
+        "{\"format\": 1, \"command\": \"campaign\", \"identity\": null, \"files\": [\"a\"]}";
+    std::fs::write(place.join("manifest.json"), manifest).unwrap();
+    std::fs::write(place.join("a"), "cases").unwrap();
+    let text = {
+        let scenario = repository().join("scenarios/ss9-160kmh.toml");
+        let mut run = yawbench();
+        run.arg("run").arg(scenario).args(["--pace", "fast", "--duration", "0.01", "--overwrite"]);
+        let result = output(run.arg("--out").arg(&place));
+        assert_eq!(result.status.code(), Some(2));
+        String::from_utf8_lossy(&result.stderr).into_owned()
+    };
+    has(&text, &["holds a result of `campaign`, expected one of `run` or a new folder"]);
+    assert_eq!(std::fs::read_to_string(place.join("a")).unwrap(), "cases");
+}
+
+#[test]
+fn what_is_unusual_about_a_vehicle_is_printed_by_runs_and_studies() {
+    let place = folder("unusual");
+    let read = |name: &str| std::fs::read_to_string(repository().join(name)).unwrap();
+    let vehicle = read("scenarios/vehicles/ss9.toml");
+    let from = "wheel_radius_m = ";
+    assert!(vehicle.contains(from));
+    std::fs::create_dir_all(place.join("vehicles")).unwrap();
+    let tall = vehicle.replacen("height_m = { value = ", "height_m = { value = 9", 1);
+    std::fs::write(place.join("vehicles/ss9.toml"), tall).unwrap();
+    std::fs::write(place.join("case.toml"), GOOD).unwrap();
+    let run = ["run", "case.toml", "--pace", "fast", "--duration", "0.01"];
+    let study = ["critical-speed", "case.toml", "--method", "linear"];
+    for args in [&run[..], &study] {
+        let result = output(yawbench().args(args).current_dir(&place));
+        let text = [result.stdout, result.stderr].concat();
+        let text = String::from_utf8_lossy(&text);
+        has(&text, &["warning: body ", ": height_m = 9", "usual are 0 to 5: is the unit right?"]);
+    }
+}
+
+#[test]
+fn help_that_nothing_takes_is_an_error() {
+    for args in [&["--help"][..], &["run", "--help"], &["--version"]] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut help = yawbench();
+        let status =
+            help.args(args).stdout(full).stderr(std::process::Stdio::null()).status().unwrap();
+        assert_eq!(status.code(), Some(1), "{args:?}");
+    }
+    let help = output(yawbench().args(["campaign", "--help"]));
+    has(
+        &String::from_utf8_lossy(&help.stdout),
+        &["Seed of the cases, required except with --merge"],
+    );
 }
 
 #[test]

@@ -43,8 +43,8 @@ pub enum StudyError {
     ValueTwice(String),
     /// Two axes of the same key: the key.
     KeyTwice(String),
-    /// A grid with too many points: most points.
-    TooManyPoints(usize),
+    /// A grid with too many points: number of points, most points.
+    TooManyPoints(usize, usize),
     /// A question that cannot be serialised: reason.
     NotSerialised(String),
     /// Stopped on request.
@@ -84,7 +84,7 @@ impl StudyError {
             | Self::AxisCount(..)
             | Self::ValueTwice(_)
             | Self::KeyTwice(_)
-            | Self::TooManyPoints(_) => true,
+            | Self::TooManyPoints(..) => true,
         }
     }
 }
@@ -126,8 +126,12 @@ impl fmt::Display for StudyError {
             Self::ValueTwice(text) => {
                 write!(f, "found a value twice in \"{}\", expected each once", quoted(text))
             }
-            Self::KeyTwice(key) => write!(f, "`{}` is varied twice", quoted(key)),
-            Self::TooManyPoints(most) => write!(f, "more than {most} points"),
+            Self::KeyTwice(key) => {
+                write!(f, "`{}` is varied twice, expected each key once", quoted(key))
+            }
+            Self::TooManyPoints(points, most) => {
+                write!(f, "found {points} points of all keys together, expected at most {most}")
+            }
             Self::NotSerialised(why) => write!(f, "the question cannot be serialised: {why}"),
             Self::Stopped => write!(f, "interrupted"),
         }

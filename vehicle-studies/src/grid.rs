@@ -102,11 +102,12 @@ impl Grid {
                 return Err(StudyError::KeyTwice(axis.key.clone()));
             }
         }
-        let points = axes.iter().try_fold(1_usize, |all, axis| all.checked_mul(axis.changes.len()));
-        match points {
-            Some(points) if points <= POINTS_MAX => Ok(Self { axes }),
-            _ => Err(StudyError::TooManyPoints(POINTS_MAX)),
+        let lengths = axes.iter().map(|axis| axis.changes.len());
+        let points = lengths.fold(1, usize::saturating_mul);
+        if points > POINTS_MAX {
+            return Err(StudyError::TooManyPoints(points, POINTS_MAX));
         }
+        Ok(Self { axes })
     }
 
     /// Number of points.
@@ -171,6 +172,7 @@ mod tests {
             assert!(text.parse::<Axis>().is_err(), "{text}");
         }
         let twice = Grid::new(vec!["a=1".parse().unwrap(), "a=2".parse().unwrap()]);
-        assert_eq!(twice.unwrap_err().to_string(), "`a` is varied twice");
+        let expected = "`a` is varied twice, expected each key once";
+        assert_eq!(twice.unwrap_err().to_string(), expected);
     }
 }

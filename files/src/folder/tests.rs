@@ -172,3 +172,22 @@ fn a_folder_that_cannot_be_made_is_refused_before_the_work() {
 fn names_count_on() {
     assert_eq!(next(Path::new("/none/ss9-160kmh-3")), Path::new("runs/ss9-160kmh-4"));
 }
+
+#[test]
+fn a_result_of_another_command_is_never_replaced() {
+    let at = place("other-command");
+    let out = at.join("out");
+    let (mut campaign, _) =
+        ResultFolder::for_identity(Some(&out), "campaign", "campaign", &asked(1)).unwrap();
+    campaign.create().unwrap();
+    campaign.write("table.json", "1").unwrap();
+    for overwrite in [false, true] {
+        let refused = fresh(&out, overwrite).unwrap_err();
+        assert!(refused.is_bad_input());
+        let expected = "holds a result of `campaign`, expected one of `run` or a new folder; \
+                        --overwrite replaces results of the same command only";
+        assert!(refused.to_string().ends_with(expected), "{refused}");
+    }
+    assert_eq!(read(out.join("table.json")), "1");
+    std::fs::remove_dir_all(&at).unwrap();
+}

@@ -1,6 +1,6 @@
 //! Which bus a rig is on, as a user writes it.
 
-use files::quoted;
+use files::{quoted, suggestion};
 use std::fmt;
 use std::str::FromStr;
 
@@ -66,7 +66,18 @@ pub struct InvalidBus {
 
 impl fmt::Display for InvalidBus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "found \"{}\", expected memory or socketcan:INTERFACE", quoted(&self.found))
+        // A bus with an interface is compared without it.
+        let (kind, interface) = self.found.split_once(':').unwrap_or((&self.found, ""));
+        let similar = match suggestion::closest(kind, ["memory", "socketcan"]) {
+            Some("socketcan") if interface.is_empty() => {
+                "; did you mean socketcan:can0?".to_owned()
+            }
+            Some("socketcan") => format!("; did you mean socketcan:{}?", quoted(interface)),
+            Some(kind) => format!("; did you mean {kind}?"),
+            None => String::new(),
+        };
+        let found = quoted(&self.found);
+        write!(f, "found \"{found}\", expected memory or socketcan:INTERFACE{similar}")
     }
 }
 

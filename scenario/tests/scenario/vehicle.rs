@@ -46,3 +46,42 @@ fn a_longitudinal_element_off_the_axle_is_refused_with_the_reason() {
     let said = refused("ahead", element, turned);
     assert!(said.contains("m ahead of the axle of \"wheelset_1\""), "{said}");
 }
+
+/// A pitch spring between bogie and wheelset winds up with the spin of the wheelset.
+#[test]
+fn a_pitch_torsion_on_a_spinning_wheelset_is_refused_with_the_reason() {
+    let torsion = |key: &str| {
+        format!(
+            "[[torsion]]\nname = \"winding\"\nfirst = \"bogie_front\"\n\
+             second = [\"wheelset_1\"]\n{key} = 1e5\n[[bump_stop]]\n"
+        )
+    };
+    for key in ["stiffness_pitch_n_m_per_rad", "damping_pitch_n_m_s_per_rad"] {
+        let said = refused("winding", "[[bump_stop]]\n", &torsion(key));
+        let expected = "torsion \"winding\" acts about the pitch axis of \"wheelset_1\", expected \
+                        roll or yaw alone";
+        assert!(said.contains(expected) && said.contains("its spin adds up"), "{said}");
+    }
+    let zero = torsion("stiffness_pitch_n_m_per_rad").replace("1e5", "0.0");
+    let text = std::fs::read_to_string(shipped().join("vehicles/manchester-coach.toml")).unwrap();
+    let folder = Folder::new("unwound");
+    for harmless in [zero, torsion("stiffness_yaw_n_m_per_rad")] {
+        let text = text.replacen("[[bump_stop]]\n", &harmless, 1);
+        build(&folder.write("coach.toml", &text)).unwrap();
+    }
+}
+
+/// It used to be reported as a speed that must be at least infinite.
+#[test]
+fn a_number_far_beyond_any_vehicle_is_refused_where_it_stands() {
+    let said = refused("heavy", "mass_kg = {", "mass_kg = 1e308 #");
+    let expected = "mass_kg = 1e308, expected a positive number from 0.001 to 10000000";
+    assert!(said.ends_with(expected) && said.contains("coach.toml:"), "{said}");
+    let said = refused(
+        "stiff",
+        "[[bump_stop]]\n",
+        "[[torsion]]\nname = \"stiff\"\n\
+        first = \"carbody\"\nsecond = []\nstiffness_roll_n_m_per_rad = 1e300\n[[bump_stop]]\n",
+    );
+    assert!(said.ends_with("= 1e300, expected zero or more and at most 1e15"), "{said}");
+}
