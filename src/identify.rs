@@ -1,6 +1,7 @@
 //! `yawbench identify`: from measured records to the effect that a damper model lacks.
 
 use crate::error::CommandError;
+use crate::next_test::{NEXT_TEST, NextTestArgs, Proposed};
 use crate::output::print;
 use crate::{exit, stop};
 use clap::Args;
@@ -48,6 +49,8 @@ pub(crate) struct IdentifyArgs {
     /// Print result.json instead of a summary.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    next_test: NextTestArgs,
 }
 
 /// Runs `identify`.
@@ -57,6 +60,7 @@ pub(crate) struct IdentifyArgs {
 pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     // From here on Ctrl-C ends the command with its files.
     let stop = stop::flag();
+    args.next_test.check()?;
     let (question, warnings) = question(args)?;
     let out = args.out.as_deref();
     let mut folder = ResultFolder::fresh(out, "identify", "identify", args.overwrite)?;
@@ -75,14 +79,22 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
         }
         other => other?,
     };
+    let proposed = (args.next_test.is_wanted())
+        .then(|| with_progress(stop, |control| args.next_test.propose(&identification, control)))
+        .transpose()?;
     let json = serde_json::to_string_pretty(&identification.result)?;
     let html = page(&identification).to_html()?;
     folder.create()?;
     write(&folder, &identification, &json, &html)?;
+    if let Some(Proposed { list, .. }) = &proposed {
+        folder.write(NEXT_TEST, list)?;
+    }
     if args.json {
         print(&json)?;
     } else {
-        print(&format!("{}\nfiles: {}", identification.summary(), folder.path().display()))?;
+        let tests = proposed.map(|proposed| proposed.text).unwrap_or_default();
+        let (summary, path) = (identification.summary(), folder.path().display());
+        print(&format!("{summary}{tests}\nfiles: {path}"))?;
     }
     let interrupted = identification.result.interrupted;
     Ok(if interrupted { ExitCode::from(exit::INTERRUPTED) } else { ExitCode::SUCCESS })
@@ -103,7 +115,7 @@ fn question(args: &IdentifyArgs) -> Result<(Question, Vec<String>), Identificati
 fn check(folder: &ResultFolder, question: &Question) -> Result<(), FolderError> {
     let records = question.train.iter().chain(&question.holdout);
     let predictions = records.flat_map(|record| prediction_files(&record.name));
-    let fixed = ["result.json", MODEL, MODEL_WITH_MAP, "report.html"].map(str::to_owned);
+    let fixed = ["result.json", MODEL, MODEL_WITH_MAP, NEXT_TEST, "report.html"].map(str::to_owned);
     let names: Vec<String> = fixed.into_iter().chain(predictions).collect();
     folder.check(&names.iter().map(String::as_str).collect::<Vec<_>>())
 }

@@ -31,6 +31,7 @@
 //! | `empirical` | a map of the residual, if asked for |
 //! | `uncertainty`, `cautions` | how well parameters are known; reasons for doubt |
 //! | `error`, `question`, `result`, `identify` | files to a question; the whole; `result.json` |
+//! | `next_test` | the motion that separates what these records cannot |
 //! | `tables`, `summary`, `page`, `model_file`, `predictions` | text, report, `model.toml`, CSV files |
 //!
 //! Layers: the crate knows `measurement`, `scenario`, `signal`, `report`, `files` and the core, but
@@ -59,6 +60,7 @@ mod identify;
 mod judged;
 mod linearised;
 mod model_file;
+mod next_test;
 mod page;
 mod pair;
 mod predictions;
@@ -87,6 +89,7 @@ pub use fit::{Effort, Fit, fit};
 pub use grey_box::{GreyBox, vector_of};
 pub use identify::{Identification, identify};
 pub use model_file::{MODEL, MODEL_WITH_MAP};
+pub use next_test::{Motion, NextTest, next_tests};
 pub use page::page;
 pub use predictions::Prediction;
 pub use question::{Question, QuestionFiles};

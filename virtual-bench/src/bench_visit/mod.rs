@@ -24,6 +24,7 @@
 //! assert!((peak_n - 18.45e3).abs() < 0.3e3);
 //! ```
 
+pub mod proposals;
 pub mod protocol;
 mod raw_record;
 mod recording;
