@@ -385,6 +385,7 @@ effects! {
     quadratic_orifice: QuadraticOrifice,
     orifice_leakage: OrificeLeakage,
     second_valve_stage: SecondValveStage,
+    soft_yield: SoftYield,
     asymmetric_damping: AsymmetricDamping,
     position_dependent_damping: PositionDependentDamping,
     temperature_fade: TemperatureFade,
@@ -400,6 +401,7 @@ effects! {
     clearance_impact: ClearanceImpact,
     moving_mass: MovingMass,
     bump_stop: BumpStop,
+    presliding_friction: PreslidingFriction,
     force_offset: ForceOffset,
     sensor_delay: SensorDelay,
 }
