@@ -5,7 +5,7 @@ use firmware_core::damper::effects::{
     AsymmetricDamping, PreslidingFriction, SensorDelay, SoftYield,
 };
 use firmware_core::damper::{Damper, Effect};
-use identification::result::Verdict;
+use identification::result::{EffectFound, Verdict};
 use virtual_bench::bench_visit::excitation::Excitation;
 use virtual_bench::bench_visit::sensors::{Coloured, Sensors};
 use virtual_bench::bench_visit::{Modelled, NullGenerator};
@@ -100,6 +100,11 @@ fn two_effects_are_found_one_after_the_other() {
     let mut named = names(&found);
     named.sort_unstable();
     assert_eq!(named, ["asymmetric_damping", "sensor_delay"]);
+    let asymmetric = |effect: &&EffectFound| effect.name == "asymmetric_damping";
+    let asymmetry = found.result.effects.iter().find(asymmetric).unwrap();
+    let [damping, relief] =
+        ["damping_asymmetry", "relief_asymmetry"].map(|name| asymmetry.parameters[name].value);
+    assert_eq!(damping, relief, "one asymmetry is enough");
     let errors = found.result.errors.with_effects.unwrap();
     assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n);
 }

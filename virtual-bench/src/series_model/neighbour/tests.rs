@@ -25,7 +25,7 @@ fn force(neighbour: Option<Neighbour>, x: &dyn Fn(f64) -> f64, grid: Grid, seed:
 
 /// The last force of a long pull at a speed.
 fn pulled(neighbour: Neighbour, speed: f64) -> f64 {
-    let grid = Grid { step_s: 50e-6, steps: 20_000 };
+    let grid = Grid { step_s: 50e-6, steps: 60_000 };
     *force(Some(neighbour), &|t| speed * t, grid, 1).last().unwrap()
 }
 
@@ -212,8 +212,10 @@ fn every_neighbour_is_weak_and_strong_and_keeps_its_drawn_bits() {
             hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
     };
-    let grid = Grid { step_s: 20e-6, steps: 15_000 };
-    let motion = |t: f64| 20e-3 * libm::sin(TAU * 1.2 * t) + 2e-3 * libm::sin(TAU * 8.0 * t);
+    // Over strong stops but not over weak ones, and no faster than the reach.
+    let grid = Grid { step_s: 40e-6, steps: 25_000 };
+    let wave = |t: f64| 24e-3 * libm::sin(TAU * 0.9 * t) + 0.8e-3 * libm::sin(TAU * 7.0 * t);
+    let motion = |t: f64| 8e-3 + wave(t);
     let plain = force(None, &motion, grid, 2);
     for (which, info) in NEIGHBOURS.iter().enumerate() {
         for seed in 0..8 {
@@ -237,7 +239,8 @@ fn every_neighbour_is_weak_and_strong_and_keeps_its_drawn_bits() {
             }
         }
     }
-    assert_eq!(hash, 0);
+    // A campaign over these cases can be repeated only while no drawn number changes.
+    assert_eq!(hash, 12_034_785_330_686_994_034);
 }
 
 #[test]
