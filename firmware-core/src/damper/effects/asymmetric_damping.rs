@@ -5,8 +5,9 @@
 //! ```
 //!
 //! With both equal the whole hydraulic force is scaled; the slope beyond relief follows Ce. Where
-//! that is enough for a record, a fit has one parameter for both ([`DamperEffect::MAY_SHARE`]). Even
-//! harmonics and a mean force that grow with the force are its mark; a preload stands at rest too.
+//! that is enough for a record, a fit has one parameter for both ([`DamperEffect::MAY_SHARE`]).
+//! Even harmonics and a mean force that grow with the force are its mark; a preload stands at rest
+//! too.
 
 use super::draw::{Draw, between};
 use super::parameter::effect_parameters;

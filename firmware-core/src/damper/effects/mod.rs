@@ -253,7 +253,11 @@ impl EffectInfo {
             return Err(DamperError::ValueCount { effect, given, expected });
         }
         let last = values.last().copied().into_iter().cycle();
-        let all: Values = values.iter().copied().chain(last).take(whole).collect();
+        let mut all = Values::new();
+        for value in values.iter().copied().chain(last).take(whole) {
+            // No table is longer than `MAX_PARAMETERS`.
+            let _ = all.push(value);
+        }
         Effect::from_values(self.name, &all)
     }
 }

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! with s = sgn(dx). After a reversal the force runs over along an exponential of the travel and
-//! reaches the capacity `F_c` after a few `x_d`; with an even capacity the stiffness at the reversal
-//! is 2 `F_c`/`x_d`. No time and no frequency enter. Over a travel in one direction the update is
-//! exact,
+//! reaches the capacity `F_c` after a few `x_d`; with an even capacity the stiffness at the
+//! reversal is 2 `F_c`/`x_d`. No time and no frequency enter. Over a travel in one direction the
+//! update is exact,
 //!
 //! ```text
 //! z <- s F_c + (z - s F_c) exp(-|dx|/x_c)      x_c = x_d F_c/F_0

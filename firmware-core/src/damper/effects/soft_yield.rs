@@ -10,15 +10,17 @@
 //! magnetorheological fluid, and a friction that sets in with the speed have this shape. At the
 //! origin the slope is `F_y`/`v_y`, above Ce, and from twice `v_y` on the force stands at `F_y`.
 //!
-//! Nine straight pieces per side with the least largest deviation: the force is off by at most
-//! 0.21 % of `F_y`, and 0.12 % in the mean square; the slope at zero is 2.1 % low. Their places scale
-//! with `v_y` and their forces with `F_y`, so that the force is continuous in both. `v_y` below a millionth of the velocity
-//! scale of the nominal damper counts as that millionth: dry friction without a breakaway force.
+//! Nine straight pieces per side with the least largest deviation: the force is off by at most 0.21
+//! % of `F_y`, and 0.12 % in the mean square; the slope at zero is 2.1 % low. Their places scale
+//! with `v_y` and their forces with `F_y`, so that the force is continuous in both. `v_y` below a
+//! millionth of the velocity scale of the nominal damper counts as that millionth: dry friction
+//! without a breakaway force.
 //!
 //! Limits: no memory of the motion (see `presliding_friction`), the same yield force at every
 //! position. Look-alikes: `second_valve_stage` with a ratio below one has a sharp knee at a force,
 //! `seal_friction` sticks at rest, and a lower relief force takes part of `F_y`: the sum of both is
-//! known better than each. They differ in how the force over velocity bends between 0.3 and 2 `v_y`.
+//! known better than each. They differ in how the force over velocity bends between 0.3 and 2
+//! `v_y`.
 
 use super::draw::{Draw, decades};
 use super::parameter::{Scale, effect_parameters};

@@ -7,8 +7,8 @@
 //! Attachment and body are smooth laws whose inverse is bracketed, not sampled. Where the chain
 //! answers faster than the step, the step is divided.
 //!
-//! Limits: a hard cap (C2 = 0) is a slope of a thousandth of Ce; friction must fall more slowly with
-//! speed than the oil rises, as [`super::Draw`] makes it.
+//! Limits: a hard cap (C2 = 0) is a slope of a thousandth of Ce; friction must fall more slowly
+//! with speed than the oil rises, as [`super::Draw`] makes it.
 
 use super::{Neighbour, NeighbourDamper};
 use crate::grid::Grid;
@@ -52,7 +52,8 @@ struct State {
 }
 
 impl NeighbourDamper {
-    /// Force and piston over time, and the temperature of the oil, at the start and after each step.
+    /// Force and piston over time, and the temperature of the oil, at the start and after each
+    /// step.
     pub fn simulate(&self, drive: &Drive<'_>, grid: Grid) -> (Trace, Vec<f64>) {
         let mut random = Random::new(drive.seed, 6);
         let phase_rad = random.phase();

@@ -7,21 +7,21 @@
 //!
 //! | kind | near | equation |
 //! | --- | --- | --- |
-//! | `void_by_force` | `cavitation` | L' = s v <1 - F_o/(s F)>, the body carries nothing while L > 0 and s F < 0 |
-//! | `fading_relief` | `temperature_fade` | F_h = exp(-k (T - 20)) f(v): the relief falls as Ce does; C T' = abs(F v) - W (T - T_a) |
-//! | `progressive_stop` | `bump_stop` | F += q <x - x_e>^2 - q <-x - x_c>^2 |
-//! | `one_sided_stop` | `bump_stop` | F += s k <s x - x_s>, at one end only |
-//! | `exponential_friction` | `seal_friction` | F += sgn(v) (Fc + (Fs - Fc) exp(-abs(v)/v_s)), sticking up to Fs |
-//! | `air_of_exponent` | `entrained_air` | d += d_max (1 - (1 + F/F_a)^(-1/n)), n not 1.4 |
-//! | `power_orifice` | `quadratic_orifice` | F = Ce v + b v^p up to relief, p not 2 |
-//! | `algebraic_yield` | `soft_yield` | F += F_y v/sqrt(v^2 + v_y^2) |
-//! | `dahl_of_exponent` | `presliding_friction` | dz = F_c/x_d sgn(u) abs(u)^i dx, u = 1 - s z/F_c, i not 1 |
-//! | `switching_valve` | | F_h = (1 +- c) f(v), the sign changes at random times |
-//! | `ripple_over_position` | | F + A sin(2 pi x/l + phi) |
-//! | `clock_skew` | | F is read at t (1 - c): the clocks of the two channels drift apart |
+//! | `void_by_force` | `cavitation` | `L' = s v <1 - F_o/(s F)>`; the body carries nothing while L > 0 and s F < 0 |
+//! | `fading_relief` | `temperature_fade` | `F_h = exp(-k (T - 20)) f(v)`: the relief falls as Ce does; `C T' = abs(F v) - W (T - T_a)` |
+//! | `progressive_stop` | `bump_stop` | `F += q <x - x_e>^2 - q <-x - x_c>^2` |
+//! | `one_sided_stop` | `bump_stop` | `F += s k <s x - x_s>`, at one end only |
+//! | `exponential_friction` | `seal_friction` | `F += sgn(v) (Fc + (Fs - Fc) exp(-abs(v)/v_s))`, sticking up to Fs |
+//! | `air_of_exponent` | `entrained_air` | `d += d_max (1 - (1 + F/F_a)^(-1/n))`, n not 1.4 |
+//! | `power_orifice` | `quadratic_orifice` | `F = Ce v + b v^p` up to relief, p not 2 |
+//! | `algebraic_yield` | `soft_yield` | `F += F_y v/sqrt(v^2 + v_y^2)` |
+//! | `dahl_of_exponent` | `presliding_friction` | `dz = F_c/x_d sgn(u) abs(u)^i dx`, u = 1 - s z/F_c, i not 1 |
+//! | `switching_valve` | | `F_h = (1 +- c) f(v)`, the sign changes at random times |
+//! | `ripple_over_position` | | `F + A sin(2 pi x/l + phi)` |
+//! | `clock_skew` | | F is read at `t (1 - c)`: the clocks of the two channels drift apart |
 //!
-//! with <> zero below zero and s a direction. [`NEIGHBOURS`] lists them, and [`Draw`] gives one of a
-//! drawn shape at a strength. [`NeighbourDamper`] is a specimen.
+//! with `<>` zero below zero and s a direction. [`NEIGHBOURS`] lists them, and [`Draw`] gives one of
+//! a drawn shape at a strength. [`NeighbourDamper`] is a specimen.
 
 mod chain;
 mod draw;
