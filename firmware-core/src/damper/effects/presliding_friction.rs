@@ -300,7 +300,7 @@ mod tests {
         };
         for stribeck_m_per_s in [f64::MIN_POSITIVE, 1e-3, f64::MAX] {
             for travel_m in [f64::MIN_POSITIVE, 0.4e-3, f64::MAX] {
-                let friction = PreslidingFriction { stribeck_m_per_s, travel_m, ..friction };
+                let friction = PreslidingFriction { travel_m, stribeck_m_per_s, ..friction };
                 let damper = alone(friction);
                 let mut state = DamperState::rest();
                 let mut noise = 7_u32;

@@ -137,9 +137,9 @@ impl Body {
             let per_velocity = soft.yield_n * (1.0 - share * share) / soft.knee_m_per_s;
             let miss = carried + soft.yield_n * share - force_n;
             if miss > 0.0 {
-                high = carried
+                high = carried;
             } else {
-                low = carried
+                low = carried;
             }
             let rate = 1.0 + per_velocity * slope;
             let next = carried - miss / rate;

@@ -15,7 +15,7 @@
 //! | `air_of_exponent` | `entrained_air` | `d += d_max (1 - (1 + F/F_a)^(-1/n))`, n not 1.4 |
 //! | `power_orifice` | `quadratic_orifice` | `F = Ce v + b v^p` up to relief, p not 2 |
 //! | `algebraic_yield` | `soft_yield` | `F += F_y v/sqrt(v^2 + v_y^2)` |
-//! | `dahl_of_exponent` | `presliding_friction` | `dz = F_c/x_d sgn(u) abs(u)^i dx`, u = 1 - s z/F_c, i not 1 |
+//! | `dahl_of_exponent` | `presliding_friction` | `dz = F_c/x_d sgn(u) abs(u)^i dx`, `u = 1 - s z/F_c`, i not 1 |
 //! | `switching_valve` | | `F_h = (1 +- c) f(v)`, the sign changes at random times |
 //! | `ripple_over_position` | | `F + A sin(2 pi x/l + phi)` |
 //! | `clock_skew` | | F is read at `t (1 - c)`: the clocks of the two channels drift apart |
