@@ -20,8 +20,8 @@
 //! | `ripple_over_position` | | `F + A sin(2 pi x/l + phi)` |
 //! | `clock_skew` | | F is read at `t (1 - c)`: the clocks of the two channels drift apart |
 //!
-//! with `<>` zero below zero and s a direction. [`NEIGHBOURS`] lists them, and [`Draw`] gives one of
-//! a drawn shape at a strength. [`NeighbourDamper`] is a specimen.
+//! with `<>` zero below zero and s a direction. [`NEIGHBOURS`] lists them, and [`Draw`] gives one
+//! of a drawn shape at a strength. [`NeighbourDamper`] is a specimen.
 
 mod chain;
 mod draw;
