@@ -8,7 +8,7 @@
 
 use core::hint::black_box;
 
-use firmware_core::damper::effects::CATALOGUE;
+use firmware_core::damper::effects::{CATALOGUE, EffectInfo};
 use firmware_core::damper::{
     Curve, Damper, DamperState, Effect, EmpiricalMap, Factors, MapCoordinate, MapKnot, Motion,
     Nominal, Parts, attachment_force_n,
@@ -94,6 +94,9 @@ fn lanes(vehicle: &Vehicle, track: &Track<'_>, table: &ContactTable) {
 fn damper() {
     let row = black_box(0);
     let name = CATALOGUE.get(row).map_or("", |info| info.name);
+    if let Some(shorter) = CATALOGUE.get(row).and_then(EffectInfo::shorter) {
+        black_box(black_box(shorter).effect(black_box(&[0.0; 4])).is_ok());
+    }
     let Ok(effect) = Effect::from_values(black_box(name), black_box(&[0.0; 4])) else { return };
     let given = [effect; 2];
     let Ok(damper) = Damper::new(black_box(Nominal::NEW), black_box(&given)) else { return };

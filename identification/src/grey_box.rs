@@ -2,7 +2,7 @@
 
 use super::coordinate::Coordinate;
 use firmware_core::damper::effects::{EffectInfo, Scale};
-use firmware_core::damper::{Damper, Effect, Nominal};
+use firmware_core::damper::{Damper, Nominal};
 
 /// Names and units of the nominal parameters, in the order of the vector.
 pub(crate) const NOMINAL: [(&str, &str); 5] = [
@@ -113,7 +113,7 @@ impl GreyBox {
         };
         let mut effects = Vec::with_capacity(self.effects.len());
         for (index, info) in self.effects.iter().enumerate() {
-            effects.push(Effect::from_values(info.name, &values[self.range_of(index)]).ok()?);
+            effects.push(info.effect(&values[self.range_of(index)]).ok()?);
         }
         Damper::new(nominal, &effects).ok()
     }

@@ -25,6 +25,7 @@
 //! | `evidence`, `finding` | the vocabulary: evidence, accepted, rejected, not testable |
 //! | `candidate`, `screening`, `short_list` | the catalogue against the residual, to first order |
 //! | `trial`, `acceptance`, `canonical`, `settling` | a candidate fitted and judged; the rules |
+//! | `sharing` | parameters that share one value where that is enough |
 //! | `budget`, `round`, `pair`, `rejection` | the parts of one round of the search |
 //! | `search` | the rounds, one effect after the other |
 //! | `gate` | which of the accepted effects survive the tests held out |
@@ -72,6 +73,7 @@ mod round;
 mod screening;
 mod search;
 mod settling;
+mod sharing;
 mod short_list;
 mod simulation;
 mod split;

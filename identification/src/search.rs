@@ -6,8 +6,9 @@
 //! 3. Accept the one with the smallest error on left-out pieces if it passes every test
 //!    ([`super::acceptance`]), and name the alternatives that the records cannot distinguish from
 //!    it.
-//! 4. Refit the model with it ([`super::settling`]), and drop every earlier effect without which
-//!    the model predicts as well. Start again, up to four effects.
+//! 4. Refit the model with it ([`super::settling`]), give parameters that may share a value one
+//!    where the model then predicts as well ([`super::sharing`]), and drop every earlier effect
+//!    without which it does. Start again, up to four effects.
 //! 5. Where no candidate is accepted and the residual is above the noise, look for two effects at
 //!    once ([`super::pair`]).
 //!
@@ -28,6 +29,7 @@ use super::pair::{Pair, pair};
 use super::rejection::rejections;
 use super::round::Round;
 use super::settling::{BETTER_MINIMUM, settled};
+use super::sharing::with_shared_values;
 use super::start::{BEGINNING_S, NominalFit};
 use super::test_set::TestSet;
 use super::trial::Trial;
@@ -215,6 +217,7 @@ impl<'a> Search<'a> {
     ) -> Option<()> {
         let settled = settled(fit, candidate, self.tests, self.control)?;
         let standing = Judged::new(canonical(settled, self.tests), self.tests)?;
+        let standing = with_shared_values(standing, self.tests, self.control);
         let accepted = self.accepted.iter().cloned().chain(new).collect();
         let (standing, accepted) = without_idle(standing, accepted, self.tests, self.control);
         if self.control.is_stopped() {

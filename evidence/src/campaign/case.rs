@@ -6,7 +6,7 @@
 //! In half of the cases without an effect, and in a third of the others, the force has coloured
 //! noise of half to twice the white one, with a correlation of 0.9 to 0.98 over a millisecond.
 
-use super::plan::{HIDDEN, Kind, shuffled};
+use super::plan::{self, HIDDEN, Kind, shuffled};
 use firmware_core::damper::Nominal;
 use firmware_core::damper::effects::CATALOGUE;
 use virtual_bench::bench_visit::protocol::{self, Test};
@@ -136,8 +136,9 @@ impl Case {
 
 fn effects(kind: Kind, random: &mut Random) -> Vec<usize> {
     // Those that a record of 1 kHz can hold and that are not hidden.
-    let open: Vec<usize> = (0..CATALOGUE.len())
-        .filter(|i| CATALOGUE[*i].name != HIDDEN && CATALOGUE[*i].needs_rate_hz <= 1000.0)
+    let open: Vec<usize> = plan::effects()
+        .filter(|(_, info)| info.name != HIDDEN && info.needs_rate_hz <= 1000.0)
+        .map(|(effect, _)| effect)
         .collect();
     let mut any = |from: &[usize]| {
         let at = (random.uniform() * from.len() as f64) as usize;

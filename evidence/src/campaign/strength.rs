@@ -52,6 +52,7 @@ impl Strength {
 
 #[cfg(test)]
 mod tests {
+    use super::super::plan::COMMITTED;
     use super::*;
     use firmware_core::damper::Damper;
     use firmware_core::fnv;
@@ -72,31 +73,6 @@ mod tests {
             }
         }
     }
-
-    /// The effects of the committed campaign. This is no list to extend: a later effect is in none.
-    const COMMITTED: [&str; 21] = [
-        "seal_friction",
-        "quadratic_orifice",
-        "orifice_leakage",
-        "second_valve_stage",
-        "asymmetric_damping",
-        "position_dependent_damping",
-        "temperature_fade",
-        "gas_preload",
-        "stiffening_attachment",
-        "rubber_hysteresis",
-        "entrained_air",
-        "fixture_compliance",
-        "stroke_dependent_stiffness",
-        "aeration_memory",
-        "clearance_growth",
-        "cavitation",
-        "clearance_impact",
-        "moving_mass",
-        "bump_stop",
-        "force_offset",
-        "sensor_delay",
-    ];
 
     /// Every drawn value of these effects: a committed campaign can only be repeated while none of
     /// their bits changes.

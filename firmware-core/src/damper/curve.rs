@@ -10,7 +10,7 @@
 use heapless::Vec;
 
 /// How many knots one curve holds.
-pub(super) const CURVE_KNOTS: usize = 54;
+pub(super) const CURVE_KNOTS: usize = 63;
 
 /// A point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -52,6 +52,21 @@ fn every_effect_in_service_changes_the_force() {
 }
 
 #[test]
+fn page_of_effects_has_a_row_for_each() {
+    let page = include_str!("../../../docs/effects.md");
+    for info in CATALOGUE {
+        let equation = info.equation.replace('|', "\\|");
+        let row = format!(
+            "| `{}` | {} | `{equation}` | {} |",
+            info.name,
+            info.place.name(),
+            info.shown_by
+        );
+        assert!(page.contains(&row), "docs/effects.md lacks a row:\n{row}");
+    }
+}
+
+#[test]
 fn unknown_effect_has_no_size() {
     let draw = draws().next().unwrap();
     assert!(Effect::drawn("gremlins", 0.1, &draw).is_err());

@@ -4,7 +4,7 @@
 use crate::reference::{EXCITATIONS, rms, simulate};
 use crate::sizes::{catalogue_at, effects_at};
 use firmware_core::damper::effects::{
-    Cavitation, PositionDependentDamping, RubberHysteresis, SealFriction,
+    Cavitation, PositionDependentDamping, PreslidingFriction, RubberHysteresis, SealFriction,
 };
 use firmware_core::damper::{Damper, DamperError, DamperState, Effect, Motion, Nominal};
 
@@ -45,11 +45,12 @@ impl Scatter {
 /// Friction, asymmetry, position, rubber.
 const FIRST: [&str; 4] =
     ["seal_friction", "asymmetric_damping", "position_dependent_damping", "rubber_hysteresis"];
-/// Valves, gas, air, stiffening, fixture, stroke, foam, wear, warm oil.
-const INSIDE: [&str; 11] = [
+/// Valves, yield, gas, air, stiffening, fixture, stroke, foam, wear, warm oil.
+const INSIDE: [&str; 12] = [
     "quadratic_orifice",
     "orifice_leakage",
     "second_valve_stage",
+    "soft_yield",
     "temperature_fade",
     "gas_preload",
     "stiffening_attachment",
@@ -59,9 +60,15 @@ const INSIDE: [&str; 11] = [
     "aeration_memory",
     "clearance_growth",
 ];
-/// Blows, mass, stops, the sensor.
-const OUTSIDE: [&str; 5] =
-    ["clearance_impact", "moving_mass", "bump_stop", "force_offset", "sensor_delay"];
+/// Blows, mass, stops, friction between the eyes, the sensor.
+const OUTSIDE: [&str; 6] = [
+    "clearance_impact",
+    "moving_mass",
+    "bump_stop",
+    "presliding_friction",
+    "force_offset",
+    "sensor_delay",
+];
 
 /// A void made in extension, with all that acts outside of the chain.
 fn void_and_outside(nominal: &Nominal) -> Vec<Effect> {
@@ -133,8 +140,16 @@ fn symmetric_dampers_are_odd_to_the_bit() {
         let bore: Effect =
             PositionDependentDamping { gradient_per_m: 0.0, curvature_per_m2: 900.0 }.into();
         let [impact, mass, .., delay] = effects_at(OUTSIDE, &nominal, 1.0);
-        let [quadratic, leak, stage, fade, _, stiffening, air, fixture, _, foam, wear] =
+        let [quadratic, leak, stage, soft, fade, _, stiffening, air, fixture, _, foam, wear] =
             effects_at(INSIDE, &nominal, 1.0);
+        let rubbing: Effect = PreslidingFriction {
+            capacity_n: 0.1 * nominal.f_relief_n,
+            travel_m: 1e-4,
+            direction_asymmetry: 0.0,
+            low_speed_rise: 0.5,
+            stribeck_m_per_s: 1e-3,
+        }
+        .into();
         let sets = [
             vec![],
             vec![friction],
@@ -145,6 +160,7 @@ fn symmetric_dampers_are_odd_to_the_bit() {
             vec![quadratic, leak, stage, fade],
             vec![stiffening, rubber, air, fixture],
             vec![stage, air, foam, wear],
+            vec![soft, rubbing],
         ];
         for effects in sets {
             let damper = Damper::new(nominal, &effects).unwrap().prepared(1e-3);

@@ -187,9 +187,15 @@ fn effects_found(
         .zip(&fit.model.effects)
         .enumerate()
         .map(|(index, (accepted, info))| {
-            let rows = info.parameters.iter().zip(fit.model.range_of(index));
+            let places = fit.model.range_of(index);
+            let whole = CATALOGUE.iter().find(|whole| whole.name == info.name);
+            let rows = whole.map_or(info.parameters, |whole| whole.parameters);
             let parameters = rows
-                .map(|(row, k)| {
+                .iter()
+                .enumerate()
+                .map(|(row_index, row)| {
+                    // Parameters that share a value are the last ones of the table.
+                    let k = (places.start + row_index).min(places.end - 1);
                     let (value, std) = (fit.values[k], deviations[k]);
                     (row.name, ParameterValue { value, std, unit: row.unit.symbol() })
                 })

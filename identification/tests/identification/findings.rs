@@ -1,9 +1,11 @@
 //! Verdicts: nothing missing, one effect, two effects, a disturbance that no effect describes.
 
 use crate::support::{NOMINAL, SERIES, investigate, names, sensors};
-use firmware_core::damper::effects::{AsymmetricDamping, SensorDelay};
+use firmware_core::damper::effects::{
+    AsymmetricDamping, PreslidingFriction, SensorDelay, SoftYield,
+};
 use firmware_core::damper::{Damper, Effect};
-use identification::result::Verdict;
+use identification::result::{EffectFound, Verdict};
 use virtual_bench::bench_visit::excitation::Excitation;
 use virtual_bench::bench_visit::sensors::{Coloured, Sensors};
 use virtual_bench::bench_visit::{Modelled, NullGenerator};
@@ -48,6 +50,46 @@ fn a_missing_effect_is_named_with_its_size() {
 }
 
 #[test]
+fn a_soft_yield_is_named_with_its_size() {
+    let effect = SoftYield { yield_n: 2e3, knee_m_per_s: 20e-3 };
+    let damper = Damper::new(NOMINAL, &[effect.into()]).unwrap();
+    let found = investigate(&Modelled { damper }, &sensors());
+    assert_eq!(names(&found), ["soft_yield"], "{:?}", found.result);
+    assert_eq!(found.result.verdict, Verdict::EffectsFound);
+    println!("{:?}", found.result.effects[0].alternatives);
+    for (name, truth) in [("yield_n", 2e3), ("knee_m_per_s", 20e-3)] {
+        let value = &found.result.effects[0].parameters[name];
+        println!("{name} {value:?}");
+        assert!((value.value - truth).abs() < 4.0 * value.std.unwrap(), "{name} {value:?}");
+    }
+    let errors = found.result.errors.with_effects.unwrap();
+    assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n);
+}
+
+#[test]
+fn a_presliding_friction_is_named_with_its_size() {
+    let effect = PreslidingFriction {
+        capacity_n: 600.0,
+        travel_m: 0.3e-3,
+        direction_asymmetry: 0.0,
+        low_speed_rise: 0.0,
+        stribeck_m_per_s: 10e-3,
+    };
+    let damper = Damper::new(NOMINAL, &[effect.into()]).unwrap();
+    let found = investigate(&Modelled { damper }, &sensors());
+    assert_eq!(names(&found), ["presliding_friction"], "{:?}", found.result);
+    assert_eq!(found.result.verdict, Verdict::EffectsFound);
+    println!("{:?}", found.result.effects[0].alternatives);
+    for (name, truth) in [("capacity_n", 600.0), ("travel_m", 0.3e-3)] {
+        let value = &found.result.effects[0].parameters[name];
+        println!("{name} {value:?}");
+        assert!((value.value - truth).abs() < 4.0 * value.std.unwrap(), "{name} {value:?}");
+    }
+    let errors = found.result.errors.with_effects.unwrap();
+    assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n);
+}
+
+#[test]
 fn two_effects_are_found_one_after_the_other() {
     let effects: [Effect; 2] = [
         AsymmetricDamping { damping_asymmetry: 0.04, relief_asymmetry: 0.04 }.into(),
@@ -58,6 +100,11 @@ fn two_effects_are_found_one_after_the_other() {
     let mut named = names(&found);
     named.sort_unstable();
     assert_eq!(named, ["asymmetric_damping", "sensor_delay"]);
+    let asymmetric = |effect: &&EffectFound| effect.name == "asymmetric_damping";
+    let asymmetry = found.result.effects.iter().find(asymmetric).unwrap();
+    let [damping, relief] =
+        ["damping_asymmetry", "relief_asymmetry"].map(|name| asymmetry.parameters[name].value);
+    assert_eq!(damping, relief, "one asymmetry is enough");
     let errors = found.result.errors.with_effects.unwrap();
     assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n.unwrap());
 }

@@ -5,5 +5,6 @@
 mod empirical_map;
 mod findings;
 mod interruption;
+mod neighbours;
 mod support;
 mod without_cycles;

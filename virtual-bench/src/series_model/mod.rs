@@ -22,10 +22,12 @@
 //! of the step continues from there.
 //!
 //! [`outside`] holds what may be added: disturbances that no effect of the catalogue describes.
+//! [`neighbour`] holds parts that do not quite follow the equation of an effect, and hidden inputs.
 //!
 //! Limits: a visit to another piece that begins and ends within one step is not seen; take steps of
 //! 20 µs. A hard cap (C2 = 0) is a slope of a billionth of Ce.
 
+pub mod neighbour;
 mod null_generator;
 pub mod outside;
 

@@ -4,8 +4,10 @@
 //! Ce (1 + g sgn v)        F_r (1 + g_r sgn v)
 //! ```
 //!
-//! With both equal the whole hydraulic force is scaled; the slope beyond relief follows Ce. Even
-//! harmonics and a mean force that grow with the force are its mark; a preload stands at rest too.
+//! With both equal the whole hydraulic force is scaled; the slope beyond relief follows Ce. Where
+//! that is enough for a record, a fit has one parameter for both ([`DamperEffect::MAY_SHARE`]).
+//! Even harmonics and a mean force that grow with the force are its mark; a preload stands at rest
+//! too.
 
 use super::draw::{Draw, between};
 use super::parameter::effect_parameters;
@@ -31,6 +33,7 @@ impl DamperEffect for AsymmetricDamping {
     const SHOWN_BY: &'static str =
         "Sines at two force levels and a static hold, with the direction of extension declared.";
     const DIRECTIONAL: bool = true;
+    const MAY_SHARE: usize = 1;
     const STRONGEST: f64 = 0.6;
     const IN_HYDRAULIC_MODEL: bool = true;
 

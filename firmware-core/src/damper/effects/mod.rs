@@ -115,6 +115,9 @@ pub trait DamperEffect: Table + Copy {
     /// Start values of a fit in natural sizes, where the typical ones alone would find only one of
     /// several shapes: relaxation times, knees, positions.
     const STARTS: &'static [&'static [f64]] = &[];
+    /// How many parameters at the end of the table may share the value of the one before them: a
+    /// fit for which that is enough needs no more.
+    const MAY_SHARE: usize = 0;
     /// The largest strength of [`drawn`](Self::drawn) at which a damper is still a damper.
     const STRONGEST: f64;
     /// The hydraulic damper of the virtual bench, which is modelled from oil, valves, seals and
@@ -210,10 +213,53 @@ pub struct EffectInfo {
     pub directional: bool,
     /// Further start values of a fit, in natural sizes; the typical ones come first.
     pub starts: &'static [&'static [f64]],
+    /// How many parameters at the end of the table may share the value of the one before them.
+    pub may_share: usize,
     /// The largest strength of [`Effect::drawn`] at which a damper is still a damper.
     pub strongest: f64,
     /// The hydraulic damper of the virtual bench has it.
     pub in_hydraulic_model: bool,
+}
+
+impl EffectInfo {
+    /// The same effect with one parameter for those that may share a value; none where no two may.
+    ///
+    /// ```
+    /// use firmware_core::damper::effects::CATALOGUE;
+    /// let of = |name| CATALOGUE.iter().find(|info| info.name == name).unwrap();
+    /// let even = of("asymmetric_damping").shorter().unwrap();
+    /// assert_eq!(even.parameters.len(), 1);
+    /// assert_eq!(even.effect(&[0.1])?.values(), [0.1, 0.1]);
+    /// assert!(of("seal_friction").shorter().is_none());
+    /// # Ok::<(), firmware_core::damper::DamperError>(())
+    /// ```
+    pub fn shorter(&self) -> Option<Self> {
+        let kept = self.parameters.len().checked_sub(self.may_share)?;
+        let parameters = self.parameters.get(..kept)?;
+        let shorter = self.may_share > 0 && kept > 0;
+        shorter.then_some(Self { parameters, starts: &[], may_share: 0, ..*self })
+    }
+
+    /// The effect from values in the order of this table; parameters that a shorter table leaves
+    /// out take the last value.
+    ///
+    /// # Errors
+    /// [`DamperError::ValueCount`], [`DamperError::Parameter`].
+    pub fn effect(&self, values: &[f64]) -> Result<Effect, DamperError> {
+        let whole = CATALOGUE.iter().find(|info| info.name == self.name);
+        let whole = whole.map_or(self.parameters.len(), |info| info.parameters.len());
+        if values.len() != self.parameters.len() {
+            let (effect, given, expected) = (self.name, values.len(), self.parameters.len());
+            return Err(DamperError::ValueCount { effect, given, expected });
+        }
+        let last = values.last().copied().into_iter().cycle();
+        let mut all = Values::new();
+        for value in values.iter().copied().chain(last).take(whole) {
+            // No table is longer than `MAX_PARAMETERS`.
+            let _ = all.push(value);
+        }
+        Effect::from_values(self.name, &all)
+    }
 }
 
 macro_rules! effects {
@@ -237,6 +283,7 @@ macro_rules! effects {
             needs_rate_hz: $effect::NEEDS_RATE_HZ,
             directional: $effect::DIRECTIONAL,
             starts: $effect::STARTS,
+            may_share: $effect::MAY_SHARE,
             strongest: $effect::STRONGEST,
             in_hydraulic_model: $effect::IN_HYDRAULIC_MODEL,
         },)+];
@@ -385,6 +432,7 @@ effects! {
     quadratic_orifice: QuadraticOrifice,
     orifice_leakage: OrificeLeakage,
     second_valve_stage: SecondValveStage,
+    soft_yield: SoftYield,
     asymmetric_damping: AsymmetricDamping,
     position_dependent_damping: PositionDependentDamping,
     temperature_fade: TemperatureFade,
@@ -400,6 +448,7 @@ effects! {
     clearance_impact: ClearanceImpact,
     moving_mass: MovingMass,
     bump_stop: BumpStop,
+    presliding_friction: PreslidingFriction,
     force_offset: ForceOffset,
     sensor_delay: SensorDelay,
 }

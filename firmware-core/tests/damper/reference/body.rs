@@ -2,7 +2,7 @@
 
 use firmware_core::damper::effects::{
     AsymmetricDamping, Cavitation, GasPreload, OrificeLeakage, PositionDependentDamping,
-    QuadraticOrifice, SealFriction, SecondValveStage, TemperatureFade,
+    QuadraticOrifice, SealFriction, SecondValveStage, SoftYield, TemperatureFade,
 };
 use firmware_core::damper::{Effect, Nominal};
 
@@ -23,6 +23,7 @@ pub(crate) struct Body {
     quadratic: Option<QuadraticOrifice>,
     leakage: Option<OrificeLeakage>,
     stage: Option<SecondValveStage>,
+    soft: Option<SoftYield>,
     position: Option<PositionDependentDamping>,
     pub(crate) fade: Option<TemperatureFade>,
     gas: Option<GasPreload>,
@@ -38,6 +39,7 @@ impl Body {
             Effect::QuadraticOrifice(effect) => self.quadratic = Some(effect),
             Effect::OrificeLeakage(effect) => self.leakage = Some(effect),
             Effect::SecondValveStage(effect) => self.stage = Some(effect),
+            Effect::SoftYield(effect) => self.soft = Some(effect),
             Effect::PositionDependentDamping(effect) => self.position = Some(effect),
             Effect::TemperatureFade(effect) => self.fade = Some(effect),
             Effect::GasPreload(effect) => self.gas = Some(effect),
@@ -119,7 +121,41 @@ impl Body {
             .map_or((0.0, 0.0), |effect| (effect.damping_asymmetry, effect.relief_asymmetry));
         let relief = 1.0 + gr * sign;
         let damping = 1.0 + g * sign;
-        let force = force_n / relief;
+        let (v, slope) = self.oil(nominal, force_n / relief);
+        (v * relief / damping, slope / damping)
+    }
+
+    /// The same of the oil in one direction: its valves, and a yield force parallel to them.
+    fn oil(&self, nominal: &Nominal, force_n: f64) -> (f64, f64) {
+        let Some(soft) = self.soft else { return self.stages(nominal, force_n) };
+        // The part that the valves carry: bracketed, for the slope jumps at their knees.
+        let (mut low, mut high) = ((force_n - soft.yield_n).max(0.0), force_n);
+        let mut carried = 0.5 * (low + high);
+        for _ in 0..100 {
+            let (v, slope) = self.stages(nominal, carried);
+            let share = libm::tanh(v / soft.knee_m_per_s);
+            let per_velocity = soft.yield_n * (1.0 - share * share) / soft.knee_m_per_s;
+            let miss = carried + soft.yield_n * share - force_n;
+            if miss > 0.0 {
+                high = carried;
+            } else {
+                low = carried;
+            }
+            let rate = 1.0 + per_velocity * slope;
+            let next = carried - miss / rate;
+            if (next - carried).abs() <= 1e-12 * force_n {
+                return (v, slope / rate);
+            }
+            carried = if next > low && next < high { next } else { 0.5 * (low + high) };
+        }
+        let (v, slope) = self.stages(nominal, carried);
+        let share = libm::tanh(v / soft.knee_m_per_s);
+        let per_velocity = soft.yield_n * (1.0 - share * share) / soft.knee_m_per_s;
+        (v, slope / (1.0 + per_velocity * slope))
+    }
+
+    /// The same of the valve with its leak and its second stage.
+    fn stages(&self, nominal: &Nominal, force: f64) -> (f64, f64) {
         let (mut v, mut slope) = self.valves(nominal, force);
         if let Some(stage) = self.stage
             && force > stage.knee_force_n
@@ -131,7 +167,7 @@ impl Body {
             v += more * (reached - self.valves(nominal, knee).0);
             slope *= if force < end { 1.0 + more } else { 1.0 };
         }
-        (v * relief / damping, slope / damping)
+        (v, slope)
     }
 
     /// The same of the valve with its leak.

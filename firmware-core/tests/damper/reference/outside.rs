@@ -1,10 +1,10 @@
-//! What acts on the force of the chain: blows, mass, stops, the sensor. Written with the exact
-//! motion, its exact derivatives, and Runge-Kutta.
+//! What acts on the force of the chain: blows, mass, stops, friction, the sensor. Written with the
+//! exact motion, its exact derivatives, and Runge-Kutta.
 
 use super::Instant;
 use firmware_core::damper::Effect;
 use firmware_core::damper::effects::{
-    BumpStop, ClearanceImpact, ForceOffset, MovingMass, SensorDelay,
+    BumpStop, ClearanceImpact, ForceOffset, MovingMass, PreslidingFriction, SensorDelay,
 };
 
 /// The effects outside of the chain and what they remember.
@@ -13,11 +13,13 @@ pub(crate) struct Outside {
     impact: Option<ClearanceImpact>,
     mass: Option<MovingMass>,
     stop: Option<BumpStop>,
+    rubbing: Option<PreslidingFriction>,
     offset: Option<ForceOffset>,
     delay: Option<SensorDelay>,
     acts: bool,
     touching: bool,
     ringing: [f64; 2],
+    rubbed_n: f64,
     past_n: Vec<f64>,
 }
 
@@ -28,6 +30,7 @@ impl Outside {
             Effect::ClearanceImpact(effect) => self.impact = Some(effect),
             Effect::MovingMass(effect) => self.mass = Some(effect),
             Effect::BumpStop(effect) => self.stop = Some(effect),
+            Effect::PreslidingFriction(effect) => self.rubbing = Some(effect),
             Effect::ForceOffset(effect) => self.offset = Some(effect),
             Effect::SensorDelay(effect) => self.delay = Some(effect),
             _ => return false,
@@ -76,6 +79,19 @@ impl Outside {
                     force += sign * push.max(0.0);
                 }
             }
+        }
+        if let Some(friction) = self.rubbing {
+            // The equation over time, by the midpoint rule.
+            let f0 = friction.capacity_n;
+            let speed = v - 0.5 * h * at.acceleration_m_per_s2;
+            let u = speed / friction.stribeck_m_per_s;
+            let capacity = f0
+                * (1.0 + speed.signum() * friction.direction_asymmetry)
+                * (1.0 + friction.low_speed_rise * libm::exp(-u * u));
+            let rate = |z: f64| f0 / friction.travel_m * (speed - z / capacity * speed.abs());
+            let middle = self.rubbed_n + 0.5 * h * rate(self.rubbed_n);
+            self.rubbed_n += h * rate(middle);
+            force += self.rubbed_n;
         }
         force += self.offset.map_or(0.0, |offset| offset.offset_n);
         let Some(delay) = self.delay else { return force };
