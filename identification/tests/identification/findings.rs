@@ -63,7 +63,7 @@ fn a_soft_yield_is_named_with_its_size() {
         assert!((value.value - truth).abs() < 4.0 * value.std.unwrap(), "{name} {value:?}");
     }
     let errors = found.result.errors.with_effects.unwrap();
-    assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n);
+    assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n.unwrap());
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn a_presliding_friction_is_named_with_its_size() {
         assert!((value.value - truth).abs() < 4.0 * value.std.unwrap(), "{name} {value:?}");
     }
     let errors = found.result.errors.with_effects.unwrap();
-    assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n);
+    assert!(errors.holdout_rmse_n.unwrap() < 1.1 * found.result.noise_floor_n.unwrap());
 }
 
 #[test]
