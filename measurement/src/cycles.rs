@@ -41,15 +41,10 @@ const SHARE_OF_CYCLES: f64 = 0.1;
 /// Growth from cycle to cycle within a run, as a share of that just outside it.
 const GROWTH_SHARE: f64 = 0.34;
 
-/// First sample of every whole cycle and the end of the last; empty where there are none.
+/// First sample of every whole cycle and the end of the last, of the longest run; empty where there
+/// are none.
 pub(crate) fn find(displacement_m: &[f64]) -> Vec<usize> {
-    let periodic = of_periodic(displacement_m);
-    if !periodic.is_empty() {
-        return periodic;
-    }
-    // The first of the longest.
-    let longest = |a: Vec<usize>, b: Vec<usize>| if b.len() > a.len() { b } else { a };
-    of_short(displacement_m).into_iter().reduce(longest).unwrap_or_default()
+    longest(&runs(displacement_m))
 }
 
 /// The marks of all runs of equal cycles, in the order of the record: of one run where the whole
@@ -57,6 +52,17 @@ pub(crate) fn find(displacement_m: &[f64]) -> Vec<usize> {
 pub(crate) fn runs(displacement_m: &[f64]) -> Vec<Vec<usize>> {
     let periodic = of_periodic(displacement_m);
     if periodic.is_empty() { of_short(displacement_m) } else { vec![periodic] }
+}
+
+/// The marks of the run with the most cycles, the first of several.
+pub(crate) fn longest(runs: &[Vec<usize>]) -> Vec<usize> {
+    let mut longest: &[usize] = &[];
+    for marks in runs.iter().filter(|marks| !marks.is_empty()) {
+        if marks.len() > longest.len() {
+            longest = marks;
+        }
+    }
+    longest.to_vec()
 }
 
 /// The marks of a record that is periodic over at least half of its length.

@@ -67,7 +67,8 @@ pub(crate) fn as_recorded(mut series: Series) -> Result<Measurement, Measurement
     }
     plausibility::check_length(&series, step_s)?;
     destroyed.extend(plausibility::report_rate(&mut series, step_s));
-    let cycles = cycles::find(&series.displacement_m);
+    let runs = cycles::runs(&series.displacement_m);
+    let cycles = cycles::longest(&runs);
     let agreement = Agreement::of(&series, &cycles, step_s)?;
     let drive_m = smoothing::smoothed(&series.displacement_m);
     let (velocity_m_per_s, acceleration_m_per_s2) = interpolant::derivatives(&drive_m, step_s);
@@ -87,6 +88,7 @@ pub(crate) fn as_recorded(mut series: Series) -> Result<Measurement, Measurement
         force_n: series.force_n,
         temperature_degc: series.temperature_degc,
         cycles,
+        runs,
         run_in,
         direction_declared: series.extension != Extension::Unknown,
         force_turned: false,
