@@ -130,9 +130,12 @@ fn series(
     let clock = clock(table, layout, rows, &mut repairs)?;
     let velocity = optional_values(table, rows, &layout.velocity)?;
     let is_integrated = integrates(table, layout) && velocity.is_some();
-    let (displacement_m, displacement) = match velocity.as_ref().filter(|_| is_integrated) {
-        Some(velocity) => (integral::first(&clock.time_s, velocity), &layout.velocity.reading),
-        None => (values(table, rows, &layout.displacement)?, &layout.displacement),
+    let displacement =
+        if is_integrated { &layout.velocity.reading } else { &layout.displacement.reading };
+    let displacement_m = if let Some(velocity) = velocity.as_ref().filter(|_| is_integrated) {
+        integral::first(&clock.time_s, velocity)
+    } else {
+        values(table, rows, displacement)?
     };
     let mut series = Series {
         name,
@@ -160,7 +163,7 @@ fn series(
 
 /// A velocity takes the place of a displacement that neither the mapping names nor the file has.
 fn integrates(table: &Table, layout: &Layout) -> bool {
-    !layout.displacement_named && !table.has(&layout.displacement.column)
+    !layout.displacement.required && !table.has(&layout.displacement.reading.column)
 }
 
 /// The mapping or the file states the unit of a column.

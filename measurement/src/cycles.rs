@@ -235,12 +235,14 @@ fn rises(values: &[f64], middle: f64, band: f64) -> Vec<(f64, f64)> {
     for (index, pair) in values.windows(2).enumerate() {
         let (before, now) = (pair[0] - middle, pair[1] - middle);
         if before <= near && now > near {
-            let through = if before < 0.0 { before / (before - now) } else { 0.0 };
-            rise = Some(index as f64 + through);
+            // Straight back to the middle, from which a motion that begins at rest rises.
+            rise = Some((index as f64 - before / (now - before)).max(0.0));
         }
         if trough && returned.is_none() && now >= -near {
-            let left = if now > 0.0 { before / (before - now) } else { 1.0 };
-            returned = Some(index as f64 + left.clamp(0.0, 1.0));
+            // Straight on to the middle, which a motion that ends at rest may not reach.
+            let place = index as f64 - before / (now - before).max(f64::MIN_POSITIVE);
+            let most = index as f64 + 1.0 + 0.02 * (index as f64 - begun.unwrap_or(0.0));
+            returned = Some(place.clamp(index as f64, most));
         }
         if now < -band {
             if crest {

@@ -218,14 +218,13 @@ fn kinds(words: &[String]) -> Vec<Kind> {
 fn split(name: &str) -> (String, Option<String>) {
     let name = name.trim();
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')] {
-        if let (Some(from), Some(to)) = (name.rfind(open), name.rfind(close)) {
-            if let (Some(before), Some(inside)) = (name.get(..from), name.get(from + 1..to)) {
-                let after = name.get(to + close.len_utf8()..).unwrap_or("");
-                if is_unit(inside) {
-                    return (format!("{before} {after}"), Some(inside.trim().to_owned()));
-                }
-            }
-        }
+        let (Some(from), Some(to)) = (name.rfind(open), name.rfind(close)) else { continue };
+        let (before, inside) = (name.get(..from), name.get(from + 1..to));
+        let Some((before, inside)) = before.zip(inside.filter(|inside| is_unit(inside))) else {
+            continue;
+        };
+        let after = name.get(to + close.len_utf8()..).unwrap_or("");
+        return (format!("{before} {after}"), Some(inside.trim().to_owned()));
     }
     // Without brackets: after a slash, a word `in`, a comma, a colon, an underscore or a blank.
     for mark in ["/", " in ", " en ", ",", ":", "|", ";", "_", "-", " "] {

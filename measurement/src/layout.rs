@@ -9,10 +9,8 @@ use std::collections::BTreeMap;
 pub(crate) struct Layout {
     /// What separates two cells.
     pub(crate) separator: Separator,
-    /// What precedes the decimals.
-    pub(crate) decimal: Decimal,
-    /// The mapping states the decimal mark.
-    pub(crate) decimal_declared: bool,
+    /// What precedes the decimals; a point where nobody says it.
+    pub(crate) decimal: Option<Decimal>,
     /// Beginning of a comment line.
     pub(crate) comment: String,
     /// Lines before the row of names.
@@ -33,10 +31,8 @@ pub(crate) struct Layout {
     pub(crate) sample_rate_hz: Option<f64>,
     /// Time; unused with a sampling rate.
     pub(crate) time: Reading,
-    /// Displacement.
-    pub(crate) displacement: Reading,
-    /// The mapping names a displacement; without it a velocity may take its place.
-    pub(crate) displacement_named: bool,
+    /// Displacement; where it is not required a velocity may take its place.
+    pub(crate) displacement: OptionalReading,
     /// Force, one test each.
     pub(crate) force: Vec<Reading>,
     /// Velocity.
@@ -128,8 +124,7 @@ impl Layout {
         };
         Self {
             separator: Separator::Comma,
-            decimal: Decimal::Point,
-            decimal_declared: false,
+            decimal: None,
             comment: "#".to_owned(),
             skip_lines: 0,
             header: true,
@@ -140,8 +135,7 @@ impl Layout {
             only: BTreeMap::new(),
             sample_rate_hz: None,
             time: Reading::plain(Kind::Time, "time_s"),
-            displacement: Reading::plain(Kind::Displacement, "displacement_m"),
-            displacement_named: false,
+            displacement: optional(Kind::Displacement, "displacement_m"),
             force: vec![Reading::plain(Kind::Force, "force_n")],
             velocity: optional(Kind::Velocity, "velocity_m_per_s"),
             temperature: optional(Kind::Temperature, "temperature_degc"),

@@ -92,8 +92,10 @@ pub(crate) fn is_blank(line: &str, separator: Separator) -> bool {
 /// Whether a line is a row of numbers: as many cells as there are names, half of them numbers.
 fn is_data(line: &str, layout: &Layout, width: usize) -> bool {
     let cells = cells(line, layout.separator);
-    let is_number =
-        |cell: &&str| Number::of(cell, layout.decimal, true).is_some() || stamp::is_stamp(cell);
+    let is_number = |cell: &&str| {
+        Number::of(cell, layout.decimal.unwrap_or_default(), true).is_some()
+            || stamp::is_stamp(cell)
+    };
     cells.len() >= width && 2 * cells.iter().filter(is_number).count() >= cells.len()
 }
 

@@ -213,8 +213,7 @@ impl Mapping {
             );
         }
         let header = self.header.unwrap_or(true);
-        let (separator, decimal) =
-            (self.separator.unwrap_or_default(), self.decimal.unwrap_or_default());
+        let separator = self.separator.unwrap_or_default();
         let read = |column: &Option<Column>, kind, name: &str| {
             reading(source, column.as_ref(), kind, name)
         };
@@ -237,8 +236,7 @@ impl Mapping {
             && self.force_column.is_none();
         Ok(Layout {
             separator,
-            decimal,
-            decimal_declared: self.decimal.is_some(),
+            decimal: self.decimal,
             comment,
             skip_lines: self.skip_lines.unwrap_or(0),
             header,
@@ -249,8 +247,10 @@ impl Mapping {
             only: self.only.as_ref().map(|only| only.get_ref().clone()).unwrap_or_default(),
             sample_rate_hz: rate,
             time: read(&self.time, Kind::Time, "time_s")?,
-            displacement: read(&self.displacement, Kind::Displacement, "displacement_m")?,
-            displacement_named: self.displacement.is_some(),
+            displacement: OptionalReading {
+                reading: read(&self.displacement, Kind::Displacement, "displacement_m")?,
+                required: self.displacement.is_some(),
+            },
             force,
             velocity: OptionalReading {
                 reading: read(&self.velocity, Kind::Velocity, "velocity_m_per_s")?,

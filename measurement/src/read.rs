@@ -66,9 +66,10 @@ pub fn read_motions(
     if layout.force.iter().any(|force| has_force(&force.column)) {
         return Ok(None);
     }
-    let has_displacement = tables.iter().any(|table| table.has(&layout.displacement.column));
-    let motion = if has_displacement || layout.displacement_named {
-        &layout.displacement
+    let has_displacement =
+        tables.iter().any(|table| table.has(&layout.displacement.reading.column));
+    let motion = if has_displacement || layout.displacement.required {
+        &layout.displacement.reading
     } else {
         &layout.velocity.reading
     };

@@ -57,7 +57,7 @@ pub(crate) fn layout(text: &str) -> Layout {
         return own;
     }
     // A motion without a force is a file of its own kind.
-    if has("time_s") && has("displacement_m") && !names.iter().any(|name| is_force(name)) {
+    if has("time_s") && has("displacement_m") && !names.iter().any(is_force) {
         return own;
     }
     match recognised(text).and_then(|found| found.layout()) {
@@ -159,7 +159,7 @@ impl Body {
         };
         let is_units = |cells: &StringRecord| {
             let units = cells.iter().filter(|cell| is_unit(cell)).count();
-            units >= 1 && 2 * units >= filled(cells) && !cells.iter().any(|cell| names_kind(cell))
+            units >= 1 && 2 * units >= filled(cells) && !cells.iter().any(names_kind)
         };
         let texts = |cells: &StringRecord| cells.iter().map(str::to_owned).collect::<Vec<_>>();
         let (names, units) = match above.as_slice() {
@@ -178,9 +178,9 @@ impl Body {
             header::read(name, unit)
         });
         let head = all.get(start).map_or("", |line| line.trim());
-        let again = |line: &&str| line.trim() == head;
+        let again = |line: &str| line.trim() == head;
         let comes_again = !names.is_empty()
-            && all.get(self.start..).is_some_and(|below| below.iter().any(|line| again(&line)));
+            && all.get(self.start..).is_some_and(|below| below.iter().any(|line| again(line)));
         Recognised {
             separator,
             decimal,
@@ -317,13 +317,14 @@ impl Recognised {
         let understood = format!("understood without a mapping: {}{decimal}", said.join(", "));
         Some(Layout {
             separator: self.separator,
-            decimal: self.decimal,
-            decimal_declared: true,
+            decimal: Some(self.decimal),
             skip_lines: self.skip_lines,
             units_row: self.units.is_some(),
             own_columns: false,
-            displacement_named: displacement.is_some(),
-            displacement: displacement.unwrap_or(own.displacement.clone()),
+            displacement: match displacement {
+                Some(reading) => OptionalReading { reading, required: true },
+                None => own.displacement.clone(),
+            },
             time,
             force: vec![force],
             velocity,

@@ -55,7 +55,9 @@ pub(crate) fn stamps<'a>(cells: impl Iterator<Item = &'a str>) -> Result<Stamps,
         seconds.push(day * DAY_S + passed + stamp.seconds);
     }
     let first = seconds.first().copied().unwrap_or(0.0);
-    seconds.iter_mut().for_each(|value| *value -= first);
+    for value in &mut seconds {
+        *value -= first;
+    }
     Ok(Stamps {
         seconds,
         last_digits_s: all.iter().map(|stamp| stamp.last_digit_s).collect(),

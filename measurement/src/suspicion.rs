@@ -37,6 +37,22 @@ pub(crate) fn report(
              \"mm\" in a mapping says so"
         ));
     }
+    for (reading, values, name) in [
+        (displacement, &series.displacement_m, displacement_name),
+        (force, &series.force_n, force_name),
+    ] {
+        // Counts of a converter mostly have their zero in the middle of their range.
+        let Some((low, high)) = min_max(values).filter(|_| reading.scale.is_some()) else {
+            continue;
+        };
+        let middle = 0.5 * (low + high);
+        if reading.offset == 0.0 && middle.abs() > 0.5 * (high - low) {
+            said.push(format!(
+                "{name}: a scale without an offset, and values about {middle:.4} and not about 0: \
+                 offset is the reading that means zero"
+            ));
+        }
+    }
     series.repairs.extend(said);
 }
 

@@ -95,8 +95,8 @@ impl Table {
             extension: None,
             repairs: Vec::new(),
             rows,
-            decimal: layout.decimal,
-            decimal_declared: layout.decimal_declared,
+            decimal: layout.decimal.unwrap_or_default(),
+            decimal_declared: layout.decimal.is_some(),
         };
         table.check_widths()?;
         debug_assert_eq!(table.rows.len(), table.lines.len(), "every row has its line");
@@ -251,7 +251,7 @@ fn check_decimal_commas(
     lines: &Lines,
     layout: &Layout,
 ) -> Result<(), MeasurementError> {
-    let both = layout.separator == Separator::Comma && layout.decimal == Decimal::Comma;
+    let both = layout.separator == Separator::Comma && layout.decimal == Some(Decimal::Comma);
     if !both || lines.text.contains('"') {
         return Ok(());
     }
