@@ -181,18 +181,21 @@ pub(crate) fn read(name: &str, units_row: Option<&str>) -> Option<Header> {
         return None;
     }
     let said = in_name.as_deref().or(units_row.filter(|unit| !unit.trim().is_empty()));
-    let kinds = kinds(&words);
+    // The column of time in measurement files of LabVIEW.
+    if name.trim().eq_ignore_ascii_case("x_value") {
+        return Some(Header { kind: Kind::Time, unit: None });
+    }
     // The unit decides between kinds that the words allow: `temps (s)`, `s (mm)`, `t [degC]`.
     if let Some(said) = said {
         let fits = |kind: &Kind| kind.unit(said).map(|unit| (*kind, unit));
-        if let Some((kind, unit)) = kinds.iter().find_map(fits) {
+        if let Some((kind, unit)) = kinds(&words).iter().find_map(fits) {
             return Some(Header { kind, unit: Some((said.trim().to_owned(), unit)) });
         }
         return None;
     }
     // Letters alone say too little.
-    let kind = *kinds.first().filter(|_| words.iter().any(|word| word.chars().count() > 1))?;
-    Some(Header { kind, unit: None })
+    let long: Vec<String> = words.into_iter().filter(|word| word.chars().count() > 1).collect();
+    kinds(&long).first().map(|kind| Header { kind: *kind, unit: None })
 }
 
 /// The kinds that words allow, the likeliest first.
@@ -307,6 +310,7 @@ mod tests {
             "Force Peak [N]",
             "x",
             "F",
+            "X 1",
             "Channel 1",
             "Force (mm)",
             "",

@@ -30,7 +30,10 @@ impl Lines {
                     lines.extension = Some((at + 1, sign.trim().to_owned()));
                 }
             }
-            if at < layout.skip_lines || comment || is_blank(line, layout.separator) {
+            // The first line of some spreadsheets names the separator.
+            let is_sep =
+                at == 0 && line.get(..4).is_some_and(|sep| sep.eq_ignore_ascii_case("sep="));
+            if at < layout.skip_lines || comment || is_sep || is_blank(line, layout.separator) {
                 continue;
             }
             lines.push(at + 1, line, layout.separator);
@@ -57,19 +60,21 @@ impl Lines {
             return vec![self];
         };
         // A row of numbers that comes again is no row of names.
-        let again = |line: &&str| line.trim() == names && !is_data(names, layout, 1);
+        let has_numbers = |line: &str| pattern(line, layout).contains(&true);
+        let again = |line: &&str| line.trim() == names && !has_numbers(names);
         let starts: Vec<usize> =
             (0..lines.len()).filter(|at| lines.get(*at).is_some_and(again)).collect();
         if starts.len() < 2 {
             return vec![self];
         }
-        let width = cells(names, layout.separator).len();
+        let first = lines.get(if layout.units_row { 2 } else { 1 }).copied().unwrap_or("");
+        let pattern = pattern(first, layout);
         let ends = starts.iter().skip(1).copied().chain([lines.len()]);
         let mut blocks = Vec::with_capacity(starts.len());
         for (start, end) in starts.iter().copied().zip(ends) {
             let is_last = end == lines.len();
             let above =
-                |at: &usize| lines.get(*at).is_some_and(|line| is_data(line, layout, width));
+                |at: &usize| lines.get(*at).is_some_and(|line| is_data(line, layout, &pattern));
             let last = (start..end).rev().find(|at| is_last || above(at)).unwrap_or(start);
             let mut block = Self::default();
             for at in start..=last {
@@ -89,14 +94,27 @@ pub(crate) fn is_blank(line: &str, separator: Separator) -> bool {
     line.chars().all(|c| c == byte || c == '"' || c.is_whitespace())
 }
 
-/// Whether a line is a row of numbers: as many cells as there are names, half of them numbers.
-fn is_data(line: &str, layout: &Layout, width: usize) -> bool {
+/// True for a cell that holds a number or a time.
+fn is_number(cell: &str, layout: &Layout) -> bool {
+    Number::of(cell, layout.decimal.unwrap_or_default(), true).is_some() || stamp::is_stamp(cell)
+}
+
+/// Which cells of a line are numbers.
+fn pattern(line: &str, layout: &Layout) -> Vec<bool> {
+    cells(line, layout.separator).iter().map(|cell| is_number(cell, layout)).collect()
+}
+
+/// Whether a line has numbers, or nothing, where a row of numbers has them.
+fn is_data(line: &str, layout: &Layout, pattern: &[bool]) -> bool {
     let cells = cells(line, layout.separator);
-    let is_number = |cell: &&str| {
-        Number::of(cell, layout.decimal.unwrap_or_default(), true).is_some()
-            || stamp::is_stamp(cell)
-    };
-    cells.len() >= width && 2 * cells.iter().filter(is_number).count() >= cells.len()
+    let mut numbers = 0;
+    for (cell, _) in cells.iter().zip(pattern).filter(|(_, is_number)| **is_number) {
+        if !cell.is_empty() && !is_number(cell, layout) {
+            return false;
+        }
+        numbers += usize::from(!cell.is_empty());
+    }
+    numbers > 0 && cells.len() >= pattern.len()
 }
 
 /// The cells of one line.

@@ -294,6 +294,12 @@ impl Recognised {
         if !self.decimal_is_certain || (displacement.is_none() && !velocity.required) {
             return None;
         }
+        let is_own = |reading: &Reading, name: &str| reading.column == name;
+        let own_columns = displacement.as_ref().is_some_and(|reading| {
+            is_own(reading, "displacement_m")
+                && is_own(&force, "force_n")
+                && is_own(&time, "time_s")
+        });
         let mut said = Vec::new();
         for (kind, reading) in [
             (Kind::Time, Some(&time)),
@@ -320,7 +326,7 @@ impl Recognised {
             decimal: Some(self.decimal),
             skip_lines: self.skip_lines,
             units_row: self.units.is_some(),
-            own_columns: false,
+            own_columns,
             displacement: match displacement {
                 Some(reading) => OptionalReading { reading, required: true },
                 None => own.displacement.clone(),

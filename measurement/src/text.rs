@@ -18,8 +18,16 @@ impl Text {
         let bytes = input::read_bytes(path, Limit::Table)?;
         match no_table(&bytes) {
             Some((what, advice)) => Err(InputError::OtherKind(path.to_owned(), what, advice)),
-            None => Ok(Self::decoded(bytes)),
+            None => Ok(Self::decoded(bytes).with_line_feeds()),
         }
+    }
+
+    /// Lines that end as they did on old computers end as they do now.
+    fn with_line_feeds(self) -> Self {
+        if self.content.contains('\n') || !self.content.contains('\r') {
+            return self;
+        }
+        Self { content: self.content.replace('\r', "\n"), ..self }
     }
 
     /// UTF-8 with or without its mark, UTF-16 of spreadsheets, else Latin-1.

@@ -319,6 +319,38 @@ fn a_file_of_several_blocks_holds_several_tests() {
 }
 
 #[test]
+fn a_measurement_file_of_labview_has_numbers_in_its_preamble() {
+    let preamble = "Channels\t2\t\t\nSamples\t3000\t3000\t\nDate\t2021/03/04\t2021/03/04\t\n\
+        Time\t10:11:12.1\t10:11:12.1\t\nX0\t0.0E+0\t0.0E+0\t\nDelta_X\t0.001\t0.001\t\n\
+        ***End_of_Header***\t\t\t\nX_Value\tForce (kN)\tStroke (mm)\tComment\n";
+    let block = |head: &str| {
+        export(head, 3000, |_, [t, x, f]| format!("{t:.6}\t{:.6}\t{x:.6}\t", f * 1e-3))
+    };
+    let head = format!("LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\n\n{preamble}");
+    check_text("one block", &block(&head), None);
+    let tests = read(&(block(&head) + "\n" + &block(preamble)), None).unwrap();
+    assert_eq!(tests.len(), 2);
+    tests.iter().for_each(|test| check(test, "two blocks"));
+}
+
+#[test]
+fn lines_of_spreadsheets_and_old_computers_are_read() {
+    let file = export("Time (s);Disp (mm);Force (N)\n", 3000, |_, [t, x, f]| {
+        format!("{t:.3};{x:.5};{f:.3}").replace('.', ",")
+    });
+    check_text("sep=", &format!("sep=;\n{file}"), None);
+    check_text("carriage returns", &file.replace('\n', "\r"), None);
+    check_text("both", &file.replace('\n', "\r\n"), None);
+    let mapping = "separator = \"semicolon\"\ndecimal = \"comma\"\ntime = { column = \"Time (s)\" }\n\
+        displacement = { column = \"Disp (mm)\", unit = \"mm\" }\nforce = { column = \"Force (N)\" }\n";
+    check_text("sep= with a mapping", &format!("sep=;\n{file}"), Some(mapping));
+    let own = export("time_s;displacement_m;force_n\n", 3000, |_, [t, x, f]| {
+        format!("{t:.3};{:.8};{f:.3}", x * 1e-3)
+    });
+    assert!(check_text("own names", &own, None).direction_declared);
+}
+
+#[test]
 fn a_velocity_without_a_displacement_is_integrated() {
     let speed = |n: usize| TAU * 2.0 * 10.0 * libm::cos(TAU * 2.0 * n as f64 * 1e-3) + 3.0;
     let file = export("Time (s),Velocity (mm/s),Force (N)\n", 3300, |n, [t, _, f]| {
