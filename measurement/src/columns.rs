@@ -241,11 +241,15 @@ fn slow_values(
         return Ok(None);
     }
     let column = table.column(&reading.column)?;
-    let is_there = |row: &usize| {
-        let cell = table.cell(*row, column);
-        !cell.is_empty()
-            && !["nan", "na", "n/a", "#n/a", "-"].contains(&cell.to_lowercase().as_str())
-    };
+    let cell = |row: usize| table.cell(row, column);
+    let blank = |row: &&usize| cell(**row).is_empty();
+    let not_a_number = |row: &&usize| cell(**row).eq_ignore_ascii_case("nan");
+    // One that is not a number among numbers is a fault; a program that fills every row in which
+    // the slow channel has no reading writes more of them than numbers.
+    let (blanks, nans) =
+        (rows.iter().filter(blank).count(), rows.iter().filter(not_a_number).count());
+    let is_filled = 2 * (blanks + nans) > rows.len();
+    let is_there = |row: &usize| !cell(*row).is_empty() && !(is_filled && not_a_number(&row));
     let (places, read): (Vec<usize>, Vec<usize>) =
         rows.iter().copied().enumerate().filter(|(_, row)| is_there(row)).unzip();
     let readings = values(table, &read, reading)?;

@@ -5,13 +5,13 @@
 //! range to either side, so that noise makes none.
 //!
 //! - **A periodic record**: at least two cycles in a row, over at least half of the record, have
-//!   lengths within 5 % (or two samples) of their median and ranges within 10 %: sines and triangles
-//!   do, sweeps and service records do not.
+//!   lengths within 5 % (or two samples) of their median and ranges within 10 %: sines and
+//!   triangles do, sweeps and service records do not.
 //! - **A short test**, with rests, growing and fading: at least two cycles in a row whose lengths
 //!   agree within 2 % (or two samples), whose ranges agree within 3 %, and whose displacements, one
-//!   over the other, differ by at most 3 % of their rms. They have to stand out: a third of the
-//!   record's cycles, or the plateau between rests or cycles of another size; two cycles of a random
-//!   motion that happen to be alike are none.
+//!   over the other, differ by at most 3 % of their rms. They have to be a tenth of the
+//!   record's cycles and not a piece of a steady growth: cycles of a random motion that happen to
+//!   be alike are none.
 //!
 //! Marked are the cycles of one run, the longest: a mark for the first sample of each and one for
 //! the end of the last, so that two marks that follow each other always enclose one cycle and three

@@ -1,9 +1,9 @@
 //! A displacement from a velocity, where only the velocity was recorded.
 //!
-//! The integral is that of the cubic through four neighbouring samples, exact to the fourth order of
-//! the step. An offset of the velocity makes it drift; noise lets it wander. What is removed is a
-//! straight line: that through the means over whole cycles where there are some, else that of least
-//! squares. The place on the stroke is not known afterwards.
+//! The integral is that of the cubic through four neighbouring samples, exact to the fourth order
+//! of the step. An offset of the velocity makes it drift; noise lets it wander. What is removed is
+//! a straight line: that through the means over whole cycles where there are some, else that of
+//! least squares. The place on the stroke is not known afterwards.
 
 use crate::cycles;
 

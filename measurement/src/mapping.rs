@@ -34,10 +34,11 @@
 //! row, or are SI. With `scale` a unit is that of the scaled value, and a units row is not used.
 //!
 //! Units may be spelled as programs do (`Sec`, `kip`, `lbs`, `inches`, `ips`). A time column may
-//! hold dates and times of day; they become seconds since the first. Where a file has a velocity and
-//! no displacement, the velocity is integrated. Digits may be grouped by threes. A file whose block
-//! of names comes again holds several tests: `NAME-1`, `NAME-2`. `extension = "negative"` turns the signs of displacement, velocity and force, so
-//! that positive is extension and tension. Numbers in `where` match within 0.1 %.
+//! hold dates and times of day; they become seconds since the first. Where a file has a velocity
+//! and no displacement, the velocity is integrated. Digits may be grouped by threes. A file whose
+//! block of names comes again holds several tests: `NAME-1`, `NAME-2`. `extension = "negative"`
+//! turns the signs of displacement, velocity and force, so that positive is extension and tension.
+//! Numbers in `where` match within 0.1 %.
 //!
 //! One mapping may serve files of different layout: `[[file]]` tables with `named = "*quake*"`
 //! hold the same keys for the files whose names fit, and override those at the top.
