@@ -249,7 +249,7 @@ fn slow_values(
     let (blanks, nans) =
         (rows.iter().filter(blank).count(), rows.iter().filter(not_a_number).count());
     let is_filled = 2 * (blanks + nans) > rows.len();
-    let is_there = |row: &usize| !cell(*row).is_empty() && !(is_filled && not_a_number(&row));
+    let is_there = |row: &usize| !(cell(*row).is_empty() || is_filled && not_a_number(&row));
     let (places, read): (Vec<usize>, Vec<usize>) =
         rows.iter().copied().enumerate().filter(|(_, row)| is_there(row)).unzip();
     let readings = values(table, &read, reading)?;
