@@ -330,7 +330,9 @@ fn a_measurement_file_of_labview_has_numbers_in_its_preamble() {
     check_text("one block", &block(&head), None);
     let tests = read(&(block(&head) + "\n" + &block(preamble)), None).unwrap();
     assert_eq!(tests.len(), 2);
-    tests.iter().for_each(|test| check(test, "two blocks"));
+    for test in &tests {
+        check(test, "two blocks");
+    }
 }
 
 #[test]
