@@ -1,5 +1,7 @@
 //! `yawbench characterise`: a virtual bench visit, or the figures of measured records.
 //!
+//! With `--propose-mapping` it prints a mapping for a file, or writes it to `--out`.
+//!
 //! Three sources: a model with its effects, the hydraulic damper (`--physical`), or measured
 //! records (`--from`). The first two write a CSV file and its mapping per test; all write
 //! `laboratory.json` with the figures that are printed. Nothing is written before the last test is
@@ -29,7 +31,7 @@ const LABORATORY: &str = "laboratory.json";
 #[derive(Debug, Args)]
 pub(crate) struct CharacteriseArgs {
     /// The damper: a model file, which has a damper table.
-    #[arg(required_unless_present_any = ["physical", "from"], conflicts_with_all = ["physical", "from"])]
+    #[arg(required_unless_present_any = ["physical", "from", "propose_mapping"], conflicts_with_all = ["physical", "from"])]
     model: Option<PathBuf>,
     /// The damper: a hydraulic damper from chambers, valves and oil.
     #[arg(long, value_name = "FILE", conflicts_with = "from")]
@@ -45,13 +47,17 @@ pub(crate) struct CharacteriseArgs {
     /// one].
     #[arg(long, value_name = "FILE", requires = "from")]
     mapping: Option<PathBuf>,
+    /// No visit: print a mapping for this file, with what it says about its columns and questions
+    /// about the rest; --out FILE writes it.
+    #[arg(long, value_name = "CSV", conflicts_with_all = ["model", "physical", "from", "tests", "datasheet", "json"])]
+    propose_mapping: Option<PathBuf>,
     /// Datasheet with whose force table and tolerance the figures are compared.
     #[arg(long, value_name = "FILE")]
     datasheet: Option<PathBuf>,
     /// Seed of the noise and of everything random in the damper.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Folder for the files [default: runs/NAME-N].
+    /// Folder for the files [default: runs/NAME-N]; with --propose-mapping the mapping's file.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Replace a result that --out holds.
@@ -67,6 +73,9 @@ pub(crate) struct CharacteriseArgs {
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
 pub(crate) fn command(args: &CharacteriseArgs) -> Result<ExitCode, CommandError> {
+    if let Some(path) = &args.propose_mapping {
+        return propose_mapping(args, path);
+    }
     let datasheet = args.datasheet.as_deref().map(Limit::load).transpose()?.unwrap_or_default();
     if let Some(first) = args.from.first() {
         return of_records(args, first, &datasheet);
@@ -95,6 +104,42 @@ fn test_list(name: &str) -> Result<TestList, CommandError> {
         ));
     }
     Ok(built_in.map_or_else(|| TestList::named(name), Ok)?)
+}
+
+/// A mapping for a file.
+fn propose_mapping(args: &CharacteriseArgs, path: &Path) -> Result<ExitCode, CommandError> {
+    let mapping = measurement::propose_mapping(path)?;
+    match &args.out {
+        Some(out) => write_mapping(out, path, &mapping, args.overwrite)?,
+        None => print(&mapping)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes a mapping to a file that is not there yet, or that is a mapping to be replaced.
+fn write_mapping(
+    out: &Path,
+    record: &Path,
+    mapping: &str,
+    overwrite: bool,
+) -> Result<(), CommandError> {
+    let refused = |found: &str, expected: &str| {
+        let file = format!("--out {}", out.display()).into();
+        Err(CommandError::Input { file, found: found.to_owned(), expected: expected.to_owned() })
+    };
+    if out.is_dir() {
+        return refused("a folder", "the name of a TOML file");
+    }
+    let same = |one: &Path| one.canonicalize().ok();
+    if same(out).is_some() && same(out) == same(record) {
+        return refused("the record itself", "another file");
+    }
+    if !overwrite && out.symlink_metadata().is_ok() {
+        return refused("a file that exists", "a new one, or --overwrite");
+    }
+    std::fs::write(out, mapping).map_err(|why| CommandError::File(out.to_owned(), why))?;
+    print(&format!("mapping in {}", files::quoted(&out.display().to_string())))?;
+    Ok(())
 }
 
 /// The figures of measured records.

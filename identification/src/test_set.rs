@@ -264,7 +264,10 @@ fn blocks_of(record: &Measurement) -> Vec<Range<usize>> {
     let mut blocks = Vec::new();
     let mut start = counted.start;
     let cycles = record.cycles.iter().copied().filter(|&at| at > counted.start);
-    if record.cycles.len() < 3 {
+    // Where cycles fill less than half of the record, between rests or in a tapered test, they
+    // cannot cut it.
+    let covered = record.cycles.last().zip(record.cycles.first()).map_or(0, |(end, at)| end - at);
+    if record.cycles.len() < 3 || 2 * covered < record.len() {
         let length = (2 * shortest).min(counted.len() / 4).max(1);
         while start + length <= counted.end {
             blocks.push(start..start + length);

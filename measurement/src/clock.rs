@@ -1,11 +1,13 @@
 //! From time stamps to one uniform clock.
 //!
-//! Time stamps that lie on a line within 1 % of a step, or within the rounding of their last digit,
-//! are that line: the samples stay what they are. Otherwise the channels are resampled to the
-//! median step by the cubic through neighbouring samples whose slopes are those of the parabola
-//! through three (Hermite); this is reported as a repair. Its limits: every step within 30 % of
-//! the median; up to three samples missing in a row and one in a hundred in all. What is worse is
-//! an error with its line.
+//! Time stamps that lie on a line within 1 % of a step, or each within the rounding of its own last
+//! digit, are that line: the samples stay what they are. Digits may be few, and fewer for late
+//! stamps than for early ones (`0.0003328`, `3.9923`, `1e-05`), as long as a tenth of the stamps
+//! have a last digit of at most five steps. Otherwise the channels are resampled to the median step
+//! by the cubic through neighbouring samples whose slopes are those of the parabola through three
+//! (Hermite); this is reported as a repair. Its limits: every step within 30 % of the median; up to
+//! three samples missing in a row and one in a hundred in all. What is worse is an error with its
+//! line, and so is a timer that gives several rows one stamp.
 
 use crate::error::MeasurementError;
 use crate::interpolant;
@@ -14,12 +16,22 @@ use std::cmp::Ordering;
 
 /// Share of a step by which time stamps may deviate from a uniform clock.
 const UNIFORM_SHARE: f64 = 0.01;
+/// Share of the last digit by which a stamp may lie off the line: half of it by rounding.
+const ROUNDING: f64 = 0.6;
+/// Steps that the last digit of a stamp that fixes the clock may be.
+const COARSE_STEPS: f64 = 5.0;
+/// Share of stamps that have to fix the clock.
+const FINE_SHARE: f64 = 0.1;
 /// Share of the median step by which a step may differ and is still resampled.
 const JITTER_SHARE: f64 = 0.3;
 /// Most samples in a row that are filled in.
 const FILLED_IN_A_ROW: usize = 3;
 /// Most samples of all that are filled in, as a share.
 const FILLED_SHARE: f64 = 0.01;
+/// Share of rows with the stamp of the row before them from which a timer is coarse.
+const SHARED_SHARE: f64 = 0.05;
+/// The way out where stamps are no use.
+const WAY_OUT: &str = "sample_rate_hz in a mapping takes the place of the time column";
 
 /// Brings a series to a uniform clock; gives its step (s). Needs at least three samples.
 ///
@@ -27,23 +39,127 @@ const FILLED_SHARE: f64 = 0.01;
 /// Time that goes back, repeated stamps with other values, gaps and steps beyond the limits.
 pub(crate) fn make_uniform(series: &mut Series) -> Result<f64, MeasurementError> {
     let (step_s, deviation_s) = line_through(&series.time_s);
-    let rounding_s = 0.6 * series.time_resolution_s;
     if step_s > 0.0 && deviation_s <= UNIFORM_SHARE * step_s {
         return Ok(tidy(step_s, 1e-6));
     }
-    if step_s > 0.0 && deviation_s <= rounding_s && rounding_s <= 3.0 * step_s {
-        let span_s = step_s * series.time_s.len() as f64;
-        let step_s = tidy(step_s, series.time_resolution_s / span_s);
+    if let Some(step_s) = line_within_digits(&series.time_s, &series.time_resolution_s) {
+        let digits = &series.time_resolution_s;
+        let least = digits.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = digits.iter().copied().fold(0.0, f64::max);
+        let step_s = tidy(step_s, certainty(digits, step_s));
+        let (least, most) = (seconds(least), seconds(most));
+        let digits = if least == most { least } else { format!("{least} to {most}") };
         series.repairs.push(format!(
-            "{}: stamps rounded to {} s taken as equal steps of {step_s:.6} s",
-            series.columns[0], series.time_resolution_s
+            "{}: stamps rounded to {digits} s taken as equal steps of {step_s:.6} s, {:.6} Hz",
+            series.columns[0],
+            1.0 / step_s
         ));
         return Ok(step_s);
     }
+    refuse_coarse(series)?;
     drop_repeats(series)?;
     let median_s = median_step(&series.time_s);
     let missing = check_steps(series, median_s)?;
     Ok(resample(series, median_s, &missing))
+}
+
+/// A size as text without the noise of binary fractions.
+fn seconds(size_s: f64) -> String {
+    let text = format!("{size_s:.12}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// Step of a line that every stamp lies on within its own last digit, rounded or cut off.
+fn line_within_digits(time_s: &[f64], digits_s: &[f64]) -> Option<f64> {
+    if digits_s.len() != time_s.len() || digits_s.iter().any(|digit| *digit <= 0.0) {
+        return None;
+    }
+    let middles = time_s.iter().zip(digits_s).map(|(time, digit)| time + 0.5 * digit);
+    let step_s = weighted_line(time_s, digits_s)
+        .or_else(|| weighted_line(&middles.collect::<Vec<_>>(), digits_s))?;
+    let is_fine = |digit: &&f64| **digit <= COARSE_STEPS * step_s;
+    let fine = digits_s.iter().filter(is_fine).count();
+    (fine as f64 >= FINE_SHARE * time_s.len() as f64).then_some(step_s)
+}
+
+/// Step of the line with the least distances from all stamps in units of their last digits, if none
+/// is too far: least squares whose weights grow where the distance is large (Lawson 1961).
+fn weighted_line(time_s: &[f64], digits_s: &[f64]) -> Option<f64> {
+    let first = time_s.first().copied()?;
+    let mut weights: Vec<f64> = digits_s.iter().map(|digit| 1.0 / (digit * digit)).collect();
+    for _ in 0..20 {
+        let mut sums = [0.0; 5];
+        for (n, (time, weight)) in time_s.iter().zip(&weights).enumerate() {
+            let (n, time) = (n as f64, time - first);
+            let parts = [1.0, n, n * n, time, n * time];
+            for (sum, part) in sums.iter_mut().zip(parts) {
+                *sum += weight * part;
+            }
+        }
+        let [one, n, square, time, product] = sums;
+        let step_s = (one * product - n * time) / (one * square - n * n);
+        let start_s = (time - step_s * n) / one;
+        if !(step_s > 0.0 && step_s.is_finite()) {
+            return None;
+        }
+        let mut farthest = 0.0_f64;
+        for ((n, (time, digit)), weight) in
+            time_s.iter().zip(digits_s).enumerate().zip(&mut weights)
+        {
+            let off = (time - first - start_s - step_s * n as f64).abs() / digit;
+            farthest = farthest.max(off);
+            *weight *= 0.1 + off;
+        }
+        if farthest <= ROUNDING {
+            return Some(step_s);
+        }
+    }
+    None
+}
+
+/// Share of a step that the stamps leave open together.
+fn certainty(digits_s: &[f64], step_s: f64) -> f64 {
+    let mut sums = [0.0; 3];
+    for (n, digit) in digits_s.iter().enumerate() {
+        let (n, weight) = (n as f64, 1.0 / (digit * digit));
+        for (sum, part) in sums.iter_mut().zip([1.0, n, n * n]) {
+            *sum += weight * part;
+        }
+    }
+    let [one, n, square] = sums;
+    1.0 / ((square - n * n / one).sqrt() * step_s)
+}
+
+/// Refuses a timer that gives several rows one stamp.
+fn refuse_coarse(series: &Series) -> Result<(), MeasurementError> {
+    let time_s = &series.time_s;
+    let other = |values: &[f64], n: usize| values.get(n) != values.get(n + 1);
+    let shares = |n: &usize| {
+        time_s.get(*n) == time_s.get(n + 1)
+            && (other(&series.displacement_m, *n) || other(&series.force_n, *n))
+    };
+    let shared: Vec<usize> = (0..time_s.len().saturating_sub(1)).filter(shares).collect();
+    let Some(first) =
+        shared.first().filter(|_| shared.len() as f64 >= SHARED_SHARE * time_s.len() as f64)
+    else {
+        return Ok(());
+    };
+    let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+    let tick = steps.fold(f64::INFINITY, f64::min);
+    let span_s = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
+    let rate_hz = (time_s.len() - 1) as f64 / span_s;
+    let found = format!(
+        "{} of {} rows with the stamp of the row before and other values, a timer that counts in \
+         {} s",
+        shared.len(),
+        time_s.len(),
+        seconds(tick)
+    );
+    let expected = format!(
+        "a stamp for every row: {WAY_OUT}, if the rows are equally spaced (here about \
+         {rate_hz:.0} a second)"
+    );
+    Err(series.error_of_time(first + 1, found, expected))
 }
 
 /// Step of the least-squares line through the stamps, and the greatest distance from it (s).
@@ -87,11 +203,12 @@ fn drop_repeats(series: &mut Series) -> Result<(), MeasurementError> {
         let same = |values: &[f64]| at(values, sample - 1) == at(values, sample);
         let found = format!("{now} s after {before} s");
         if now < before {
-            let expected = "rising time; split_by separates several tests of a file".to_owned();
+            let expected =
+                format!("rising time; split_by separates several tests of a file, and {WAY_OUT}");
             return Err(series.error_of_time(sample, found, expected));
         }
         if !(same(&series.displacement_m) && same(&series.force_n)) {
-            let expected = "rising time, or the same values at the same time".to_owned();
+            let expected = format!("rising time, or the same values at the same time; {WAY_OUT}");
             let found = format!("{found}, with other values");
             return Err(series.error_of_time(sample, found, expected));
         }
@@ -133,13 +250,15 @@ fn check_steps(series: &Series, median_s: f64) -> Result<Vec<(usize, usize)>, Me
         let expected = format!("steps of {median_s:.6} s, each within 30 %");
         if (steps - whole).abs() > JITTER_SHARE {
             let found = format!("a step of {:.6} s", pair[1] - pair[0]);
+            let expected = format!("{expected}; {WAY_OUT}");
             return Err(series.error_of_time(sample + 1, found, expected));
         }
         let lost = whole as usize - 1;
         if lost > FILLED_IN_A_ROW {
             let found = format!("a gap of {:.6} s, {lost} samples", pair[1] - pair[0]);
-            let expected =
-                format!("{expected}; up to {FILLED_IN_A_ROW} missing samples are filled");
+            let expected = format!(
+                "{expected}; up to {FILLED_IN_A_ROW} missing samples are filled; {WAY_OUT}"
+            );
             return Err(series.error_of_time(sample + 1, found, expected));
         }
         if lost > 0 {
@@ -149,7 +268,7 @@ fn check_steps(series: &Series, median_s: f64) -> Result<Vec<(usize, usize)>, Me
     let all: usize = missing.iter().map(|(_, lost)| lost).sum();
     if all as f64 > FILLED_SHARE * series.time_s.len() as f64 {
         let found = format!("{all} missing samples in {} gaps", missing.len());
-        return Err(series.error(found, "at most one in a hundred".to_owned()));
+        return Err(series.error(found, format!("at most one in a hundred; {WAY_OUT}")));
     }
     Ok(missing)
 }

@@ -5,6 +5,7 @@ use crate::layout::{Extension, Layout, OptionalReading, Reading};
 use crate::series::Series;
 use crate::table::Table;
 use crate::unit::Unit;
+use crate::{integral, stamp, suspicion};
 use files::quoted;
 use std::path::Path;
 
@@ -23,6 +24,9 @@ pub(crate) fn tests_of(table: &Table, layout: &Layout) -> Result<Vec<Series>, Me
     for (label, rows) in groups(table, layout, &kept)? {
         for force in &layout.force {
             let mut name = stem(&table.file);
+            if let Some(block) = table.block {
+                name = format!("{name}-{block}");
+            }
             name.extend(label.chars().take(PART_LONGEST));
             if layout.force.len() > 1 {
                 name.push('-');
@@ -53,8 +57,10 @@ fn kept_rows(table: &Table, layout: &Layout) -> Result<Vec<usize>, MeasurementEr
     let mut kept: Vec<usize> = (0..table.row_count()).collect();
     for (name, wanted) in &layout.only {
         let column = table.column(name)?;
-        let holds =
-            |row: &usize| wanted.holds(table.cell(*row, column), table.number(*row, column));
+        let holds = |row: &usize| {
+            let number = table.number(*row, column).map(|number| number.value);
+            wanted.holds(table.cell(*row, column), number)
+        };
         let held: Vec<usize> = kept.iter().copied().filter(holds).collect();
         if held.is_empty() {
             let name = quoted(name);
@@ -119,41 +125,95 @@ fn series(
     name: String,
     extension: Extension,
 ) -> Result<Series, MeasurementError> {
-    let (time_s, time_resolution_s, time_name) = if let Some(rate) = layout.sample_rate_hz {
-        ((0..rows.len()).map(|n| n as f64 / rate).collect(), 0.0, "sample_rate_hz".to_owned())
+    let mut repairs = table.repairs.clone();
+    repairs.extend(layout.understood.clone());
+    let clock = clock(table, layout, rows, &mut repairs)?;
+    let velocity = optional_values(table, rows, &layout.velocity)?;
+    let is_integrated = integrates(table, layout) && velocity.is_some();
+    let displacement =
+        if is_integrated { &layout.velocity.reading } else { &layout.displacement.reading };
+    let displacement_m = if let Some(velocity) = velocity.as_ref().filter(|_| is_integrated) {
+        integral::first(&clock.time_s, velocity)
     } else {
-        let resolution_s = time_resolution_s(table, rows, &layout.time)?;
-        (values(table, rows, &layout.time)?, resolution_s, quoted_name(&layout.time))
+        values(table, rows, displacement)?
     };
-    let series = Series {
+    let mut series = Series {
         name,
         file: table.file.clone(),
         lines: rows.iter().map(|row| table.lines.get(*row).copied().unwrap_or(0)).collect(),
-        time_s,
-        time_resolution_s,
-        displacement_m: values(table, rows, &layout.displacement)?,
+        time_s: clock.time_s,
+        time_resolution_s: clock.resolution_s,
+        displacement_m,
         force_n: values(table, rows, force)?,
-        velocity_m_per_s: optional_values(table, rows, &layout.velocity)?,
-        temperature_degc: optional_values(table, rows, &layout.temperature)?,
+        velocity_m_per_s: velocity,
+        temperature_degc: slow_values(table, rows, &layout.temperature, &mut repairs)?,
+        is_integrated,
         extension,
-        repairs: table.repairs.clone(),
-        columns: [time_name, quoted_name(&layout.displacement), quoted_name(force)],
+        repairs,
+        columns: [clock.name, quoted_name(displacement), quoted_name(force)],
     };
+    for reading in [displacement, force] {
+        let remark = unit_of(table, reading)?.remark();
+        series.repairs.extend(remark.map(|said| format!("{}: {said}", quoted_name(reading))));
+    }
+    suspicion::report(&mut series, |reading| is_stated(table, reading), displacement, force);
     debug_assert!(series.is_complete(), "every column has every row");
     Ok(series)
 }
 
-/// The last digit of the time stamps, s.
-fn time_resolution_s(
+/// A velocity takes the place of a displacement that neither the mapping names nor the file has.
+fn integrates(table: &Table, layout: &Layout) -> bool {
+    !layout.displacement.required && !table.has(&layout.displacement.reading.column)
+}
+
+/// The mapping or the file states the unit of a column.
+fn is_stated(table: &Table, reading: &Reading) -> bool {
+    reading.unit.is_some() || reading.scale.is_some() || table.units.is_some()
+}
+
+/// Time stamps with the sizes of their last digits.
+struct Clock {
+    time_s: Vec<f64>,
+    resolution_s: Vec<f64>,
+    name: String,
+}
+
+fn clock(
     table: &Table,
+    layout: &Layout,
     rows: &[usize],
-    time: &Reading,
-) -> Result<f64, MeasurementError> {
-    let column = table.column(&time.column)?;
-    let decimals = rows.iter().map(|row| table.decimals(*row, column));
-    let decimals = decimals.collect::<Option<Vec<_>>>().and_then(|all| all.into_iter().max());
-    let last_digit = decimals.map_or(0.0, |n| libm::pow(10.0, -(n as f64)));
-    Ok(last_digit * unit_of(table, time)?.factor())
+    repairs: &mut Vec<String>,
+) -> Result<Clock, MeasurementError> {
+    if let Some(rate) = layout.sample_rate_hz {
+        return Ok(Clock {
+            time_s: (0..rows.len()).map(|n| n as f64 / rate).collect(),
+            resolution_s: Vec::new(),
+            name: "sample_rate_hz".to_owned(),
+        });
+    }
+    let time = &layout.time;
+    let (column, name) = (table.column(&time.column)?, quoted_name(time));
+    let first = rows.first().map_or("", |row| table.cell(*row, column));
+    if stamp::is_stamp(first) {
+        let cells = rows.iter().map(|row| table.cell(*row, column));
+        let stamps = stamp::stamps(cells).map_err(|index| {
+            let row = rows.get(index).copied().unwrap_or(0);
+            let line = table.lines.get(row).copied().unwrap_or(0);
+            let found = format!("\"{}\"", quoted(table.cell(row, column)));
+            let expected = format!("a time as in the first row, \"{}\"", quoted(first));
+            table.cell_error(line, &time.column, found, expected)
+        })?;
+        let midnight = if stamps.passed_midnight { ", past midnight" } else { "" };
+        repairs.push(format!("{name}: taken as seconds since {}{midnight}", quoted(first)));
+        return Ok(Clock { time_s: stamps.seconds, resolution_s: stamps.last_digits_s, name });
+    }
+    let size = unit_of(table, time)?.factor() * time.scale.unwrap_or(1.0).abs();
+    let digit = |row: &usize| Ok(table.finite(*row, column)?.last_digit * size);
+    Ok(Clock {
+        time_s: values(table, rows, time)?,
+        resolution_s: rows.iter().map(digit).collect::<Result<_, MeasurementError>>()?,
+        name,
+    })
 }
 
 fn optional_values(
@@ -162,20 +222,74 @@ fn optional_values(
     optional: &OptionalReading,
 ) -> Result<Option<Vec<f64>>, MeasurementError> {
     let OptionalReading { reading, required } = optional;
-    match (required, table.column(&reading.column)) {
-        (true, _) | (false, Ok(_)) => values(table, rows, reading).map(Some),
-        (false, Err(_)) => Ok(None),
+    if *required || table.has(&reading.column) {
+        return values(table, rows, reading).map(Some);
+    }
+    Ok(None)
+}
+
+/// A column that may be slower than the others: between its readings it goes on straight, before
+/// the first and after the last it stays.
+fn slow_values(
+    table: &Table,
+    rows: &[usize],
+    optional: &OptionalReading,
+    repairs: &mut Vec<String>,
+) -> Result<Option<Vec<f64>>, MeasurementError> {
+    let OptionalReading { reading, required } = optional;
+    if !(*required || table.has(&reading.column)) {
+        return Ok(None);
+    }
+    let column = table.column(&reading.column)?;
+    let cell = |row: usize| table.cell(row, column);
+    let blank = |row: &&usize| cell(**row).is_empty();
+    let not_a_number = |row: &&usize| cell(**row).eq_ignore_ascii_case("nan");
+    // One that is not a number among numbers is a fault; a program that fills every row in which
+    // the slow channel has no reading writes more of them than numbers.
+    let (blanks, nans) =
+        (rows.iter().filter(blank).count(), rows.iter().filter(not_a_number).count());
+    let is_filled = 2 * (blanks + nans) > rows.len();
+    let is_there = |row: &usize| !(cell(*row).is_empty() || is_filled && not_a_number(&row));
+    let (places, read): (Vec<usize>, Vec<usize>) =
+        rows.iter().copied().enumerate().filter(|(_, row)| is_there(row)).unzip();
+    let readings = values(table, &read, reading)?;
+    if readings.len() == rows.len() {
+        return Ok(Some(readings));
+    }
+    let name = quoted_name(reading);
+    if readings.is_empty() {
+        repairs.push(format!("{name}: no reading in any row, left out"));
+        return Ok(None);
+    }
+    repairs.push(format!(
+        "{name}: {} readings in {} rows, interpolated between them",
+        readings.len(),
+        rows.len()
+    ));
+    let known: Vec<(usize, f64)> = places.into_iter().zip(readings).collect();
+    Ok(Some((0..rows.len()).map(|place| between_readings(&known, place)).collect()))
+}
+
+fn between_readings(known: &[(usize, f64)], place: usize) -> f64 {
+    let next = known.partition_point(|(at, _)| *at < place);
+    match (next.checked_sub(1).and_then(|before| known.get(before)), known.get(next)) {
+        (Some((a, from)), Some((b, to))) => {
+            from + (to - from) * (place - a) as f64 / (b - a) as f64
+        }
+        (Some((_, value)), None) | (None, Some((_, value))) => *value,
+        (None, None) => 0.0,
     }
 }
 
-/// `sign * unit(reading - offset)`.
+/// `sign * unit(scale * (reading - offset))`.
 fn values(table: &Table, rows: &[usize], reading: &Reading) -> Result<Vec<f64>, MeasurementError> {
     let column = table.column(&reading.column)?;
     let unit = unit_of(table, reading)?;
+    let scale = reading.scale.unwrap_or(1.0);
     rows.iter()
         .map(|row| {
-            let number = table.finite(*row, column)?;
-            Ok(reading.sign * unit.si(number - reading.offset))
+            let number = table.finite(*row, column)?.value;
+            Ok(reading.sign * unit.si(scale * (number - reading.offset)))
         })
         .collect()
 }
@@ -192,8 +306,9 @@ fn unit_of(table: &Table, reading: &Reading) -> Result<Unit, MeasurementError> {
     };
     match (reading.unit, &table.units) {
         (Some(unit), _) => Ok(unit),
-        (None, Some(units)) => from_row(units),
-        (None, None) => Ok(Unit::SI),
+        // The units row is about counts or volts.
+        (None, Some(units)) if reading.scale.is_none() => from_row(units),
+        (None, _) => Ok(Unit::SI),
     }
 }
 

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The key that makes a TOML file a companion.
-const MARKER: &str = "mapping_for";
+pub(crate) const MARKER: &str = "mapping_for";
 
 /// What a CSV file with this project's columns cannot say about itself.
 ///

@@ -2,10 +2,21 @@
 //!
 //! A cycle begins where the displacement comes up through the middle of its range (between the 2nd
 //! and 98th percentile); it counts once the displacement has left a dead band of 20 % of the half
-//! range to either side, so that noise makes none. A test is periodic where at least two cycles in
-//! a row, over at least half of the record, have lengths within 5 % (or two samples) of their
-//! median and ranges within 10 %: sines and triangles are, sweeps and service records are not. Only
-//! those equal cycles are marked.
+//! range to either side, so that noise makes none.
+//!
+//! - **A periodic record**: at least two cycles in a row, over at least half of the record, have
+//!   lengths within 5 % (or two samples) of their median and ranges within 10 %: sines and
+//!   triangles do, sweeps and service records do not.
+//! - **A short test**, with rests, growing and fading: at least two cycles in a row whose lengths
+//!   agree within 2 % (or two samples), whose ranges agree within 3 %, and whose displacements, one
+//!   over the other, differ by at most 3 % of their rms. They have to be a tenth of the
+//!   record's cycles and not a piece of a steady growth: cycles of a random motion that happen to
+//!   be alike are none.
+//!
+//! Marked are the cycles of one run, the longest: a mark for the first sample of each and one for
+//! the end of the last, so that two marks that follow each other always enclose one cycle and three
+//! enclose two cycles of equal motion. A record of several runs, such as one for each speed, has
+//! them all in [`runs`], the longest among them.
 //!
 //! The run-in is the first period of the record where at least three cycles are marked; else a
 //! tenth of the record, at most one second. It is the same for every model.
@@ -19,8 +30,43 @@ const LENGTH_SHARE: f64 = 0.05;
 /// Range of a cycle against the median.
 const RANGE_SHARE: f64 = 0.1;
 
-/// First sample of every whole cycle and the end of the last; empty where there are none.
+/// Length of a cycle of a short test against another of its run.
+const SHORT_LENGTH_SHARE: f64 = 0.02;
+/// Range of a cycle of a short test against another of its run.
+const SHORT_RANGE_SHARE: f64 = 0.03;
+/// Difference of two cycles of a short test, rms over rms.
+const SHAPE_SHARE: f64 = 0.03;
+/// Share of a record's cycles that a run of equal ones needs.
+const SHARE_OF_CYCLES: f64 = 0.1;
+/// Growth from cycle to cycle within a run, as a share of that just outside it.
+const GROWTH_SHARE: f64 = 0.34;
+
+/// First sample of every whole cycle and the end of the last, of the longest run; empty where there
+/// are none.
 pub(crate) fn find(displacement_m: &[f64]) -> Vec<usize> {
+    longest(&runs(displacement_m))
+}
+
+/// The marks of all runs of equal cycles, in the order of the record: of one run where the whole
+/// record is periodic.
+pub(crate) fn runs(displacement_m: &[f64]) -> Vec<Vec<usize>> {
+    let periodic = of_periodic(displacement_m);
+    if periodic.is_empty() { of_short(displacement_m) } else { vec![periodic] }
+}
+
+/// The marks of the run with the most cycles, the first of several.
+pub(crate) fn longest(runs: &[Vec<usize>]) -> Vec<usize> {
+    let mut longest: &[usize] = &[];
+    for marks in runs.iter().filter(|marks| !marks.is_empty()) {
+        if marks.len() > longest.len() {
+            longest = marks;
+        }
+    }
+    longest.to_vec()
+}
+
+/// The marks of a record that is periodic over at least half of its length.
+fn of_periodic(displacement_m: &[f64]) -> Vec<usize> {
     let (Some(low), Some(high)) =
         (percentile(displacement_m, 0.02), percentile(displacement_m, 0.98))
     else {
@@ -55,6 +101,172 @@ pub(crate) fn find(displacement_m: &[f64]) -> Vec<usize> {
         return Vec::new();
     }
     marks
+}
+
+/// A cycle between two rises through the middle.
+#[derive(Debug, Clone, Copy)]
+struct Whole {
+    /// Where it leaves the middle, in samples.
+    start: f64,
+    /// Where it is back at the middle.
+    end: f64,
+    /// Greatest displacement less the least.
+    range: f64,
+}
+
+impl Whole {
+    fn length(self) -> f64 {
+        self.end - self.start
+    }
+
+    /// Equal in length and range.
+    fn is_like(self, other: Self) -> bool {
+        let (length, range) = (self.length().max(other.length()), self.range.max(other.range));
+        (self.length() - other.length()).abs() <= (SHORT_LENGTH_SHARE * length).max(2.0)
+            && (self.range - other.range).abs() <= SHORT_RANGE_SHARE * range
+    }
+
+    /// The next one begins where this one ends, without a rest.
+    fn goes_on_in(self, next: Self) -> bool {
+        next.start - self.end <= (SHORT_LENGTH_SHARE * self.length()).max(2.0)
+    }
+}
+
+/// The marks of every run of equal cycles of a record that is not periodic as a whole.
+fn of_short(displacement_m: &[f64]) -> Vec<Vec<usize>> {
+    let (Some(low), Some(high)) =
+        (percentile(displacement_m, 0.02), percentile(displacement_m, 0.98))
+    else {
+        return Vec::new();
+    };
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let mut all: Vec<Whole> = Vec::new();
+    for (start, end) in rises(displacement_m, middle, DEAD_BAND * half) {
+        let inside = displacement_m.get(start as usize..=end as usize).unwrap_or_default();
+        let (low, high) = signal::statistics::min_max(inside).unwrap_or((0.0, 0.0));
+        all.push(Whole { start, end, range: high - low });
+    }
+    let alike = |first: &Whole, next: &Whole| {
+        first.goes_on_in(*next)
+            && first.is_like(*next)
+            && difference(displacement_m, middle, *first, *next) <= SHAPE_SHARE
+    };
+    let (mut found, mut from) = (Vec::new(), 0);
+    for index in 1..=all.len() {
+        let (Some(first), next) = (all.get(from), all.get(index)) else { break };
+        let before = all.get(index - 1);
+        if next
+            .zip(before)
+            .is_some_and(|(next, before)| alike(before, next) && next.is_like(*first))
+        {
+            continue;
+        }
+        let run = from..index;
+        from = index;
+        let enough = run.len() >= 2 && run.len() as f64 >= SHARE_OF_CYCLES * all.len() as f64;
+        if enough && is_plateau(&all, run.clone()) {
+            found.push(marks(all.get(run).unwrap_or_default()));
+        }
+    }
+    found
+}
+
+fn marks(run: &[Whole]) -> Vec<usize> {
+    let starts = run.iter().map(|cycle| cycle.start);
+    let end = run.last().map(|cycle| cycle.end);
+    starts.chain(end).map(|at| libm::ceil(at) as usize).collect()
+}
+
+/// A run that grows from cycle to cycle as it does just outside is a piece of a growing motion.
+fn is_plateau(all: &[Whole], run: std::ops::Range<usize>) -> bool {
+    let range = |at: usize| all.get(at).map(|cycle| cycle.range);
+    let growth = |from: usize, to: usize| {
+        // A rest between two cycles ends what grows.
+        let goes_on = all.get(from)?.goes_on_in(*all.get(to)?);
+        Some(range(to)? - range(from)?).filter(|_| goes_on)
+    };
+    let Some(inside) = growth_per_cycle(all, run.clone()) else { return false };
+    let before = run.start.checked_sub(1).and_then(|before| growth(before, run.start));
+    let after = growth(run.end - 1, run.end);
+    // A rest, the end of the record or a change of size on either side ends a plateau.
+    let outside = [before, after];
+    !outside.iter().flatten().any(|step| {
+        step * inside > 0.0
+            && inside.abs() > GROWTH_SHARE * step.abs()
+            && inside.abs() > 1e-3 * range(run.start).unwrap_or(0.0)
+    })
+}
+
+fn growth_per_cycle(all: &[Whole], run: std::ops::Range<usize>) -> Option<f64> {
+    let (first, last) = (all.get(run.start)?, all.get(run.end.checked_sub(1)?)?);
+    Some((last.range - first.range) / (run.len() - 1).max(1) as f64)
+}
+
+/// Difference of two cycles, one over the other from their starts on, rms over rms.
+fn difference(values: &[f64], middle: f64, first: Whole, next: Whole) -> f64 {
+    let at = |place: f64| {
+        let n = libm::floor(place) as usize;
+        let (a, b) = (values.get(n), values.get(n + 1).or(values.get(n)));
+        let share = place - libm::floor(place);
+        a.zip(b).map_or(middle, |(a, b)| a + share * (b - a))
+    };
+    let length = first.length().min(next.length());
+    let (mut off, mut size) = (0.0, 0.0);
+    for n in 0..=(length as usize) {
+        let (a, b) = (at(first.start + n as f64), at(next.start + n as f64));
+        off += (a - b) * (a - b);
+        size += (a - middle) * (a - middle);
+    }
+    if size > 0.0 { (off / size).sqrt() } else { f64::INFINITY }
+}
+
+/// Where cycles begin and end, in samples: each from the rise through the middle before a crest to
+/// the return to the middle after the trough that follows. A rest at the middle lies between an end
+/// and a beginning.
+fn rises(values: &[f64], middle: f64, band: f64) -> Vec<(f64, f64)> {
+    // A return counts this far below the middle: a motion that ends at rest may not reach it.
+    let near = 0.05 * band;
+    let mut found = Vec::new();
+    // The last rise through the middle; the beginning of the cycle that has passed its crest; the
+    // return that ends it.
+    let mut rise = values.first().filter(|x| (**x - middle).abs() <= near).map(|_| 0.0);
+    let (mut begun, mut returned): (Option<f64>, Option<f64>) = (None, None);
+    let (mut crest, mut trough) = (false, false);
+    for (index, pair) in values.windows(2).enumerate() {
+        let (before, now) = (pair[0] - middle, pair[1] - middle);
+        if before <= near && now > near {
+            // Straight back to the middle, from which a motion that begins at rest rises.
+            rise = Some((index as f64 - before / (now - before)).max(0.0));
+        }
+        if trough && returned.is_none() && now >= -near {
+            // Straight on to the middle, which a motion that ends at rest may not reach.
+            let place = index as f64 - before / (now - before).max(f64::MIN_POSITIVE);
+            let most = index as f64 + 1.0 + 0.02 * (index as f64 - begun.unwrap_or(0.0));
+            returned = Some(place.clamp(index as f64, most));
+        }
+        if now < -band {
+            if crest {
+                trough = true;
+            }
+            returned = None;
+        }
+        if now > band {
+            if trough {
+                if let (Some(start), Some(end)) = (begun, returned) {
+                    found.push((start, end));
+                }
+                (crest, trough, returned) = (false, false, None);
+            }
+            if !crest {
+                begun = rise;
+                crest = true;
+            }
+        }
+    }
+    if let (true, Some(start), Some(end)) = (trough, begun, returned) {
+        found.push((start, end));
+    }
+    found
 }
 
 /// Samples that no error counts.
@@ -134,6 +346,76 @@ mod tests {
                     assert!(((pair[1] - pair[0]) as f64 * 1e-3 / period - 1.0).abs() < 0.02);
                 }
             }
+        }
+    }
+
+    /// A rest, `cycles` of 10 mm at 1 Hz, a rest; 1 kHz, noise of 1 um.
+    fn between_rests(rest_s: f64, cycles: f64) -> Vec<f64> {
+        let noise = |n: usize| ((n * 7919 + n * n * 104_729) % 997) as f64 / 997.0 - 0.5;
+        let count = (1e3 * (2.0 * rest_s + cycles)) as usize;
+        let of = |n: usize| {
+            let t = n as f64 * 1e-3 - rest_s;
+            if (0.0..cycles).contains(&t) { 10e-3 * libm::sin(TAU * t) } else { 0.0 }
+        };
+        (0..count).map(|n| of(n) + 2e-6 * noise(n)).collect()
+    }
+
+    #[test]
+    fn cycles_between_rests_were_none() {
+        for rest_s in [0.3, 1.0, 2.0, 10.0] {
+            for cycles in [2.0, 3.0, 5.0] {
+                let marks = find(&between_rests(rest_s, cycles));
+                let whole = marks.len().saturating_sub(1);
+                assert!(whole >= 2 && whole <= cycles as usize, "{rest_s} {cycles}: {marks:?}");
+                for pair in marks.windows(2) {
+                    assert!((pair[1] - pair[0]).abs_diff(1000) <= 20, "{marks:?}");
+                }
+            }
+        }
+        // Without noise, from an exact rest.
+        let exact: Vec<f64> =
+            between_rests(2.0, 3.0).iter().map(|x| (x * 1e5).round() * 1e-5).collect();
+        assert_eq!(find(&exact).len(), 4);
+    }
+
+    #[test]
+    fn whole_cycles_between_a_soft_start_and_a_soft_end_were_none() {
+        let soft = wave(12_000, |t| (t / 4.0).min(3.0 - t / 4.0).min(1.0) * libm::sin(TAU * t));
+        let marks = find(&soft);
+        assert!(marks.len() >= 4 && marks.len() <= 6, "{marks:?}");
+        assert!(marks[0] >= 3900 && *marks.last().unwrap() <= 8100, "{marks:?}");
+    }
+
+    #[test]
+    fn every_run_of_a_record_of_several_is_found() {
+        let mut x = between_rests(1.0, 3.0);
+        x.extend(between_rests(1.0, 4.0).iter().map(|x| 0.5 * x));
+        x.extend(between_rests(1.0, 3.0).iter().map(|x| 0.8 * x));
+        let found: Vec<usize> = runs(&x).iter().map(|marks| marks.len() - 1).collect();
+        assert!(
+            found.len() == 3 && found.iter().zip([3, 4, 3]).all(|(a, b)| (b - 1..=b).contains(a)),
+            "{found:?}"
+        );
+        assert!(find(&x).len() >= 4);
+    }
+
+    #[test]
+    fn alike_cycles_of_a_random_or_slowly_growing_motion_are_chance() {
+        let growing = wave(100_000, |t| t * libm::sin(TAU * t));
+        assert_eq!(find(&growing), [0; 0]);
+        let dying = wave(60_000, |t| libm::exp(-0.02 * t) * libm::sin(TAU * t));
+        assert_eq!(find(&dying), [0; 0]);
+        // A band of a third of an octave about 2 Hz.
+        for seed in 0..6 {
+            let narrow = wave(60_000, |t| {
+                let tones = (0..60).map(|k| {
+                    let k = f64::from(k);
+                    let phase = 1e4 * libm::sin(k * k + f64::from(seed));
+                    libm::sin(TAU * (1.8 + 0.0077 * k) * t + phase)
+                });
+                tones.sum()
+            });
+            assert_eq!(find(&narrow), [0; 0], "{seed}");
         }
     }
 

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 pub(crate) struct Layout {
     /// What separates two cells.
     pub(crate) separator: Separator,
-    /// What precedes the decimals.
-    pub(crate) decimal: Decimal,
+    /// What precedes the decimals; a point where nobody says it.
+    pub(crate) decimal: Option<Decimal>,
     /// Beginning of a comment line.
     pub(crate) comment: String,
     /// Lines before the row of names.
@@ -31,8 +31,8 @@ pub(crate) struct Layout {
     pub(crate) sample_rate_hz: Option<f64>,
     /// Time; unused with a sampling rate.
     pub(crate) time: Reading,
-    /// Displacement.
-    pub(crate) displacement: Reading,
+    /// Displacement; where it is not required a velocity may take its place.
+    pub(crate) displacement: OptionalReading,
     /// Force, one test each.
     pub(crate) force: Vec<Reading>,
     /// Velocity.
@@ -43,6 +43,8 @@ pub(crate) struct Layout {
     pub(crate) destroyed: BTreeMap<&'static str, String>,
     /// What was tested.
     pub(crate) specimen: Option<String>,
+    /// What was understood without a mapping, a line for every test.
+    pub(crate) understood: Option<String>,
 }
 
 /// A column: where it is and how a reading becomes a value.
@@ -56,6 +58,8 @@ pub(crate) struct Reading {
     pub(crate) unit: Option<Unit>,
     /// The reading that means zero.
     pub(crate) offset: f64,
+    /// What one of the reading is in the unit: of counts and volts.
+    pub(crate) scale: Option<f64>,
     /// 1 or -1.
     pub(crate) sign: f64,
 }
@@ -120,7 +124,7 @@ impl Layout {
         };
         Self {
             separator: Separator::Comma,
-            decimal: Decimal::Point,
+            decimal: None,
             comment: "#".to_owned(),
             skip_lines: 0,
             header: true,
@@ -131,12 +135,13 @@ impl Layout {
             only: BTreeMap::new(),
             sample_rate_hz: None,
             time: Reading::plain(Kind::Time, "time_s"),
-            displacement: Reading::plain(Kind::Displacement, "displacement_m"),
+            displacement: optional(Kind::Displacement, "displacement_m"),
             force: vec![Reading::plain(Kind::Force, "force_n")],
             velocity: optional(Kind::Velocity, "velocity_m_per_s"),
             temperature: optional(Kind::Temperature, "temperature_degc"),
             destroyed: BTreeMap::new(),
             specimen: None,
+            understood: None,
         }
     }
 }
@@ -144,7 +149,28 @@ impl Layout {
 impl Reading {
     /// A column in SI units, or in those of the units row.
     pub(crate) fn plain(kind: Kind, column: &str) -> Self {
-        Self { kind, column: column.to_owned(), unit: None, offset: 0.0, sign: 1.0 }
+        Self { kind, column: column.to_owned(), unit: None, offset: 0.0, scale: None, sign: 1.0 }
+    }
+}
+
+impl Separator {
+    /// The byte between two cells; whitespace has become tabs.
+    pub(crate) const fn byte(self) -> u8 {
+        match self {
+            Self::Comma => b',',
+            Self::Semicolon => b';',
+            Self::Tab | Self::Whitespace => b'\t',
+        }
+    }
+
+    /// As it is written in mappings.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Comma => "comma",
+            Self::Semicolon => "semicolon",
+            Self::Tab => "tab",
+            Self::Whitespace => "whitespace",
+        }
     }
 }
 

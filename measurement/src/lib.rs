@@ -6,12 +6,15 @@
 //! ```text
 //! read            files to tests, one line per step; the mapping next to a file (companion)
 //!   text          bytes to text, whatever the encoding
-//!   table         text to rows of cells that know their lines
-//!   columns       cells to SI values: a Series per test (mapping, layout, unit)
+//!   recognition   the layout of a file without a mapping (header); proposal writes it as one
+//!   table         text to rows of cells that know their lines (lines)
+//!   columns       cells to SI values: a Series per test (mapping, layout, unit, number, stamp)
+//!     suspicion       units that the sizes speak against
 //!   prepare       a Series to a Measurement, one line per step
 //!     plausibility    size, motion, length
 //!     force_faults    clipped, frozen, spikes
 //!     clock           time stamps to a uniform clock
+//!     integral        the displacement where only the velocity was recorded
 //!     cycles          whole cycles and the run-in
 //!     sign            whether displacement and force agree
 //!     smoothing       the displacement without its noise
@@ -31,17 +34,25 @@ mod companion;
 mod cycles;
 mod error;
 mod force_faults;
+mod header;
+mod integral;
 pub mod interpolant;
 mod layout;
+mod lines;
 pub mod mapping;
 mod measurement;
 pub mod noise;
+mod number;
 mod plausibility;
 mod prepare;
+mod proposal;
 mod read;
+mod recognition;
 mod series;
 mod sign;
 pub mod smoothing;
+mod stamp;
+mod suspicion;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -51,5 +62,6 @@ mod unit;
 pub use error::MeasurementError;
 pub use force_faults::is_flat_but_for_rounding;
 pub use measurement::Measurement;
+pub use proposal::propose_mapping;
 pub use read::{read_motions, read_tests};
 pub use series::Series;

@@ -25,13 +25,20 @@
 //! column = "load_kN"
 //! unit = "kN"
 //! sign = -1
+//! scale = 10.0                   # of counts or volts: value = scale * (reading - offset)
 //! [destroyed]                    # effects that no longer show, and what was done to the records
 //! force_offset = "the mean was subtracted"
 //! ```
 //! `[velocity]` and `[temperature]` likewise. Columns that are not named keep the names of this
 //! project, `time_s`, `displacement_m`, `force_n`; units that are not named come from the units
-//! row, or are SI. `extension = "negative"` turns the signs of displacement, velocity and force, so
-//! that positive is extension and tension. Numbers in `where` match within 0.1 %.
+//! row, or are SI. With `scale` a unit is that of the scaled value, and a units row is not used.
+//!
+//! Units may be spelled as programs do (`Sec`, `kip`, `lbs`, `inches`, `ips`). A time column may
+//! hold dates and times of day; they become seconds since the first. Where a file has a velocity
+//! and no displacement, the velocity is integrated. Digits may be grouped by threes. A file whose
+//! block of names comes again holds several tests: `NAME-1`, `NAME-2`. `extension = "negative"`
+//! turns the signs of displacement, velocity and force, so that positive is extension and tension.
+//! Numbers in `where` match within 0.1 %.
 //!
 //! One mapping may serve files of different layout: `[[file]]` tables with `named = "*quake*"`
 //! hold the same keys for the files whose names fit, and override those at the top.
@@ -116,6 +123,8 @@ struct Column {
     unit: Option<Spanned<String>>,
     /// The reading that means zero, in the file's unit.
     offset: Option<Spanned<f64>>,
+    /// What one of the reading is, in the unit or in SI.
+    scale: Option<Spanned<f64>>,
     /// 1 or -1.
     sign: Option<Spanned<f64>>,
 }
@@ -205,13 +214,7 @@ impl Mapping {
             );
         }
         let header = self.header.unwrap_or(true);
-        let (separator, decimal) =
-            (self.separator.unwrap_or_default(), self.decimal.unwrap_or_default());
-        if separator == Separator::Comma && decimal == Decimal::Comma {
-            return Err(source.whole_error(
-                "decimal = \"comma\" with commas between cells, expected another separator",
-            ));
-        }
+        let separator = self.separator.unwrap_or_default();
         let read = |column: &Option<Column>, kind, name: &str| {
             reading(source, column.as_ref(), kind, name)
         };
@@ -234,7 +237,7 @@ impl Mapping {
             && self.force_column.is_none();
         Ok(Layout {
             separator,
-            decimal,
+            decimal: self.decimal,
             comment,
             skip_lines: self.skip_lines.unwrap_or(0),
             header,
@@ -245,7 +248,10 @@ impl Mapping {
             only: self.only.as_ref().map(|only| only.get_ref().clone()).unwrap_or_default(),
             sample_rate_hz: rate,
             time: read(&self.time, Kind::Time, "time_s")?,
-            displacement: read(&self.displacement, Kind::Displacement, "displacement_m")?,
+            displacement: OptionalReading {
+                reading: read(&self.displacement, Kind::Displacement, "displacement_m")?,
+                required: self.displacement.is_some(),
+            },
             force,
             velocity: OptionalReading {
                 reading: read(&self.velocity, Kind::Velocity, "velocity_m_per_s")?,
@@ -257,6 +263,7 @@ impl Mapping {
             },
             destroyed: destroyed(source, self.destroyed.as_ref())?,
             specimen: self.specimen.as_ref().map(|specimen| quoted(specimen).to_string()),
+            understood: None,
         })
     }
 }
@@ -294,8 +301,16 @@ fn reading(
         Some(offset) => *offset.get_ref(),
         None => 0.0,
     };
+    let scale = match &given.scale {
+        Some(scale) if !scale.get_ref().is_finite() || *scale.get_ref() == 0.0 => {
+            let message = format!("scale = {}, expected a finite number, not 0", scale.get_ref());
+            return Err(source.error(&scale.span(), message));
+        }
+        Some(scale) => Some(*scale.get_ref()),
+        None => None,
+    };
     let column = given.name.as_ref().map_or(name, |column| column.get_ref()).to_owned();
-    Ok(Reading { kind, column, unit, offset, sign })
+    Ok(Reading { kind, column, unit, offset, scale, sign })
 }
 
 /// Effects of the catalogue, each with the reason why these records no longer show it.
@@ -409,13 +424,13 @@ mod tests {
     fn what_does_not_fit_is_named_with_its_line() {
         for (text, line) in [
             ("\nunit = \"mm\"\n", "map.toml:2: unknown field `unit`"),
-            ("[force]\nunit = \"kip\"\n", "map.toml:2: unit = \"kip\", expected one of N, kN"),
+            ("[force]\nunit = \"mn\"\n", "map.toml:2: unit = \"mn\", expected one of N, kN"),
+            ("[force]\nscale = 0\n", "map.toml:2: scale = 0, expected a finite number, not 0"),
             ("[force]\n\nsign = 2\n", "map.toml:3: sign = 2, expected 1 or -1"),
             ("[time]\noffset = nan\n", "map.toml:2: offset = NaN, expected a finite number"),
             ("sample_rate_hz = 0\n", "map.toml:1: sample_rate_hz = 0, expected a positive"),
             ("sample_rate_hz = 9\n[time]\nunit = \"s\"", "map.toml:1: sample_rate_hz and"),
             ("separator = \"space\"\n", "map.toml:1: unknown variant `space`"),
-            ("decimal = \"comma\"\n", "map.toml: decimal = \"comma\" with commas"),
             ("[[file]]\nunits_row = true\n", "map.toml: [[file]] without named"),
             ("force_column = []\n", "map.toml:1: force_column is empty"),
             (

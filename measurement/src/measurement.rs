@@ -31,8 +31,14 @@ pub struct Measurement {
     pub force_n: Vec<f64>,
     /// Temperature, degrees Celsius, where it was measured.
     pub temperature_degc: Option<Vec<f64>>,
-    /// First sample of every whole cycle, and the end of the last; empty for a test without cycles.
+    /// First sample of every whole cycle of equal size, and the end of the last; empty for a test
+    /// without cycles. They are those of one run without a rest in it, the longest: two marks that
+    /// follow each other enclose one cycle, three enclose two cycles of equal motion.
     pub cycles: Vec<usize>,
+    /// The marks of every run of equal cycles, in the order of the record: a file that holds a run
+    /// for each speed, with rests between them, has several. [`cycles`](Self::cycles) is one of
+    /// them.
+    pub runs: Vec<Vec<usize>>,
     /// Samples at the beginning that no error counts.
     pub run_in: usize,
     /// It is known which side is extension.
@@ -103,6 +109,12 @@ impl Measurement {
         interpolant::between(end(sample), end(sample + 1), self.step_s, share)
     }
 
+    /// The runs of a part of the record: where each mark is in it, if it is.
+    fn runs_of(&self, place: impl Fn(usize) -> Option<usize>) -> Vec<Vec<usize>> {
+        let kept = |marks: &Vec<usize>| marks.iter().filter_map(|at| place(*at)).collect();
+        self.runs.iter().map(kept).filter(|marks: &Vec<usize>| marks.len() > 1).collect()
+    }
+
     /// The record from a sample on; its own run-in is its first cycle, or a tenth.
     #[must_use]
     pub fn since(&self, start: usize) -> Self {
@@ -121,6 +133,7 @@ impl Measurement {
             force_n: cut(&self.force_n),
             temperature_degc: self.temperature_degc.as_deref().map(cut),
             cycles,
+            runs: self.runs_of(|at| at.checked_sub(start)),
             run_in,
             ..self.clone()
         }
@@ -139,6 +152,7 @@ impl Measurement {
             force_n: cut(&self.force_n),
             temperature_degc: self.temperature_degc.as_deref().map(cut),
             cycles: self.cycles.iter().copied().filter(|at| *at <= end).collect(),
+            runs: self.runs_of(|at| (at <= end).then_some(at)),
             ..self.clone()
         }
     }
@@ -170,6 +184,7 @@ impl Measurement {
             force_n: pick(&self.force_n),
             temperature_degc: self.temperature_degc.as_deref().map(pick),
             cycles: self.cycles.iter().map(|at| at / factor).collect(),
+            runs: self.runs_of(|at| Some(at / factor)),
             run_in: self.run_in.div_ceil(factor),
             ..self.clone()
         }

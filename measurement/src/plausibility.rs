@@ -2,12 +2,23 @@
 
 use crate::error::MeasurementError;
 use crate::series::Series;
+use crate::suspicion;
+
+use signal::spectrum::Spectrum;
 use signal::statistics::{min_max, rms};
 
 /// Fewest samples of a test.
 const SAMPLES_LEAST: usize = 50;
 /// Slowest sampling (Hz).
-const RATE_LEAST_HZ: f64 = 100.0;
+const RATE_LEAST_HZ: f64 = 20.0;
+/// Sampling from which any motion of a damper is read (Hz).
+const RATE_ENOUGH_HZ: f64 = 100.0;
+/// Samples in a period of the fastest motion with power below that rate.
+const SAMPLES_OF_A_PERIOD: f64 = 10.0;
+/// Share of the power of the displacement that is motion.
+const MOTION_SHARE: f64 = 0.99;
+/// Velocity above which a unit must be another one (m/s).
+const SPEED_MOST_M_PER_S: f64 = 10.0;
 /// Longest travel of a damper, end to end (m).
 const TRAVEL_MOST_M: f64 = 2.0;
 /// Largest force of a damper (N).
@@ -50,13 +61,30 @@ pub(crate) fn check_size(series: &Series) -> Result<(), MeasurementError> {
 /// Rate and length, on the uniform clock.
 ///
 /// # Errors
-/// Slower than 100 Hz; less than about one cycle (travel below 1.75 times the range) without holds
-/// of 30 % of the record in all.
+/// Slower than 20 Hz, or than 100 Hz and ten samples in a period of the fastest motion; less than
+/// about one cycle (travel below 1.75 times the range) without holds of 30 % of the record in all.
 pub(crate) fn check_length(series: &Series, step_s: f64) -> Result<(), MeasurementError> {
     let rate_hz = 1.0 / step_s;
+    let found = || format!("{rate_hz:.6} samples per second");
     if rate_hz < RATE_LEAST_HZ * (1.0 - 1e-6) {
-        let found = format!("{rate_hz:.6} samples per second");
-        return Err(series.error(found, format!("at least {RATE_LEAST_HZ}")));
+        let expected = format!("at least {RATE_LEAST_HZ}{}", suspicion::of_rate(rate_hz));
+        return Err(series.error(found(), expected));
+    }
+    if !suspicion::of_rate(rate_hz).is_empty() {
+        let expected = format!("a clock of a recorder{}", suspicion::of_rate(rate_hz));
+        return Err(series.error(found(), expected));
+    }
+    if is_slow(rate_hz) {
+        let fastest_hz = fastest_hz(&series.displacement_m, rate_hz);
+        let least_hz = SAMPLES_OF_A_PERIOD * fastest_hz;
+        if rate_hz < least_hz {
+            let found = format!("{} for a motion of up to {fastest_hz:.2} Hz", found());
+            let expected = format!(
+                "at least {least_hz:.1}, ten in a period of the fastest motion, or \
+                 {RATE_ENOUGH_HZ} for any"
+            );
+            return Err(series.error(found, expected));
+        }
     }
     let x = &series.displacement_m;
     let (range, travel) = (span(x), travel_m(x));
@@ -69,6 +97,43 @@ pub(crate) fn check_length(series: &Series, step_s: f64) -> Result<(), Measureme
         return Err(series.error(found, "about a whole cycle at least, or a hold".to_owned()));
     }
     Ok(())
+}
+
+fn is_slow(rate_hz: f64) -> bool {
+    rate_hz < RATE_ENOUGH_HZ * (1.0 - 1e-6)
+}
+
+/// The frequency below which 99 % of the power of a displacement lies (Hz).
+fn fastest_hz(displacement_m: &[f64], rate_hz: f64) -> f64 {
+    let length_s = displacement_m.len() as f64 / rate_hz;
+    let Ok(spectrum) = Spectrum::welch(displacement_m, rate_hz, length_s) else { return 0.0 };
+    let all: f64 = spectrum.density.iter().sum();
+    let mut below = 0.0;
+    for (hz, density) in spectrum.lines() {
+        below += density;
+        if below >= MOTION_SHARE * all {
+            return hz;
+        }
+    }
+    0.5 * rate_hz
+}
+
+/// States what a record of few samples a second cannot show: a line, and the effects of the
+/// catalogue whose traces are lost.
+pub(crate) fn report_rate(series: &mut Series, step_s: f64) -> Option<(&'static str, String)> {
+    let rate_hz = 1.0 / step_s;
+    if !is_slow(rate_hz) {
+        return None;
+    }
+    let good_hz = 0.12 * rate_hz;
+    let short_ms = 2e3 * step_s;
+    series.repairs.push(format!(
+        "{rate_hz:.1} samples per second: velocities are right within 1 % up to {good_hz:.1} Hz; \
+         what lasts less than {short_ms:.0} ms does not show: impacts, the turn of the force at a \
+         reversal, short delays"
+    ));
+    let why = format!("recorded at {rate_hz:.1} samples per second, which shows no impact");
+    Some(("clearance_impact", why))
 }
 
 /// Travel from turning point to turning point (m). A point counts when the travel back from it is a
@@ -104,9 +169,19 @@ fn held(displacement_m: &[f64]) -> usize {
     held
 }
 
-/// Reports a velocity column that is not the slope of the displacement.
+/// Reports a velocity column that is not the slope of the displacement, and a velocity that no
+/// damper has.
 pub(crate) fn report_velocity(series: &mut Series, velocity_m_per_s: &[f64]) {
-    let Some(given) = &series.velocity_m_per_s else { return };
+    let fastest = velocity_m_per_s.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    if fastest > SPEED_MOST_M_PER_S {
+        series.repairs.push(format!(
+            "velocities of up to {fastest:.1} m/s: another unit of {} or {}?",
+            series.columns[1], series.columns[0]
+        ));
+    }
+    let Some(given) = series.velocity_m_per_s.as_ref().filter(|_| !series.is_integrated) else {
+        return;
+    };
     let difference: Vec<f64> = given.iter().zip(velocity_m_per_s).map(|(a, b)| a - b).collect();
     let share = rms(&difference) / rms(velocity_m_per_s).max(f64::MIN_POSITIVE);
     if share > 0.2 {

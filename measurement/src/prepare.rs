@@ -6,7 +6,7 @@ use crate::layout::Extension;
 use crate::measurement::Measurement;
 use crate::series::Series;
 use crate::sign::{self, Agreement};
-use crate::{clock, force_faults, interpolant, plausibility, smoothing};
+use crate::{clock, force_faults, integral, interpolant, plausibility, smoothing};
 use std::collections::BTreeMap;
 
 impl Measurement {
@@ -61,8 +61,14 @@ pub(crate) fn as_recorded(mut series: Series) -> Result<Measurement, Measurement
     force_faults::mend_spikes(&mut series);
     let start_s = series.time_s.first().copied().unwrap_or(0.0);
     let step_s = clock::make_uniform(&mut series)?;
+    let mut destroyed = BTreeMap::new();
+    if series.is_integrated {
+        integrate(&mut series, step_s, &mut destroyed);
+    }
     plausibility::check_length(&series, step_s)?;
-    let cycles = cycles::find(&series.displacement_m);
+    destroyed.extend(plausibility::report_rate(&mut series, step_s));
+    let runs = cycles::runs(&series.displacement_m);
+    let cycles = cycles::longest(&runs);
     let agreement = Agreement::of(&series, &cycles, step_s)?;
     let drive_m = smoothing::smoothed(&series.displacement_m);
     let (velocity_m_per_s, acceleration_m_per_s2) = interpolant::derivatives(&drive_m, step_s);
@@ -82,14 +88,36 @@ pub(crate) fn as_recorded(mut series: Series) -> Result<Measurement, Measurement
         force_n: series.force_n,
         temperature_degc: series.temperature_degc,
         cycles,
+        runs,
         run_in,
         direction_declared: series.extension != Extension::Unknown,
         force_turned: false,
         repairs: series.repairs,
-        destroyed: BTreeMap::new(),
+        destroyed,
         specimen: None,
         agreement,
     })
+}
+
+/// Effects that depend on where the damper stands on its stroke.
+const OF_POSITION: [&str; 3] =
+    ["position_dependent_damping", "bump_stop", "stroke_dependent_stiffness"];
+
+/// Replaces the first integral of the velocity by that over the uniform clock.
+fn integrate(series: &mut Series, step_s: f64, destroyed: &mut BTreeMap<&'static str, String>) {
+    let Some(velocity_m_per_s) = &series.velocity_m_per_s else { return };
+    let (displacement_m, drift_m_per_s) = integral::displacement(velocity_m_per_s, step_s);
+    series.displacement_m = displacement_m;
+    series.repairs.push(format!(
+        "{}: no displacement was recorded: the velocity is integrated, a drift of {:.4} mm/s is \
+         removed; the position on the stroke is not known",
+        series.columns[1],
+        1e3 * drift_m_per_s
+    ));
+    for effect in OF_POSITION {
+        let why = "the displacement is an integrated velocity: the position is not known";
+        destroyed.insert(effect, why.to_owned());
+    }
 }
 
 /// Turns the force where it disagrees with the displacement.

@@ -7,7 +7,9 @@ use crate::layout::Layout;
 use crate::mapping::Mapping;
 use crate::measurement::Measurement;
 use crate::prepare;
+use crate::recognition;
 use crate::table::Table;
+use crate::text::Text;
 use scenario::source::Source;
 use std::path::{Path, PathBuf};
 
@@ -27,14 +29,18 @@ pub fn read_tests(
     let choice = MappingChoice::load(mapping)?;
     let mut visits = Visits::default();
     for path in paths {
-        let (layout, wiring) = choice.layout(path)?;
-        let table = Table::read(path, &layout)?;
-        for series in columns::tests_of(&table, &layout)? {
-            let force_column = series.columns[2].clone();
-            let mut test = prepare::as_recorded(series)?;
-            test.destroyed.clone_from(&layout.destroyed);
-            test.specimen.clone_from(&layout.specimen);
-            visits.add(test, (wiring.clone(), force_column));
+        let text = Text::read(path)?;
+        let (layout, wiring) = choice.layout(path, &text)?;
+        let advised = |error| choice.advised(error);
+        for table in Table::parse(path, &text, &layout).map_err(advised)? {
+            for series in columns::tests_of(&table, &layout).map_err(advised)? {
+                let force_column = series.columns[2].clone();
+                let mut test = prepare::as_recorded(series)?;
+                // What the laboratory states comes before what this program concludes.
+                test.destroyed.extend(layout.destroyed.clone());
+                test.specimen.clone_from(&layout.specimen);
+                visits.add(test, (wiring.clone(), force_column));
+            }
         }
     }
     let mut tests = visits.with_signs_settled();
@@ -53,14 +59,26 @@ pub fn read_motions(
     path: &Path,
     mapping: Option<&Path>,
 ) -> Result<Option<Vec<Measurement>>, MeasurementError> {
-    let (mut layout, _) = MappingChoice::load(mapping)?.layout(path)?;
-    let table = Table::read(path, &layout)?;
-    let has_force = |name: &String| name != "force_n" || table.names.contains(name);
+    let text = Text::read(path)?;
+    let (mut layout, _) = MappingChoice::load(mapping)?.layout(path, &text)?;
+    let tables = Table::parse(path, &text, &layout)?;
+    let has_force = |name: &String| name != "force_n" || tables.iter().any(|table| table.has(name));
     if layout.force.iter().any(|force| has_force(&force.column)) {
         return Ok(None);
     }
-    layout.force = vec![layout.displacement.clone()];
-    Measurement::from_visit(columns::tests_of(&table, &layout)?).map(Some)
+    let has_displacement =
+        tables.iter().any(|table| table.has(&layout.displacement.reading.column));
+    let motion = if has_displacement || layout.displacement.required {
+        &layout.displacement.reading
+    } else {
+        &layout.velocity.reading
+    };
+    layout.force = vec![motion.clone()];
+    let mut series = Vec::new();
+    for table in tables {
+        series.extend(columns::tests_of(&table, &layout)?);
+    }
+    Measurement::from_visit(series).map(Some)
 }
 
 /// The mapping that applies to the files.
@@ -80,19 +98,40 @@ impl MappingChoice {
 
     /// The layout of a file, and the layout by which its wiring is compared with that of others:
     /// what a companion says about one file does not separate it from the others of its visit.
-    fn layout(&self, file: &Path) -> Result<(Layout, Layout), MeasurementError> {
+    fn layout(&self, file: &Path, text: &Text) -> Result<(Layout, Layout), MeasurementError> {
         if let Self::Named(mapping, source) = self {
             let layout = mapping.layout(source, file)?;
             return Ok((layout.clone(), layout));
         }
         let Some(source) = companion::find(file)? else {
-            return Ok((Layout::own(), Layout::own()));
+            let layout = recognition::layout(&text.content);
+            // What is said about one file does not separate it from others of its visit.
+            let wiring = Layout { skip_lines: 0, understood: None, ..layout.clone() };
+            return Ok((layout, wiring));
         };
         let layout = source.parse::<Mapping>()?.layout(&source, file)?;
         let Layout { extension, velocity, temperature, destroyed, specimen, .. } = Layout::own();
         let wiring =
             Layout { extension, velocity, temperature, destroyed, specimen, ..layout.clone() };
         Ok((layout, wiring))
+    }
+}
+
+impl MappingChoice {
+    /// An error about the columns of a file, with the way out where nobody has written a mapping.
+    fn advised(&self, error: MeasurementError) -> MeasurementError {
+        match (self, error) {
+            (Self::Companions, MeasurementError::File { file, found, expected })
+                if expected.starts_with("one called ") && !found.starts_with("several") =>
+            {
+                let expected = format!(
+                    "{expected}; yawbench characterise --propose-mapping FILE writes a mapping to \
+                     begin with"
+                );
+                MeasurementError::File { file, found, expected }
+            }
+            (_, error) => error,
+        }
     }
 }
 

@@ -16,9 +16,9 @@ pub struct Series {
     pub lines: Vec<usize>,
     /// Time stamps, s.
     pub time_s: Vec<f64>,
-    /// Finest difference that the time stamps can show, s; zero for none that matters.
-    pub time_resolution_s: f64,
-    /// Displacement, m.
+    /// Size of the last digit of every time stamp, s; empty where rounding does not matter.
+    pub time_resolution_s: Vec<f64>,
+    /// Displacement, m; where only the velocity was recorded, a first integral of it.
     pub displacement_m: Vec<f64>,
     /// Force, N.
     pub force_n: Vec<f64>,
@@ -26,6 +26,8 @@ pub struct Series {
     pub velocity_m_per_s: Option<Vec<f64>>,
     /// Temperature, degrees Celsius, where a column holds it.
     pub temperature_degc: Option<Vec<f64>>,
+    /// Only the velocity was recorded: the displacement is its integral.
+    pub is_integrated: bool,
     /// Which sign means extension.
     pub extension: Extension,
     /// What was repaired so far, each a line.
@@ -44,11 +46,12 @@ impl Series {
             file: PathBuf::from(name),
             lines: (1..=count).collect(),
             time_s: (0..count).map(|n| n as f64 / rate_hz).collect(),
-            time_resolution_s: 0.0,
+            time_resolution_s: Vec::new(),
             displacement_m,
             force_n,
             velocity_m_per_s: None,
             temperature_degc: None,
+            is_integrated: false,
             extension: Extension::Positive,
             repairs: Vec::new(),
             columns: ["time_s", "displacement_m", "force_n"].map(str::to_owned),

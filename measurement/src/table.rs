@@ -2,16 +2,20 @@
 
 use crate::error::MeasurementError;
 use crate::layout::{Decimal, Layout, Separator};
+use crate::lines::Lines;
+use crate::number::Number;
 use crate::text::Text;
 use csv::StringRecord;
 use files::{quote, quoted};
 use std::path::{Path, PathBuf};
 
-/// Rows of a file with the names of their columns.
+/// Rows of a file, or of one block of it, with the names of their columns.
 #[derive(Debug, Clone)]
 pub(crate) struct Table {
     /// The file.
     pub(crate) file: PathBuf,
+    /// Which block of the file, from one; `None` in a file of one block.
+    pub(crate) block: Option<usize>,
     /// Names of the columns.
     pub(crate) names: Vec<String>,
     /// The row of units, where there is one.
@@ -24,34 +28,53 @@ pub(crate) struct Table {
     pub(crate) repairs: Vec<String>,
     rows: Vec<StringRecord>,
     decimal: Decimal,
+    decimal_declared: bool,
 }
 
 impl Table {
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// It cannot be read, has no rows, or a row of another length than the first.
-    pub(crate) fn read(path: &Path, layout: &Layout) -> Result<Self, MeasurementError> {
-        Self::parse(path, Text::read(path)?, layout)
-    }
-
-    /// Parses text that is in memory already.
+    /// The tables of a text, one for each block of names and numbers.
     ///
     /// # Errors
     /// No rows, or a row of another length than the first.
     pub(crate) fn parse(
         path: &Path,
-        text: Text,
+        text: &Text,
         layout: &Layout,
-    ) -> Result<Self, MeasurementError> {
+    ) -> Result<Vec<Self>, MeasurementError> {
         let lines = Lines::of(&text.content, layout);
-        let rows = lines.rows(path, layout.separator)?;
+        check_decimal_commas(path, &lines, layout)?;
+        let extension = lines.extension.clone();
+        let blocks = lines.blocks(layout);
+        let several = blocks.len() > 1;
+        let begins: Vec<String> =
+            blocks.iter().filter_map(|block| block.numbers.first().map(usize::to_string)).collect();
+        let mut tables = Vec::with_capacity(blocks.len());
+        for (index, block) in blocks.iter().enumerate() {
+            let mut table = Self::of_block(path, block, layout)?;
+            table.extension.clone_from(&extension);
+            table.repairs.clone_from(&text.repairs);
+            if several {
+                table.block = Some(index + 1);
+                table.repairs.push(format!(
+                    "block {} of {}: the names of the columns stand in lines {}",
+                    index + 1,
+                    begins.len(),
+                    begins.join(", ")
+                ));
+            }
+            tables.push(table);
+        }
+        Ok(tables)
+    }
+
+    fn of_block(path: &Path, lines: &Lines, layout: &Layout) -> Result<Self, MeasurementError> {
+        let rows = rows(path, lines, layout.separator)?;
         let empty = || MeasurementError::File {
             file: path.to_owned(),
             found: "no rows".to_owned(),
             expected: "a row of names and rows of numbers".to_owned(),
         };
-        let mut numbered = rows.into_iter().zip(lines.numbers);
+        let mut numbered = rows.into_iter().zip(lines.numbers.iter().copied());
         let mut head = |is_there: bool| -> Result<Option<Vec<String>>, MeasurementError> {
             if !is_there {
                 return Ok(None);
@@ -65,13 +88,15 @@ impl Table {
         let names = names.unwrap_or_else(|| (1..=width).map(|n| n.to_string()).collect());
         let mut table = Self {
             file: path.to_owned(),
+            block: None,
             names,
             units,
             lines: numbers,
-            extension: lines.extension,
-            repairs: text.repairs,
+            extension: None,
+            repairs: Vec::new(),
             rows,
-            decimal: layout.decimal,
+            decimal: layout.decimal.unwrap_or_default(),
+            decimal_declared: layout.decimal.is_some(),
         };
         table.check_widths()?;
         debug_assert_eq!(table.rows.len(), table.lines.len(), "every row has its line");
@@ -88,12 +113,10 @@ impl Table {
         for (row, line) in self.rows.iter().zip(&self.lines) {
             let spare = row.iter().skip(expected).any(|cell| !cell.is_empty());
             if row.len() < expected || spare {
-                return Err(self.cell_error(
-                    *line,
-                    "row",
-                    format!("{} cells", row.len()),
-                    format!("{expected}{}", self.separator_hint()),
-                ));
+                let found = format!("{} cells", row.len());
+                let expected =
+                    format!("{expected}{}{}", self.separator_hint(), self.block_hint(row));
+                return Err(self.cell_error(*line, "row", found, expected));
             }
         }
         Ok(())
@@ -109,9 +132,29 @@ impl Table {
         }
     }
 
+    /// What a row without numbers among the rows may be.
+    fn block_hint(&self, row: &StringRecord) -> String {
+        let number = |cell: &str| Number::of(cell, self.decimal, self.decimal_declared).is_some();
+        if self.names.len() < 2 || row.iter().any(number) {
+            return String::new();
+        }
+        let text: Vec<&str> = row.iter().collect();
+        let text = text.join(" ");
+        format!(
+            " (\"{}\": a new block with other columns? only a block with the same row of names \
+             starts a new test)",
+            quoted(&text)
+        )
+    }
+
     /// Number of rows below the names and units.
     pub(crate) fn row_count(&self) -> usize {
         self.rows.len()
+    }
+
+    /// True where a column of this name is there.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.names.iter().any(|other| other == name)
     }
 
     /// Place of a column.
@@ -145,41 +188,43 @@ impl Table {
     }
 
     /// A cell's number, if it is one; not a number and infinities are numbers here.
-    pub(crate) fn number(&self, row: usize, column: usize) -> Option<f64> {
-        let cell = self.cell(row, column);
-        match self.decimal {
-            Decimal::Point => cell.parse().ok(),
-            Decimal::Comma => cell.replace(',', ".").parse().ok(),
-        }
+    pub(crate) fn number(&self, row: usize, column: usize) -> Option<Number> {
+        Number::of(self.cell(row, column), self.decimal, self.decimal_declared)
     }
 
     /// A cell's finite number.
     ///
     /// # Errors
     /// Names file, line and column.
-    pub(crate) fn finite(&self, row: usize, column: usize) -> Result<f64, MeasurementError> {
-        if let Some(number) = self.number(row, column).filter(|number| number.is_finite()) {
-            return Ok(number);
+    pub(crate) fn finite(&self, row: usize, column: usize) -> Result<Number, MeasurementError> {
+        match self.number(row, column).filter(|number| number.value.is_finite()) {
+            Some(number) => Ok(number),
+            None => Err(self.not_finite(row, column)),
         }
+    }
+
+    /// The error of a cell that holds no finite number.
+    pub(crate) fn not_finite(&self, row: usize, column: usize) -> MeasurementError {
         let cell = self.cell(row, column);
         let found = if cell.is_empty() {
             "an empty cell".to_owned()
         } else {
             format!("\"{}\"", quoted(cell))
         };
+        let other = match self.decimal {
+            Decimal::Point => (Decimal::Comma, "comma"),
+            Decimal::Comma => (Decimal::Point, "point"),
+        };
+        let hint = match Number::of(cell, other.0, true) {
+            Some(_) if !self.decimal_declared && cell.contains(',') => {
+                " (decimal = \"comma\" or \"point\" in a mapping says what the comma is)".to_owned()
+            }
+            Some(_) if cell.contains(['.', ',']) => format!(" (decimal = \"{}\"?)", other.1),
+            _ => String::new(),
+        };
         let name = self.names.get(column).map_or("column", String::as_str);
         let line = self.lines.get(row).copied().unwrap_or(0);
-        Err(self.cell_error(line, name, found, "a finite number"))
-    }
-
-    /// Decimals in a cell; exponents count as none.
-    pub(crate) fn decimals(&self, row: usize, column: usize) -> Option<usize> {
-        let cell = self.cell(row, column);
-        let mark = if self.decimal == Decimal::Comma { ',' } else { '.' };
-        if cell.contains(['e', 'E']) {
-            return None;
-        }
-        Some(cell.split_once(mark).map_or(0, |(_, decimals)| decimals.len()))
+        self.cell_error(line, name, found, format!("a finite number{hint}"))
     }
 
     /// An error at a line.
@@ -200,82 +245,55 @@ impl Table {
     }
 }
 
-/// The lines of a file that hold cells.
-struct Lines {
-    /// Their text.
-    text: String,
-    /// Their numbers in the file, from one.
-    numbers: Vec<usize>,
-    /// What a comment line says about the direction: line, text.
-    extension: Option<(usize, String)>,
+/// Commas as decimal marks and between cells are clear only where cells are quoted.
+fn check_decimal_commas(
+    path: &Path,
+    lines: &Lines,
+    layout: &Layout,
+) -> Result<(), MeasurementError> {
+    let both = layout.separator == Separator::Comma && layout.decimal == Some(Decimal::Comma);
+    if !both || lines.text.contains('"') {
+        return Ok(());
+    }
+    Err(MeasurementError::File {
+        file: path.to_owned(),
+        found: "decimal = \"comma\" with commas between cells that are not quoted".to_owned(),
+        expected: "another separator".to_owned(),
+    })
 }
 
-impl Lines {
-    fn of(text: &str, layout: &Layout) -> Self {
-        let mut lines =
-            Self { text: String::with_capacity(text.len()), numbers: vec![], extension: None };
-        for (at, line) in text.lines().enumerate() {
-            let comment =
-                !layout.comment.is_empty() && line.trim_start().starts_with(&layout.comment);
-            if comment {
-                let said = line.trim_start().trim_start_matches(&layout.comment).trim_start();
-                if let Some(sign) = said.strip_prefix("extension:") {
-                    lines.extension = Some((at + 1, sign.trim().to_owned()));
-                }
-            }
-            if at < layout.skip_lines || comment || line.trim().is_empty() {
-                continue;
-            }
-            lines.numbers.push(at + 1);
-            if layout.separator == Separator::Whitespace {
-                let cells: Vec<&str> = line.split_whitespace().collect();
-                lines.text.push_str(&cells.join("\t"));
-            } else {
-                lines.text.push_str(line);
-            }
-            lines.text.push('\n');
-        }
-        lines
+/// The cells of every line.
+fn rows(
+    path: &Path,
+    lines: &Lines,
+    separator: Separator,
+) -> Result<Vec<StringRecord>, MeasurementError> {
+    let fail = |row: Option<usize>, found: String, expected: &str| MeasurementError::Cell {
+        file: path.to_owned(),
+        row: row.and_then(|row| lines.numbers.get(row)).copied().unwrap_or(1),
+        column: "row".to_owned(),
+        found,
+        expected: expected.to_owned(),
+    };
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(separator.byte())
+        .trim(csv::Trim::All)
+        .from_reader(lines.text.as_bytes());
+    let mut rows: Vec<StringRecord> = Vec::with_capacity(lines.numbers.len());
+    for record in reader.records() {
+        let record = record.map_err(|error| {
+            let found =
+                format!("a row that cannot be read ({})", quote::message(&error.to_string()));
+            fail(Some(rows.len()), found, "cells")
+        })?;
+        rows.push(record);
     }
-
-    /// The cells of every line.
-    fn rows(
-        &self,
-        path: &Path,
-        separator: Separator,
-    ) -> Result<Vec<StringRecord>, MeasurementError> {
-        let fail = |row: Option<usize>, found: String, expected: &str| MeasurementError::Cell {
-            file: path.to_owned(),
-            row: row.and_then(|row| self.numbers.get(row)).copied().unwrap_or(1),
-            column: "row".to_owned(),
-            found,
-            expected: expected.to_owned(),
-        };
-        let delimiter = match separator {
-            Separator::Comma => b',',
-            Separator::Semicolon => b';',
-            Separator::Tab | Separator::Whitespace => b'\t',
-        };
-        let mut reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .delimiter(delimiter)
-            .trim(csv::Trim::All)
-            .from_reader(self.text.as_bytes());
-        let mut rows: Vec<StringRecord> = Vec::with_capacity(self.numbers.len());
-        for record in reader.records() {
-            let record = record.map_err(|error| {
-                let found =
-                    format!("a row that cannot be read ({})", quote::message(&error.to_string()));
-                fail(Some(rows.len()), found, "cells")
-            })?;
-            rows.push(record);
-        }
-        if rows.len() != self.numbers.len() {
-            let opened = rows.iter().position(|row| row.iter().any(|cell| cell.contains('\n')));
-            let found = "a quoted cell over several lines".to_owned();
-            return Err(fail(opened, found, "one line per row"));
-        }
-        Ok(rows)
+    if rows.len() != lines.numbers.len() {
+        let opened = rows.iter().position(|row| row.iter().any(|cell| cell.contains('\n')));
+        let found = "a quoted cell over several lines".to_owned();
+        return Err(fail(opened, found, "one line per row"));
     }
+    Ok(rows)
 }

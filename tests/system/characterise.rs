@@ -239,3 +239,40 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
     }
     std::fs::remove_dir_all(place).unwrap();
 }
+
+#[test]
+fn a_mapping_is_proposed_and_never_replaces_a_file_unasked() {
+    let place = place("propose");
+    let row = |n: u32| {
+        let angle = 0.0125 * f64::from(n);
+        let (x, force) = (512.0 + 400.0 * libm::sin(angle), 512.0 + 420.0 * libm::cos(angle));
+        format!("{n};{x:.0};{force:.0}\n")
+    };
+    let table = format!("time_ms;Weg_raw;Kraft_raw\n{}", (0..3000).map(row).collect::<String>());
+    std::fs::write(place.join("raw.csv"), &table).unwrap();
+    let printed = characterise(&place, &["--propose-mapping", "raw.csv"]);
+    assert_eq!(printed.status.code(), Some(0));
+    let text = String::from_utf8_lossy(&printed.stdout).into_owned();
+    for part in ["separator = \"semicolon\"", "unit = \"ms\"", "QUESTION: which unit?"] {
+        assert!(text.contains(part), "no {part} in {text}");
+    }
+    let write = ["--propose-mapping", "raw.csv", "--out", "map.toml"];
+    assert_eq!(characterise(&place, &write).status.code(), Some(0));
+    assert_eq!(std::fs::read_to_string(place.join("map.toml")).unwrap(), text);
+    let refused = characterise(&place, &write);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("--out map.toml: found a file that exists"), "{said}");
+    let own = ["--propose-mapping", "raw.csv", "--out", "raw.csv", "--overwrite"];
+    assert_eq!(characterise(&place, &own).status.code(), Some(2));
+    assert_eq!(std::fs::read_to_string(place.join("raw.csv")).unwrap(), table);
+    let answered =
+        text.replace("# scale = 1.0", "scale = 10.0").replace("# offset = 0.0", "offset = 512");
+    let answered = answered.replacen("scale = 10.0", "scale = 2.5e-5", 1);
+    std::fs::write(place.join("map.toml"), answered).unwrap();
+    let read = ["--from", "raw.csv", "--mapping", "map.toml", "--out", "o", "--json"];
+    let figures = figures(&place, &read);
+    let amplitude_m = figures["tests"][0]["amplitude_m"].as_f64().unwrap();
+    assert!((amplitude_m / 10e-3 - 1.0).abs() < 0.01, "{figures}");
+    std::fs::remove_dir_all(place).unwrap();
+}

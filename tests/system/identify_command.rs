@@ -404,12 +404,12 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
     assert_eq!(names[1..3], ["force_n", "displacement_m"]);
     write("swapped.csv", with(0, &names.join(",")));
     write("copy.csv", lines.join("\n"));
-    write("renamed.csv", with(0, &lines[begin].replace("force_n", "load_n")));
+    write("renamed.csv", with(0, &lines[begin].replace("force_n", "channel_3")));
     write("unknown.toml", format!("{SHEET}stiffness = 1.0\n"));
     write("negative.toml", SHEET.replace("11e6", "-11e6"));
     write("empty.toml", "[damper]\nke_n_per_m = 11e6\n".to_owned());
     write("oil.toml", "[temperature]\ncolumn = \"oil\"\n".to_owned());
-    write("wrong.toml", "[force]\nunit = \"kip\"\n".to_owned());
+    write("wrong.toml", "[force]\nunit = \"furlong\"\n".to_owned());
     let work = "bench/work.csv";
     let cases: [(&[&str], &[&str]); 17] = [
         (&["--train", "none.csv"], &["none.csv", "cannot be read"]),
@@ -418,12 +418,12 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
         (&["--train", "text.csv"], &["text.csv", "displacement_m", "one"]),
         (&["--train", "hot.csv"], &["hot.csv", "temperature_degc", "nan"]),
         (&["--train", "swapped.csv"], &["swapped.csv", "swapped?"]),
-        (&["--train", "renamed.csv"], &["renamed.csv", "force_n", "load_n"]),
+        (&["--train", "renamed.csv"], &["renamed.csv", "force_n", "channel_3"]),
         (&["--train", "short.csv"], &["short.csv", "29 samples", "at least 50"]),
         (&["--train", work, "part.csv"], &["part.csv", "a whole cycle at least"]),
         (&["--train", "backwards.csv"], &["backwards.csv", "time_s"]),
         (&["--train", work, "--mapping", "oil.toml"], &["work.csv", "oil"]),
-        (&["--train", work, "--mapping", "wrong.toml"], &["wrong.toml:2", "kip", "kN"]),
+        (&["--train", work, "--mapping", "wrong.toml"], &["wrong.toml:2", "furlong", "kN"]),
         (&["--train", work, "--datasheet", "unknown.toml"], &["unknown.toml:5", "stiffness"]),
         (&["--train", work, "--datasheet", "negative.toml"], &["negative.toml:3", "-11000000"]),
         (&["--train", work, "--datasheet", "empty.toml"], &["empty.toml", "ce_n_s_per_m"]),

@@ -13,7 +13,7 @@
 //! are unlike all others ([`super::unlike`]). Neighbouring cycles closer than the memory of
 //! ordinary noise make no pair.
 
-use super::cycles::{cycles, starts};
+use super::cycles::{runs, starts};
 use super::unlike::{Unlike, unlike};
 use crate::chance::one_sided;
 use crate::test_set::TestSet;
@@ -48,55 +48,33 @@ pub(crate) fn repeat(residual_n: &[Vec<f64>], tests: &TestSet) -> Repeat {
     let (mut scatter, mut scattered, mut with_cycles) = (0.0, 0usize, 0);
     let unlike = unlike(residual_n, tests);
     for (index, (test, residual)) in tests.tests.iter().zip(residual_n).enumerate() {
-        let record = &test.record;
-        let starts = starts(test);
-        let cycles = cycles(test, residual);
-        if cycles.len() < 2 {
-            continue;
-        }
-        with_cycles += 1;
-        let shortest = cycles.iter().map(|cycle| cycle.len()).min().unwrap_or(0);
-        let phases = shortest.min(PHASES);
-        let slow = smoothed(residual, (0.5 * SMOOTHED_S / record.step_s).round() as usize);
-        let slow: Vec<Vec<f64>> = starts
-            .windows(2)
-            .filter_map(|pair| slow.get(pair[0]..pair[1]))
-            .map(|cycle| folded(cycle, phases))
-            .collect();
-        let all: Vec<Vec<f64>> = cycles.iter().map(|cycle| folded(cycle, phases)).collect();
-        let apart = (APART_S / (shortest as f64 * record.step_s)).ceil().max(1.0) as usize;
-        let samples: usize = cycles.iter().map(|cycle| cycle.len()).sum();
-        let (mut sum, mut in_all, mut pairs) = (0.0, 0.0, 0);
-        let product = |cycles: &[Vec<f64>], i: usize, j: usize| {
-            let pairs = cycles[i].iter().zip(&cycles[j]);
-            pairs.map(|(a, b)| a * b).sum::<f64>() / phases as f64
-        };
-        let mut of_test = Vec::new();
-        for i in 0..slow.len() {
-            for j in i + apart..slow.len() {
-                let slow = product(&slow, i, j);
-                of_test.push(slow);
-                sum += slow;
-                in_all += product(&all, i, j);
-                pairs += 1;
+        let longest = starts(test);
+        let mut has_cycles = false;
+        for marks in runs(test) {
+            has_cycles = true;
+            // Only the cycles of the longest run are compared with each other.
+            let odd = |cycle: usize| {
+                marks == longest && unlike.iter().any(|one| (one.test, one.cycle) == (index, cycle))
+            };
+            let run = Run::new(&marks, residual, test.record.step_s);
+            let pairs = run.products();
+            if !pairs.slow.is_empty() {
+                let share = run.samples as f64 / pairs.slow.len() as f64;
+                products.extend(pairs.slow.iter().map(|product| product * share));
+                power += pairs.slow.iter().sum::<f64>() * share;
+                power_in_all += pairs.all * share;
+                weight += run.samples as f64;
+            }
+            for (first, pair) in run.cycles.windows(2).enumerate() {
+                if odd(first) || odd(first + 1) {
+                    continue;
+                }
+                let length = pair[0].len().min(pair[1].len());
+                scatter += pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+                scattered += length;
             }
         }
-        if pairs > 0 {
-            let share = samples as f64 / f64::from(pairs);
-            products.extend(of_test.iter().map(|product| product * share));
-            power += sum * share;
-            power_in_all += in_all * share;
-            weight += samples as f64;
-        }
-        let odd = |cycle: usize| unlike.iter().any(|one| (one.test, one.cycle) == (index, cycle));
-        for (first, pair) in cycles.windows(2).enumerate() {
-            if odd(first) || odd(first + 1) {
-                continue;
-            }
-            let length = pair[0].len().min(pair[1].len());
-            scatter += pair[0].iter().zip(pair[1]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
-            scattered += length;
-        }
+        with_cycles += usize::from(has_cycles);
     }
     let rms = |power: f64| if weight > 0.0 { (power / weight).max(0.0).sqrt() } else { 0.0 };
     Repeat {
@@ -106,6 +84,57 @@ pub(crate) fn repeat(residual_n: &[Vec<f64>], tests: &TestSet) -> Repeat {
         noise_floor_n: (scattered > 0).then(|| (0.5 * scatter / scattered as f64).sqrt()),
         tests: with_cycles,
         unlike,
+    }
+}
+
+/// A run of equal cycles.
+struct Run<'a> {
+    cycles: Vec<&'a [f64]>,
+    /// The same without fast shapes, over phase.
+    slow: Vec<Vec<f64>>,
+    /// The same with them.
+    all: Vec<Vec<f64>>,
+    /// Cycles between the two of a pair.
+    apart: usize,
+    samples: usize,
+}
+
+/// Products of pairs of cycles.
+struct Products {
+    slow: Vec<f64>,
+    all: f64,
+}
+
+impl<'a> Run<'a> {
+    fn new(marks: &[usize], residual: &'a [f64], step_s: f64) -> Self {
+        let cycles: Vec<&[f64]> =
+            marks.windows(2).filter_map(|pair| residual.get(pair[0]..pair[1])).collect();
+        let shortest = cycles.iter().map(|cycle| cycle.len()).min().unwrap_or(0);
+        let phases = shortest.min(PHASES);
+        let slow = smoothed(residual, (0.5 * SMOOTHED_S / step_s).round() as usize);
+        let slow = marks.windows(2).filter_map(|pair| slow.get(pair[0]..pair[1]));
+        let apart = (APART_S / (shortest as f64 * step_s)).ceil().max(1.0) as usize;
+        Self {
+            slow: slow.map(|cycle| folded(cycle, phases)).collect(),
+            all: cycles.iter().map(|cycle| folded(cycle, phases)).collect(),
+            apart,
+            samples: cycles.iter().map(|cycle| cycle.len()).sum(),
+            cycles,
+        }
+    }
+
+    fn products(&self) -> Products {
+        let product = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / a.len().max(1) as f64
+        };
+        let mut products = Products { slow: Vec::new(), all: 0.0 };
+        for i in 0..self.slow.len() {
+            for j in i + self.apart..self.slow.len() {
+                products.slow.push(product(&self.slow[i], &self.slow[j]));
+                products.all += product(&self.all[i], &self.all[j]);
+            }
+        }
+        products
     }
 }
 

@@ -17,11 +17,10 @@ use nalgebra::{Matrix4, Vector4};
 
 /// From cycle to cycle; `None` with fewer than two whole cycles behind the run-in.
 pub fn rms_n(test: &Measurement) -> Option<f64> {
-    let marks: Vec<usize> =
-        test.cycles.iter().copied().filter(|mark| *mark >= test.run_in).collect();
     let (x, v, f) = (&test.displacement_m, &test.velocity_m_per_s, &test.force_n);
     let (mut rows, mut differences) = (Vec::new(), Vec::new());
-    for pair in marks.windows(3) {
+    let after_run_in = |pair: &&[usize]| pair[0] >= test.run_in;
+    for pair in test.runs.iter().flat_map(|marks| marks.windows(3)).filter(after_run_in) {
         let (start, shift) = (pair[0], pair[1] - pair[0]);
         let end = pair[1].min(x.len().saturating_sub(shift + 1));
         let here = |n: usize| Some((*x.get(n)?, *v.get(n)?, *f.get(n)?));

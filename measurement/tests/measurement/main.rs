@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
+mod cases;
 mod companions;
+mod exports;
 mod inputs;
 mod support;

@@ -12,7 +12,9 @@
 //! - Forces at rest, by position.
 //!
 //! Figures of a periodic test are taken over its steady cycles: the first two are omitted where
-//! at least three remain. A test without cycles has its extremes only.
+//! at least three remain. A short test between rests, or with a soft start and end, has the figures
+//! of its cycles of equal size. A record with several runs of cycles has a row for each. A test
+//! without cycles has its extremes only.
 
 pub mod harmonic;
 mod limits;
@@ -144,30 +146,63 @@ pub struct Hold {
 impl Laboratory {
     /// The figures of a list of tests, compared with the rows of a datasheet, if there are any.
     pub fn of(tests: &[Measurement], datasheet: &[Limit]) -> Self {
+        let parts: Vec<Part<'_>> = tests.iter().flat_map(Part::all).collect();
         let mut force_velocity: Vec<ForcePoint> =
-            tests.iter().filter_map(|test| force_point(test, datasheet)).collect();
+            parts.iter().filter_map(|part| force_point(part, datasheet)).collect();
         force_velocity.sort_by(|a, b| a.velocity_m_per_s.total_cmp(&b.velocity_m_per_s));
         Self {
             direction_declared: tests.iter().all(|test| test.direction_declared),
-            tests: tests.iter().map(TestFigures::of).collect(),
+            tests: parts.iter().map(TestFigures::of).collect(),
             force_velocity,
         }
     }
 }
 
-/// The samples of the steady cycles and how many cycles they are; everything and zero for a
-/// test without cycles.
-fn steady(test: &Measurement) -> (std::ops::Range<usize>, usize) {
-    let Some(whole) = test.cycles.len().checked_sub(1).filter(|whole| *whole > 0) else {
-        return (0..test.len(), 0);
-    };
-    let left_out = LEFT_OUT.min(whole.saturating_sub(REMAIN));
-    (test.cycles[left_out]..test.cycles[whole], whole - left_out)
+/// A test, or one of its runs of cycles where it has several.
+struct Part<'a> {
+    test: &'a Measurement,
+    name: String,
+    cycles: &'a [usize],
+    /// Which run, from zero, of a test with several.
+    run: Option<usize>,
+}
+
+impl<'a> Part<'a> {
+    fn all(test: &'a Measurement) -> Vec<Self> {
+        if test.runs.len() < 2 {
+            let name = test.name.clone();
+            return vec![Self { test, name, cycles: &test.cycles, run: None }];
+        }
+        let part = |(run, cycles): (usize, &'a Vec<usize>)| {
+            let name = format!("{} run {}", test.name, run + 1);
+            Self { test, name, cycles, run: Some(run) }
+        };
+        test.runs.iter().enumerate().map(part).collect()
+    }
+
+    /// The samples of the steady cycles and how many cycles they are; everything and zero for a
+    /// test without cycles.
+    fn steady(&self) -> (std::ops::Range<usize>, usize) {
+        let Some(whole) = self.cycles.len().checked_sub(1).filter(|whole| *whole > 0) else {
+            return (0..self.test.len(), 0);
+        };
+        let left_out = LEFT_OUT.min(whole.saturating_sub(REMAIN));
+        (self.cycles[left_out]..self.cycles[whole], whole - left_out)
+    }
+
+    /// Samples of the run, or of the test.
+    fn len(&self) -> usize {
+        match (self.run, self.cycles) {
+            (Some(_), [first, .., last]) => last - first,
+            _ => self.test.len(),
+        }
+    }
 }
 
 impl TestFigures {
-    fn of(test: &Measurement) -> Self {
-        let (range, cycles_used) = steady(test);
+    fn of(part: &Part<'_>) -> Self {
+        let test = part.test;
+        let (range, cycles_used) = part.steady();
         let (x, force) = (&test.displacement_m[range.clone()], &test.force_n[range.clone()]);
         let (x_min, x_max) = min_max(x).unwrap_or_default();
         let (force_min_n, force_max_n) = min_max(force).unwrap_or_default();
@@ -176,9 +211,10 @@ impl TestFigures {
             harmonic::frequency(x, guess) * test.rate_hz()
         });
         let ends = |degc: &Vec<f64>| Some([*degc.first()?, *degc.last()?]);
+        let is_first = part.run.is_none_or(|run| run == 0);
         Self {
-            name: test.name.clone(),
-            duration_s: test.len() as f64 * test.step_s,
+            name: part.name.clone(),
+            duration_s: part.len() as f64 * test.step_s,
             rate_hz: test.rate_hz(),
             mean_m: 0.5 * (x_min + x_max),
             amplitude_m: 0.5 * (x_max - x_min),
@@ -189,9 +225,10 @@ impl TestFigures {
             force_mean_n: mean(force),
             work_per_cycle_j: (cycles_used > 0).then(|| work_j(test, range) / cycles_used as f64),
             dynamic: frequency_hz.and_then(|hz| Dynamic::of(x, force, hz, test.step_s)),
-            holds: holds(test),
+            // Those of the whole record stand with its first run.
+            holds: if is_first { holds(test) } else { Vec::new() },
             temperature_degc: test.temperature_degc.as_ref().and_then(ends),
-            repairs: test.repairs.clone(),
+            repairs: if is_first { test.repairs.clone() } else { Vec::new() },
         }
     }
 }
@@ -244,8 +281,9 @@ fn wrapped(angle: f64) -> f64 {
 }
 
 /// The force at the peak velocity of a periodic test.
-fn force_point(test: &Measurement, datasheet: &[Limit]) -> Option<ForcePoint> {
-    let (range, cycles) = steady(test);
+fn force_point(part: &Part<'_>, datasheet: &[Limit]) -> Option<ForcePoint> {
+    let test = part.test;
+    let (range, cycles) = part.steady();
     if cycles == 0 {
         return None;
     }
@@ -267,7 +305,7 @@ fn force_point(test: &Measurement, datasheet: &[Limit]) -> Option<ForcePoint> {
     let velocity_m_per_s = 0.5 * (out + back);
     let limit = Limit::at(datasheet, velocity_m_per_s);
     Some(ForcePoint {
-        test: test.name.clone(),
+        test: part.name.clone(),
         velocity_m_per_s,
         extension_n,
         compression_n,

@@ -116,3 +116,50 @@ fn phases_of_harmonics_are_those_against_the_displacement_wherever_the_record_be
         assert!((third.phase_deg + 0.5f64.to_degrees()).abs() < 1e-6, "{begin}: {third:?}");
     }
 }
+
+/// A dashpot of 40 kN s/m that rests for a second, makes three cycles of 1 Hz at each amplitude
+/// (mm), and rests again.
+fn runs(amplitudes_mm: &[f64]) -> measurement::Measurement {
+    let (mut x, mut force) = (Vec::new(), Vec::new());
+    for amplitude_mm in amplitudes_mm {
+        for n in 0..4000 {
+            let t = f64::from(n) * 1e-3 - 1.0;
+            let moves = if t < 0.0 { 0.0 } else { 1e-3 * amplitude_mm };
+            x.push(moves * libm::sin(TAU * t));
+            force.push(40e3 * TAU * moves * libm::cos(TAU * t) + f64::from(n % 7) - 3.0);
+        }
+    }
+    x.extend([0.0; 1000]);
+    force.extend((0..1000).map(|n| f64::from(n % 5) - 2.0));
+    measurement::Measurement::from_series(measurement::Series::sampled("steps", 1e3, x, force))
+        .unwrap()
+}
+
+#[test]
+fn three_cycles_between_rests_had_no_figures() {
+    let figures = Laboratory::of(&[runs(&[10.0])], &[]);
+    let test = &figures.tests[0];
+    assert!(figures.tests.len() == 1 && test.name == "steps" && test.cycles_used >= 2);
+    // pi c w X^2
+    let work_j = 0.5 * TAU * 40e3 * TAU * 1e-4;
+    assert!((test.work_per_cycle_j.unwrap() / work_j - 1.0).abs() < 2e-3, "{test:?}");
+    assert!((test.dynamic.as_ref().unwrap().damping_n_s_per_m / 40e3 - 1.0).abs() < 2e-3);
+    let point = &figures.force_velocity[0];
+    assert!((point.velocity_m_per_s / (TAU * 0.01) - 1.0).abs() < 0.01, "{point:?}");
+    assert!((point.extension_n / 2513.0 - 1.0).abs() < 0.01, "{point:?}");
+}
+
+#[test]
+fn a_record_with_a_run_for_each_speed_has_a_row_for_each() {
+    let figures = Laboratory::of(&[runs(&[10.0, 5.0, 2.5])], &[]);
+    let names: Vec<&str> = figures.tests.iter().map(|test| test.name.as_str()).collect();
+    assert_eq!(names, ["steps run 1", "steps run 2", "steps run 3"]);
+    for (test, amplitude_m) in figures.tests.iter().zip([10e-3, 5e-3, 2.5e-3]) {
+        assert!((test.amplitude_m / amplitude_m - 1.0).abs() < 0.01, "{test:?}");
+        let work_j = 0.5 * TAU * 40e3 * TAU * amplitude_m * amplitude_m;
+        assert!((test.work_per_cycle_j.unwrap() / work_j - 1.0).abs() < 3e-3, "{test:?}");
+    }
+    let speeds: Vec<f64> = figures.force_velocity.iter().map(|p| p.velocity_m_per_s).collect();
+    assert!(speeds.len() == 3 && speeds.is_sorted(), "{speeds:?}");
+    assert!(!figures.tests[0].holds.is_empty() && figures.tests[1].holds.is_empty());
+}

@@ -1,0 +1,129 @@
+//! The lines of a file that hold cells, and the blocks that they form.
+
+use crate::layout::{Layout, Separator};
+use crate::number::Number;
+use crate::stamp;
+use csv::StringRecord;
+
+/// Lines with cells.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Lines {
+    /// Their text, each ended by a line feed.
+    pub(crate) text: String,
+    /// Their numbers in the file, from one.
+    pub(crate) numbers: Vec<usize>,
+    /// What a comment line says about the direction: line, text.
+    pub(crate) extension: Option<(usize, String)>,
+}
+
+impl Lines {
+    /// The lines of a text without comments, blank lines, and rows of separators only, which a
+    /// spreadsheet writes below its last row.
+    pub(crate) fn of(text: &str, layout: &Layout) -> Self {
+        let mut lines = Self { text: String::with_capacity(text.len()), ..Self::default() };
+        for (at, line) in text.lines().enumerate() {
+            let comment =
+                !layout.comment.is_empty() && line.trim_start().starts_with(&layout.comment);
+            if comment {
+                let said = line.trim_start().trim_start_matches(&layout.comment).trim_start();
+                if let Some(sign) = said.strip_prefix("extension:") {
+                    lines.extension = Some((at + 1, sign.trim().to_owned()));
+                }
+            }
+            // The first line of some spreadsheets names the separator.
+            let is_sep =
+                at == 0 && line.get(..4).is_some_and(|sep| sep.eq_ignore_ascii_case("sep="));
+            if at < layout.skip_lines || comment || is_sep || is_blank(line, layout.separator) {
+                continue;
+            }
+            lines.push(at + 1, line, layout.separator);
+        }
+        lines
+    }
+
+    fn push(&mut self, number: usize, line: &str, separator: Separator) {
+        self.numbers.push(number);
+        if separator == Separator::Whitespace {
+            let cells: Vec<&str> = line.split_whitespace().collect();
+            self.text.push_str(&cells.join("\t"));
+        } else {
+            self.text.push_str(line);
+        }
+        self.text.push('\n');
+    }
+
+    /// The blocks of a file whose row of names comes again, each from its row of names on and
+    /// without the text above the next one; else all lines.
+    pub(crate) fn blocks(self, layout: &Layout) -> Vec<Self> {
+        let lines: Vec<&str> = self.text.lines().collect();
+        let Some(names) = lines.first().map(|line| line.trim()).filter(|_| layout.header) else {
+            return vec![self];
+        };
+        // A row of numbers that comes again is no row of names.
+        let has_numbers = |line: &str| pattern(line, layout).contains(&true);
+        let again = |line: &&str| line.trim() == names && !has_numbers(names);
+        let starts: Vec<usize> =
+            (0..lines.len()).filter(|at| lines.get(*at).is_some_and(again)).collect();
+        if starts.len() < 2 {
+            return vec![self];
+        }
+        let first = lines.get(if layout.units_row { 2 } else { 1 }).copied().unwrap_or("");
+        let pattern = pattern(first, layout);
+        let ends = starts.iter().skip(1).copied().chain([lines.len()]);
+        let mut blocks = Vec::with_capacity(starts.len());
+        for (start, end) in starts.iter().copied().zip(ends) {
+            let is_last = end == lines.len();
+            let above =
+                |at: &usize| lines.get(*at).is_some_and(|line| is_data(line, layout, &pattern));
+            let last = (start..end).rev().find(|at| is_last || above(at)).unwrap_or(start);
+            let mut block = Self::default();
+            for at in start..=last {
+                if let (Some(line), Some(number)) = (lines.get(at), self.numbers.get(at)) {
+                    block.push(*number, line, layout.separator);
+                }
+            }
+            blocks.push(block);
+        }
+        blocks
+    }
+}
+
+/// True for a line of blanks, separators and empty quotations.
+pub(crate) fn is_blank(line: &str, separator: Separator) -> bool {
+    let byte = char::from(separator.byte());
+    line.chars().all(|c| c == byte || c == '"' || c.is_whitespace())
+}
+
+/// True for a cell that holds a number or a time.
+fn is_number(cell: &str, layout: &Layout) -> bool {
+    Number::of(cell, layout.decimal.unwrap_or_default(), true).is_some() || stamp::is_stamp(cell)
+}
+
+/// Which cells of a line are numbers.
+fn pattern(line: &str, layout: &Layout) -> Vec<bool> {
+    cells(line, layout.separator).iter().map(|cell| is_number(cell, layout)).collect()
+}
+
+/// Whether a line has numbers, or nothing, where a row of numbers has them.
+fn is_data(line: &str, layout: &Layout, pattern: &[bool]) -> bool {
+    let cells = cells(line, layout.separator);
+    let mut numbers = 0;
+    for (cell, _) in cells.iter().zip(pattern).filter(|(_, is_number)| **is_number) {
+        if !cell.is_empty() && !is_number(cell, layout) {
+            return false;
+        }
+        numbers += usize::from(!cell.is_empty());
+    }
+    numbers > 0 && cells.len() >= pattern.len()
+}
+
+/// The cells of one line.
+pub(crate) fn cells(line: &str, separator: Separator) -> StringRecord {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(separator.byte())
+        .trim(csv::Trim::All)
+        .from_reader(line.as_bytes());
+    reader.records().next().and_then(Result::ok).unwrap_or_default()
+}
