@@ -13,6 +13,8 @@ pub(crate) enum Kind {
     Force,
     /// Temperature, degrees Celsius.
     Temperature,
+    /// Acceleration, m/s2.
+    Acceleration,
 }
 
 /// A unit of one kind.
@@ -36,6 +38,9 @@ const FORCE: &[(&str, f64)] = &[
     ("lbf", 4.448_221_615_260_5),
     ("kgf", 9.806_65),
 ];
+/// Standard gravity 9.80665 m/s2.
+const ACCELERATION: &[(&str, f64)] =
+    &[("m/s2", 1.0), ("m/s^2", 1.0), ("mm/s2", 1e-3), ("g", 9.806_65), ("mg", 9.806_65e-3)];
 const TEMPERATURE: &[(&str, f64)] = &[("degC", 1.0), ("degF", 5.0 / 9.0), ("K", 1.0)];
 
 impl Kind {
@@ -46,6 +51,7 @@ impl Kind {
             Self::Velocity => VELOCITY,
             Self::Force => FORCE,
             Self::Temperature => TEMPERATURE,
+            Self::Acceleration => ACCELERATION,
         }
     }
 
@@ -97,8 +103,14 @@ mod tests {
 
     #[test]
     fn every_known_unit_is_found_by_its_own_name() {
-        for kind in [Kind::Time, Kind::Displacement, Kind::Velocity, Kind::Force, Kind::Temperature]
-        {
+        for kind in [
+            Kind::Time,
+            Kind::Displacement,
+            Kind::Velocity,
+            Kind::Force,
+            Kind::Temperature,
+            Kind::Acceleration,
+        ] {
             for (name, factor) in kind.table() {
                 assert_eq!(kind.unit(name).unwrap().factor(), *factor);
                 assert!(kind.names().contains(name));
