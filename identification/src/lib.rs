@@ -56,6 +56,7 @@ mod identify;
 mod judged;
 mod linearised;
 mod model_file;
+pub mod on_mass;
 mod page;
 mod pair;
 mod predictions;
