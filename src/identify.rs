@@ -2,7 +2,7 @@
 
 use crate::error::CommandError;
 use crate::output::print;
-use crate::{exit, stop};
+use crate::{exit, identify_on_mass, stop};
 use clap::Args;
 use files::{FolderError, ResultFolder};
 use identification::{
@@ -21,16 +21,16 @@ use std::time::{Duration, Instant};
 pub(crate) struct IdentifyArgs {
     /// The maker's numbers; without them there is no datasheet error.
     #[arg(long, value_name = "FILE")]
-    datasheet: Option<PathBuf>,
+    pub(crate) datasheet: Option<PathBuf>,
     /// Records to fit.
     #[arg(long, value_name = "CSV", num_args = 1.., required = true)]
-    train: Vec<PathBuf>,
+    pub(crate) train: Vec<PathBuf>,
     /// Records that no fit sees; without them some of the training tests are held out.
     #[arg(long, value_name = "CSV", num_args = 1..)]
-    holdout: Vec<PathBuf>,
+    pub(crate) holdout: Vec<PathBuf>,
     /// Columns and units of the records.
     #[arg(long, value_name = "FILE")]
-    mapping: Option<PathBuf>,
+    pub(crate) mapping: Option<PathBuf>,
     /// Fit a smooth map to the residual, over the coordinate that explains most of it: empirical
     /// and no physics, kept only if it gains on left-out tests.
     #[arg(long)]
@@ -39,15 +39,19 @@ pub(crate) struct IdentifyArgs {
     /// half a minute.
     #[arg(long)]
     thorough: bool,
+    /// The records are those of a body on a damper or a spring: predict its motion from the force on
+    /// it. With a datasheet the damper is part of the model from the beginning.
+    #[arg(long, conflicts_with_all = ["empirical", "thorough"])]
+    on_mass: bool,
     /// Result folder [default: runs/identify-N].
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub(crate) out: Option<PathBuf>,
     /// Replace the result that the folder holds.
     #[arg(long)]
-    overwrite: bool,
+    pub(crate) overwrite: bool,
     /// Print result.json instead of a summary.
     #[arg(long)]
-    json: bool,
+    pub(crate) json: bool,
 }
 
 /// Runs `identify`.
@@ -55,6 +59,9 @@ pub(crate) struct IdentifyArgs {
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
 pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
+    if args.on_mass {
+        return identify_on_mass::command(args);
+    }
     // From here on Ctrl-C ends the command with its files.
     let stop = stop::flag();
     let (question, warnings) = question(args)?;

@@ -30,6 +30,7 @@
 //! | `empirical` | a map of the residual, if asked for |
 //! | `uncertainty`, `cautions` | how well parameters are known; reasons for doubt |
 //! | `error`, `question`, `result`, `identify` | files to a question; the whole; `result.json` |
+//! | `on_mass` | the other direction: force in, motion of a body out |
 //! | `tables`, `summary`, `page`, `model_file`, `predictions` | text, report, `model.toml`, CSV files |
 //!
 //! Layers: the crate knows `measurement`, `scenario`, `signal`, `report`, `files` and the core, but

@@ -314,10 +314,7 @@ fn reading(
 }
 
 /// How a body was driven, with the length of a period where it is periodic.
-fn on_mass(
-    source: &Source,
-    given: Option<&Spanned<OnMass>>,
-) -> Result<OnMass, ScenarioError> {
+fn on_mass(source: &Source, given: Option<&Spanned<OnMass>>) -> Result<OnMass, ScenarioError> {
     let Some(given) = given else { return Ok(OnMass::default()) };
     let OnMass { start, period_samples, .. } = *given.get_ref();
     if let Some(length) = period_samples.filter(|length| *length < 16) {

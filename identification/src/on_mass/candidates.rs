@@ -13,6 +13,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const FOLDS: [[usize; 2]; 3] = [[0, 3], [1, 4], [2, 5]];
 /// Starts of a candidate whose fit is continued to the minimum.
 const CONTINUED: usize = 2;
+/// Share of the squared error of the fitted parts that a law must remove to be judged on left-out
+/// parts, where it has to remove twice as much.
+const WORTH_JUDGING: f64 = 0.005;
 
 /// A model fitted to all parts, and its errors on parts left out.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +30,10 @@ pub(crate) struct Judged {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Candidate {
     pub(crate) law: &'static LawInfo,
-    /// None where no start led to a motion.
+    /// Share of the squared error of the fitted parts that it removes; none where no start led to a
+    /// motion.
+    pub(crate) fitted_gain: Option<f64>,
+    /// None where it removes too little to be judged.
     pub(crate) judged: Option<Judged>,
 }
 
@@ -94,38 +100,46 @@ pub(super) fn candidates(
     (control.progress)([0, of], &step);
     laws.into_par_iter()
         .map(|law| {
-            let model = base.model.with(law);
-            let fitted = best_fit(&model, &base.fit, records, control);
-            let judged = fitted.and_then(|fitted| Judged::new(model, fitted, records, control));
+            let candidate = candidate(law, base, records, control);
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             (control.progress)([done, of], &format!("{step}: {}", law.name));
-            Candidate { law, judged }
+            candidate
         })
         .collect()
 }
 
-/// The best of the fits from all starts of the last law of a model.
-fn best_fit(
-    model: &Model,
-    base: &Fit,
+fn candidate(
+    law: &'static LawInfo,
+    base: &Judged,
     records: &[Record],
     control: OnMassControl<'_>,
-) -> Option<Fit> {
-    let law = *model.laws.last()?;
-    let starts: Vec<Vec<f64>> =
-        (0..law.starts()).map(|start| start_values(model, base, law, start)).collect();
-    let attempt = |values: &[f64], effort| {
-        fit(model, (values, &base.starts), records, WHOLE, effort, control.stop)
+) -> Candidate {
+    let model = base.model.with(law);
+    let attempt = |values: &[f64], starts: &[[f64; 2]], effort| {
+        fit(&model, (values, starts), records, WHOLE, effort, control.stop)
     };
-    let mut short: Vec<Fit> =
-        starts.par_iter().filter_map(|values| attempt(values, Effort::SHORT)).collect();
-    short.sort_by(|a, b| a.seen(WHOLE).total_cmp(&b.seen(WHOLE)));
+    let better = |a: &Fit, b: &Fit| a.seen(WHOLE).total_cmp(&b.seen(WHOLE));
+    let mut short: Vec<Fit> = (0..law.starts())
+        .into_par_iter()
+        .filter_map(|start| {
+            let values = start_values(&model, &base.fit, law, start);
+            attempt(&values, &base.fit.starts, Effort::SHORT)
+        })
+        .collect();
+    short.sort_by(better);
+    let gain = |fit: &Fit| 1.0 - fit.seen(WHOLE) / base.fit.seen(WHOLE);
+    let fitted_gain = short.first().map(gain);
+    if !fitted_gain.is_some_and(|gain| gain >= WORTH_JUDGING) {
+        return Candidate { law, fitted_gain, judged: None };
+    }
     short.truncate(CONTINUED);
-    let full = short.par_iter().filter_map(|start| {
-        let from = (start.values.as_slice(), start.starts.as_slice());
-        fit(model, from, records, WHOLE, Effort::FULL, control.stop)
-    });
-    full.min_by(|a, b| a.seen(WHOLE).total_cmp(&b.seen(WHOLE)))
+    let full = short
+        .par_iter()
+        .filter_map(|start| attempt(&start.values, &start.starts, Effort::FULL))
+        .min_by(better);
+    let fitted_gain = full.as_ref().map(gain);
+    let judged = full.and_then(|full| Judged::new(model, full, records, control));
+    Candidate { law, fitted_gain, judged }
 }
 
 /// The parameters of the base and a start of the new law. What the law adds to the stiffness at

@@ -107,7 +107,8 @@ pub(super) fn fit(
     let begin = Fit::evaluate(model, values, starts, records)?;
     let mut free = model.free(values);
     free.extend(starts_to_free(model, starts, records));
-    let problem = Problem { model, records, left_out, stop, free, motion: Some(begin.motion.clone()) };
+    let problem =
+        Problem { model, records, left_out, stop, free, motion: Some(begin.motion.clone()) };
     let solver = LevenbergMarquardt::new()
         .with_ftol(effort.gain)
         .with_xtol(effort.gain)
@@ -123,12 +124,36 @@ pub(super) fn fit(
     Some(if end.seen(left_out) < begin.seen(left_out) { end } else { begin })
 }
 
+/// Standard deviations of the parameters of a fitted model, if its residual is white; none where
+/// the records do not fix them all. A single parameter that they do not fix is infinite.
+pub(super) fn deviations(
+    model: &Model,
+    fit: &Fit,
+    records: &[Record],
+    stop: &AtomicBool,
+) -> Option<Vec<f64>> {
+    let mut free = model.free(&fit.values);
+    free.extend(starts_to_free(model, &fit.starts, records));
+    let count = free.len();
+    let motion = Some(fit.motion.clone());
+    let problem = Problem { model, records, left_out: WHOLE, stop, free, motion };
+    let slopes = problem.jacobian()?;
+    let sizes: Vec<f64> =
+        slopes.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
+    let normal = slopes.tr_mul(&slopes);
+    let scaled = DMatrix::from_fn(count, count, |i, j| normal[(i, j)] / (sizes[i] * sizes[j]));
+    let inverse = scaled.try_inverse()?;
+    let rows = samples(records) as f64;
+    let variance = fit.seen(WHOLE) / (rows - count as f64).max(1.0);
+    let std = |number: usize| libm::sqrt(variance * inverse[(number, number)]) / sizes[number];
+    Some(model.deviations(&fit.values, &(0..count).map(std).collect::<Vec<_>>()))
+}
+
 fn starts_to_free(model: &Model, starts: &[[f64; 2]], records: &[Record]) -> Vec<f64> {
     let sizes = &model.sizes;
     let moving = starts.iter().zip(records).filter(|(_, record)| record.moves_at_start());
-    let pairs = moving.flat_map(|([y, v], _)| {
-        [y / sizes.displacement_m, v / sizes.velocity_m_per_s]
-    });
+    let pairs =
+        moving.flat_map(|([y, v], _)| [y / sizes.displacement_m, v / sizes.velocity_m_per_s]);
     pairs.collect()
 }
 
@@ -165,9 +190,10 @@ impl Problem<'_> {
     }
 
     fn rows(&self) -> usize {
-        let seen = self.records.iter().map(|record| {
-            (0..record.len()).filter(|sample| self.is_seen(*sample, record)).count()
-        });
+        let seen = self
+            .records
+            .iter()
+            .map(|record| (0..record.len()).filter(|sample| self.is_seen(*sample, record)).count());
         seen.sum()
     }
 
@@ -210,7 +236,8 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
         };
         let measured: Vec<Vec<f64>> =
             self.records.iter().map(|record| record.motion.clone()).collect();
-        let misses = self.seen(motion).zip(self.seen(&measured)).map(|(model, there)| model - there);
+        let misses =
+            self.seen(motion).zip(self.seen(&measured)).map(|(model, there)| model - there);
         Some(DVector::from_iterator(rows, misses))
     }
 

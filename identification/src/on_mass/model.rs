@@ -36,8 +36,7 @@ impl Model {
     /// Scale of every parameter, and whether it is above zero.
     fn coordinates(&self) -> Vec<(f64, bool)> {
         let Sizes { stiffness_n_per_m, damping_n_s_per_m, .. } = self.sizes;
-        let body =
-            [(self.mass_kg, true), (stiffness_n_per_m, false), (damping_n_s_per_m, false)];
+        let body = [(self.mass_kg, true), (stiffness_n_per_m, false), (damping_n_s_per_m, false)];
         let laws = self.laws.iter().flat_map(|law| law.parameters);
         let laws = laws.map(|row| ((row.scale)(&self.sizes), row.positive));
         body.into_iter().chain(laws).collect()
@@ -68,6 +67,13 @@ impl Model {
             }
         };
         pairs.map(free).collect()
+    }
+
+    /// Standard deviations of parameters from those of free numbers.
+    pub(super) fn deviations(&self, values: &[f64], free: &[f64]) -> Vec<f64> {
+        let rows = self.coordinates().into_iter().zip(values).zip(free);
+        rows.map(|(((scale, positive), value), std)| std * if positive { *value } else { scale })
+            .collect()
     }
 
     /// The body, if these values make one.

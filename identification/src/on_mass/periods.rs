@@ -101,9 +101,8 @@ fn scatter(periods: &[Vec<f64>]) -> f64 {
 
 /// Root of the mean square.
 pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| {
-        (sum + value * value, count + 1.0)
-    });
+    let (sum, count) =
+        values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
     libm::sqrt(sum / count)
 }
 

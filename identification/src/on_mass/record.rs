@@ -50,8 +50,7 @@ impl Record {
         let BodyRecord { name, file, step_s, force_n, output, motion, drive, repairs } = given;
         let mut notes: Vec<String> =
             repairs.into_iter().map(|line| format!("{name}: {line}")).collect();
-        let found =
-            if drive.start.is_none() { periods::period_of(&force_n) } else { None };
+        let found = if drive.start.is_none() { periods::period_of(&force_n) } else { None };
         let period = drive.period_samples.or(found);
         if drive.period_samples.is_none()
             && let Some(period) = period
@@ -163,6 +162,16 @@ impl Record {
         let period_s = self.step_s * self.force_n.len() as f64;
         let wanted = libm::ceil(SETTLED / (decay_per_s * period_s));
         self.warm_up = if wanted >= 1.0 { (wanted as usize).min(MOST_WARM_UP) } else { 1 };
+    }
+
+    /// The first samples of a record that is not periodic.
+    pub(super) fn head(&self, samples: usize) -> Self {
+        debug_assert!(self.start != BodyStart::Periodic, "a period has no head");
+        let mut head = self.clone();
+        head.motion.truncate(samples);
+        head.force_n.truncate(samples);
+        head.push_n.truncate((samples - 1) * self.substeps);
+        head
     }
 
     /// The motion of a body through this record, from a displacement and a velocity; none where it

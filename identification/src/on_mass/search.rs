@@ -43,6 +43,8 @@ pub(crate) struct Search {
     pub(crate) stages: Vec<Judged>,
     /// One for each stage; the last one accepts nothing.
     pub(crate) rounds: Vec<Round>,
+    /// Decay of a free vibration of the linear body, 1/s.
+    pub(crate) decay_per_s: f64,
     /// The work was stopped early.
     pub(crate) interrupted: bool,
 }
@@ -57,14 +59,15 @@ pub(crate) fn search(
     (control.progress)([0, 0], "the linear body");
     let start = linear::start(records);
     let sizes = sizes(records, start);
-    prepare(records, start);
+    let decay_per_s = 0.5 * start.c0_n_s_per_m / start.mass_kg;
+    prepare(records, start, decay_per_s);
     let (model, fitted) = first_fit(records, start, sizes, given, control)?;
     let mut stages = vec![Judged::new(model, fitted, records, control)?];
     let mut rounds = Vec::new();
     while let Some(base) = stages.last() {
         let candidates = candidates(base, records, rounds.len() + 1, control);
         if control.is_stopped() {
-            return Some(Search { stages, rounds, interrupted: true });
+            return Some(Search { stages, rounds, decay_per_s, interrupted: true });
         }
         let (accepted, alternatives) = choose(base, &candidates, records);
         let found = accepted.and_then(|law| {
@@ -79,7 +82,7 @@ pub(crate) fn search(
             _ => break,
         }
     }
-    Some(Search { stages, rounds, interrupted: false })
+    Some(Search { stages, rounds, decay_per_s, interrupted: false })
 }
 
 /// Fits the first model: the linear body from several starts, then the given laws.
@@ -185,14 +188,18 @@ fn sizes(records: &[Record], linear: Linear) -> Sizes {
 }
 
 /// Steps and warm-up of every record.
-fn prepare(records: &mut [Record], linear: Linear) {
-    let Linear { mass_kg, k0_n_per_m, c0_n_s_per_m } = linear;
+fn prepare(records: &mut [Record], linear: Linear, decay_per_s: f64) {
+    let Linear { mass_kg, k0_n_per_m, .. } = linear;
     let omega = libm::sqrt(k0_n_per_m.abs() / mass_kg);
     for record in records {
         let wanted = libm::ceil(STEPS_PER_RADIAN * omega * record.step_s);
         let [least, most] = SUBSTEPS;
-        record.set_substeps(if wanted > 0.0 { (wanted as usize).clamp(least, most) } else { least });
-        record.set_warm_up(0.5 * c0_n_s_per_m / mass_kg);
+        record.set_substeps(if wanted > 0.0 {
+            (wanted as usize).clamp(least, most)
+        } else {
+            least
+        });
+        record.set_warm_up(decay_per_s);
     }
 }
 

@@ -5,4 +5,5 @@
 mod empirical_map;
 mod findings;
 mod interruption;
+mod on_mass;
 mod support;
