@@ -7,14 +7,16 @@
 //! One step is the trapezoidal rule: the mean of the forces at its two ends accelerates the body,
 //! and the mean of the two velocities moves it. The velocity at the end is found by Newton's method
 //! with the slopes of all forces, kept inside a bracket, so that a stop or a relief that opens
-//! within the step does not make it jump.
+//! within the step does not make it jump. The damper of the core has no slope to ask for: it is the
+//! secant through the last two tries.
 
-use super::law::{Law, Memory, Trial};
+use super::law::{Law, Trial};
+use firmware_core::damper::{Damper, DamperState, Motion};
 
 /// Most evaluations of a step.
 const MOST_ITERATIONS: usize = 30;
 /// Accuracy of the velocity at the end of a step, as a share of the usual velocity.
-const ACCURACY: f64 = 1e-12;
+const ACCURACY: f64 = 1e-11;
 /// A displacement of this many times the usual one counts as a model without a motion.
 const RUNAWAY: f64 = 1e3;
 
@@ -25,6 +27,8 @@ pub(super) struct Body {
     pub(super) k0_n_per_m: f64,
     pub(super) c0_n_s_per_m: f64,
     pub(super) laws: Vec<Law>,
+    /// The damper of the core, prepared for the step.
+    pub(super) damper: Option<Damper>,
     pub(super) step_s: f64,
     /// Usual velocity, m/s, and displacement, m.
     pub(super) velocity_m_per_s: f64,
@@ -38,23 +42,23 @@ pub(super) struct BodyState {
     pub(super) v: f64,
     /// Force of spring, dashpot and laws, N.
     pub(super) reaction_n: f64,
-    memory: Vec<Memory>,
-    scratch: Vec<Memory>,
+    /// Force of every law with a memory, N, before and after the step.
+    memory: [Vec<f64>; 2],
+    /// State of the damper, before and after the step, and the slope of its force, N s/m.
+    damper: Option<Box<([DamperState; 2], f64)>>,
 }
 
 impl Body {
-    /// The body at the beginning of a record.
+    /// The body at the beginning of a record; laws with a memory and the damper have no force there.
     pub(super) fn starting(&self, y: f64, v: f64) -> BodyState {
-        let memory: Vec<Memory> = self.laws.iter().map(|law| law.memory(y, v)).collect();
+        let memory = vec![0.0; self.laws.len()];
         let mut scratch = memory.clone();
-        let trial = Trial { y, v, travel: 0.0, step_s: 1e-9 };
-        let forces = self.laws.iter().zip(&mut scratch).map(|(law, memory)| match law {
-            // Its memory says that it has no force at the start.
-            Law::SeriesDamper(_) => 0.0,
-            _ => law.force(memory, &trial).0,
-        });
+        let trial = Trial { y, v, travel: 0.0 };
+        let forces = self.laws.iter().zip(&mut scratch).map(|(law, z)| law.force(z, &trial).0);
         let reaction_n = self.k0_n_per_m * y + self.c0_n_s_per_m * v + forces.sum::<f64>();
-        BodyState { y, v, reaction_n, scratch: memory.clone(), memory }
+        let rest = DamperState::starting(Motion::new(y, v));
+        let damper = self.damper.as_ref().map(|_| Box::new(([rest; 2], 0.0)));
+        BodyState { y, v, reaction_n, memory: [memory.clone(), memory], damper }
     }
 
     /// One step under a mean force; false where the motion has run away.
@@ -69,23 +73,36 @@ impl Body {
         let enough = ACCURACY * self.velocity_m_per_s;
         let mut reaction_n = 0.0;
         let mut at_y = y;
+        let mut last_try = None;
+        let [before, after] = &mut state.memory;
         for _ in 0..MOST_ITERATIONS {
             let travel = 0.5 * h * (v + end);
             at_y = y + travel;
             reaction_n = self.k0_n_per_m * at_y + self.c0_n_s_per_m * end;
             let mut slope = 0.5 * h * self.k0_n_per_m + self.c0_n_s_per_m;
-            let trial = Trial { y: at_y, v: end, travel, step_s: h };
-            for ((law, before), after) in
-                self.laws.iter().zip(&state.memory).zip(&mut state.scratch)
-            {
-                after.clone_from(before);
+            let trial = Trial { y: at_y, v: end, travel };
+            for ((law, before), after) in self.laws.iter().zip(&*before).zip(&mut *after) {
+                *after = *before;
                 let (force, over_y, over_v) = law.force(after, &trial);
                 reaction_n += force;
                 slope += 0.5 * h * over_y + over_v;
             }
+            if let (Some(damper), Some(memory)) = (&self.damper, &mut state.damper) {
+                let ([before, after], secant) = &mut **memory;
+                after.clone_from(before);
+                let force = damper.advance(after, Motion::new(at_y, end), h);
+                if let Some((last_end, last_force)) = last_try.replace((end, force))
+                    && end != last_end
+                {
+                    // A damper never pushes; a slope below zero is rounding.
+                    *secant = ((force - last_force) / (end - last_end)).max(0.0);
+                }
+                reaction_n += force;
+                slope += *secant;
+            }
             let miss = inertia * (end - v) + 0.5 * reaction_n - push;
             let newton = miss / (inertia + 0.5 * slope);
-            if !(newton.abs() > enough) {
+            if newton.abs() <= enough || newton.is_nan() {
                 break;
             }
             if miss > 0.0 {
@@ -96,7 +113,10 @@ impl Body {
             let next = end - newton;
             end = if next > low && next < high { next } else { 0.5 * (low + high) };
         }
-        std::mem::swap(&mut state.memory, &mut state.scratch);
+        state.memory.swap(0, 1);
+        if let Some(memory) = &mut state.damper {
+            memory.0.swap(0, 1);
+        }
         state.y = at_y;
         state.v = end;
         state.reaction_n = reaction_n;
@@ -107,10 +127,11 @@ impl Body {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::on_mass::law::Kind;
+    use crate::on_mass::law::{Kind, nominal};
 
     fn body(step_s: f64, laws: Vec<Law>) -> Body {
         Body {
+            damper: None,
             mass_kg: 2.0,
             k0_n_per_m: 5e4,
             c0_n_s_per_m: 10.0,
@@ -148,11 +169,15 @@ mod tests {
                 vec![law(Kind::QuadraticDamping, &[400.0])],
                 vec![law(Kind::RelaxingSpring, &[2e4, 5e-3])],
                 vec![law(Kind::BoucWen, &[5e4, 800.0, -1100.0])],
-                vec![law(Kind::SeriesDamper, &[500.0, 2e5, 1e-4, 30.0, 50.0])],
+                Vec::new(),
             ]
         };
         let end = |h: f64, which: usize| {
-            let body = body(h, laws(h).swap_remove(which));
+            let mut body = body(h, laws(h).swap_remove(which));
+            if body.laws.is_empty() {
+                let nominal = nominal(&[500.0, 2e5, 1e-4, 30.0, 50.0]).unwrap();
+                body.damper = Some(Damper::new(nominal, &[]).unwrap().prepared(h));
+            }
             let mut state = body.starting(0.0, 0.0);
             let steps = libm::round(0.2 / h) as usize;
             for step in 0..steps {

@@ -1,7 +1,7 @@
 //! The candidates of motion: what a spring and a dashpot lack, as forces on the body.
 
 use super::travel::Travel;
-use firmware_core::damper::{Damper, DamperState, Motion, Nominal};
+use firmware_core::damper::Nominal;
 
 /// Which law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -227,14 +227,6 @@ pub(super) enum Law {
     Offset { force_n: f64 },
     RelaxingSpring { decay: f64, gain: f64 },
     Travel(Travel),
-    SeriesDamper(Box<Damper>),
-}
-
-/// What a law remembers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Memory {
-    Force(f64),
-    Damper(DamperState),
 }
 
 /// A try of the end of a step.
@@ -246,12 +238,11 @@ pub(super) struct Trial {
     pub(super) v: f64,
     /// Displacement from its beginning, m.
     pub(super) travel: f64,
-    /// Its length, s.
-    pub(super) step_s: f64,
 }
 
 impl Law {
-    /// A law from its parameters; none where they make none.
+    /// A law from its parameters; none where they make none. The series damper is no law but the
+    /// damper of the core.
     pub(super) fn new(kind: Kind, values: &[f64], step_s: f64) -> Option<Self> {
         let at = |index: usize| values.get(index).copied().unwrap_or(f64::NAN);
         let law = match kind {
@@ -278,27 +269,16 @@ impl Law {
             Kind::BoucWen => {
                 Self::Travel(Travel { a_n_per_m: at(0), b1_per_m: at(1), b2_per_m: at(2) })
             }
-            Kind::SeriesDamper => {
-                let damper = Damper::new(nominal(values)?, &[]).ok()?;
-                Self::SeriesDamper(Box::new(damper.prepared(step_s)))
-            }
+            Kind::SeriesDamper => return None,
         };
         values.iter().all(|value| value.is_finite()).then_some(law)
     }
 
-    /// Its memory at the start of a record.
-    pub(super) fn memory(&self, y: f64, v: f64) -> Memory {
-        match self {
-            Self::SeriesDamper(_) => Memory::Damper(DamperState::starting(Motion::new(y, v))),
-            _ => Memory::Force(0.0),
-        }
-    }
-
-    /// The force at the end of a step, N, its change per change of the displacement there (N/m)
-    /// and of the velocity (N s/m), and the memory there.
+    /// The force at the end of a step, N, and its change per change of the displacement there (N/m)
+    /// and of the velocity (N s/m). `memory` is the force of a law with a memory, N.
     #[inline]
-    pub(super) fn force(&self, memory: &mut Memory, trial: &Trial) -> (f64, f64, f64) {
-        let Trial { y, v, travel, step_s } = *trial;
+    pub(super) fn force(&self, memory: &mut f64, trial: &Trial) -> (f64, f64, f64) {
+        let Trial { y, v, travel } = *trial;
         match self {
             Self::QuadraticStiffness { k2 } => (k2 * y * y, 2.0 * k2 * y, 0.0),
             Self::CubicStiffness { k3 } => (k3 * y * y * y, 3.0 * k3 * y * y, 0.0),
@@ -314,26 +294,13 @@ impl Law {
             }
             Self::Offset { force_n } => (*force_n, 0.0, 0.0),
             Self::RelaxingSpring { decay, gain } => {
-                let Memory::Force(force) = memory else { return (0.0, 0.0, 0.0) };
-                *force = decay * *force + gain * travel;
-                (*force, *gain, 0.0)
+                *memory = decay * *memory + gain * travel;
+                (*memory, *gain, 0.0)
             }
             Self::Travel(law) => {
-                let Memory::Force(force) = memory else { return (0.0, 0.0, 0.0) };
-                let (end, slope) = law.after(*force, travel);
-                *force = end;
+                let (end, slope) = law.after(*memory, travel);
+                *memory = end;
                 (end, slope, 0.0)
-            }
-            Self::SeriesDamper(damper) => {
-                let Memory::Damper(state) = memory else { return (0.0, 0.0, 0.0) };
-                let before = *state;
-                let force = damper.advance(state, Motion::new(y, v), step_s);
-                // The body moves by half a step per change of velocity; so does the damper.
-                let change = 1e-6 * (v.abs() + travel.abs() / step_s) + 1e-12;
-                let mut shifted = before;
-                let there = Motion::new(y + 0.5 * step_s * change, v + change);
-                let slope = (damper.advance(&mut shifted, there, step_s) - force) / change;
-                (force, 0.0, slope)
             }
         }
     }

@@ -1,9 +1,10 @@
 //! A body with laws as a vector of numbers that a solver may choose freely.
 
 use super::body::Body;
-use super::law::{Law, LawInfo, Sizes};
+use super::law::{Kind, Law, LawInfo, Sizes, nominal};
 use super::linear::Linear;
 use super::record::Record;
+use firmware_core::damper::Damper;
 
 /// Names and units of the numbers of the body itself.
 pub(crate) const BODY: [(&str, &str); 3] =
@@ -81,9 +82,14 @@ impl Model {
         let [mass_kg, k0_n_per_m, c0_n_s_per_m] = *values.first_chunk::<3>()?;
         let mut rest = &values[BODY.len()..];
         let mut laws = Vec::with_capacity(self.laws.len());
+        let mut damper = None;
         for law in &self.laws {
             let (own, other) = rest.split_at_checked(law.parameters.len())?;
-            laws.push(Law::new(law.kind, own, step_s)?);
+            if law.kind == Kind::SeriesDamper {
+                damper = Some(Damper::new(nominal(own)?, &[]).ok()?.prepared(step_s));
+            } else {
+                laws.push(Law::new(law.kind, own, step_s)?);
+            }
             rest = other;
         }
         let Sizes { displacement_m, velocity_m_per_s, .. } = self.sizes;
@@ -93,6 +99,7 @@ impl Model {
             k0_n_per_m,
             c0_n_s_per_m,
             laws,
+            damper,
             step_s,
             velocity_m_per_s,
             displacement_m,
