@@ -54,8 +54,7 @@ fn a_linear_body_is_written_with_all_its_files() {
     std::fs::write(place.join("map.toml"), MAPPING).unwrap();
     std::fs::write(place.join("a.csv"), linear_record(0.7)).unwrap();
     std::fs::write(place.join("b.csv"), linear_record(1.9)).unwrap();
-    let args =
-        ["--mapping", "map.toml", "--train", "a.csv", "--holdout", "b.csv", "--out", "out"];
+    let args = ["--mapping", "map.toml", "--train", "a.csv", "--holdout", "b.csv", "--out", "out"];
     let found = identify(&place, &args);
     assert_eq!(found.status.code(), Some(0), "{}", String::from_utf8_lossy(&found.stderr));
     let shown = String::from_utf8_lossy(&found.stdout).into_owned();
@@ -121,7 +120,17 @@ fn bouc_wen_benchmark_is_named() {
     let begin = Instant::now();
     let found = identify(
         &place,
-        &["--mapping", &mapping, "--train", &train, "--holdout", &multisine, &sweep, "--out", "out"],
+        &[
+            "--mapping",
+            &mapping,
+            "--train",
+            &train,
+            "--holdout",
+            &multisine,
+            &sweep,
+            "--out",
+            "out",
+        ],
     );
     assert_eq!(found.status.code(), Some(0), "{}", String::from_utf8_lossy(&found.stderr));
     println!("{}", String::from_utf8_lossy(&found.stdout));

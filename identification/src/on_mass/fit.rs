@@ -134,10 +134,13 @@ pub(super) fn deviations(
 ) -> Option<Vec<f64>> {
     let mut free = model.free(&fit.values);
     free.extend(starts_to_free(model, &fit.starts, records));
-    let count = free.len();
     let motion = Some(fit.motion.clone());
     let problem = Problem { model, records, left_out: WHOLE, stop, free, motion };
-    let slopes = problem.jacobian()?;
+    let all = problem.jacobian()?;
+    // A parameter that moves nothing, such as a slope beyond a relief that never opens.
+    let acts: Vec<usize> = (0..all.ncols()).filter(|n| all.column(*n).norm() > 0.0).collect();
+    let slopes = all.select_columns(&acts);
+    let count = acts.len();
     let sizes: Vec<f64> =
         slopes.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
     let normal = slopes.tr_mul(&slopes);
@@ -145,8 +148,11 @@ pub(super) fn deviations(
     let inverse = scaled.try_inverse()?;
     let rows = samples(records) as f64;
     let variance = fit.seen(WHOLE) / (rows - count as f64).max(1.0);
-    let std = |number: usize| libm::sqrt(variance * inverse[(number, number)]) / sizes[number];
-    Some(model.deviations(&fit.values, &(0..count).map(std).collect::<Vec<_>>()))
+    let mut std = vec![f64::INFINITY; all.ncols()];
+    for (number, place) in acts.into_iter().enumerate() {
+        std[place] = libm::sqrt(variance * inverse[(number, number)]) / sizes[number];
+    }
+    Some(model.deviations(&fit.values, &std))
 }
 
 fn starts_to_free(model: &Model, starts: &[[f64; 2]], records: &[Record]) -> Vec<f64> {

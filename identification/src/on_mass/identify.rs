@@ -11,7 +11,7 @@ use super::result::{
     CandidateErrors, LawFound, ModelErrors, OnMassParameter, OnMassResult, OnMassVerdict,
     RecordErrors, RoundErrors, Unexplained,
 };
-use super::search::{Search, refined, search};
+use super::search::{Search, noise_floor, refined, search};
 use crate::error::IdentificationError;
 use firmware_core::damper::{Damper, Nominal};
 use measurement::body_record::Output;
@@ -126,7 +126,7 @@ impl Report<'_> {
             .map(|record| holdout::simulate(self.model(), &self.fit.values, record))
             .collect();
         let shown = self.shown(&kept_on_holdout);
-        let floor = self.noise_floor();
+        let floor = noise_floor(&self.train);
         let rms = rms_of(&self.fit, &self.train);
         let unexplained = floor.filter(|floor| rms > ABOVE * floor).map(|floor| {
             let rms = libm::sqrt(rms * rms - floor * floor);
@@ -193,19 +193,8 @@ impl Report<'_> {
         train.chain(held).collect()
     }
 
-    /// rms noise of all training records, if it is known of each of them.
-    fn noise_floor(&self) -> Option<f64> {
-        let squares = self
-            .train
-            .iter()
-            .map(|record| record.noise_of_mean().map(|noise| noise * noise * record.len() as f64));
-        let sum = squares.sum::<Option<f64>>()?;
-        let count: usize = self.train.iter().map(Record::len).sum();
-        Some(libm::sqrt(sum / count as f64))
-    }
-
     fn noise_method(&self) -> String {
-        if self.noise_floor().is_some() {
+        if noise_floor(&self.train).is_some() {
             "periods over each other, for the mean of the periods".to_owned()
         } else {
             "not known: not every training record has two periods".to_owned()

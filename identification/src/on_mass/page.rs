@@ -66,7 +66,8 @@ fn naming(result: &OnMassResult) -> Section {
     let section = Section::new("Candidates of motion").text(&format!(
         "Every law is added to the body, fitted to all parts, and fitted again without two of six \
          parts, which it then predicts. A law is accepted if it removes {} % of the squared error \
-         on left-out parts and is better in {LEAST_PARTS} of six. A law that removes less than \
+         on left-out parts, in short records more, and is better in {LEAST_PARTS} of six, unless the \
+         model without it is at the noise floor already. A law that removes less than \
          half of that from the fitted parts is not judged further.",
         significant(100.0 * LEAST_GAIN, 2)
     ));

@@ -3,7 +3,7 @@
 
 use super::candidates::{Candidate, Judged, candidates};
 use super::control::OnMassControl;
-use super::fit::{Effort, Fit, PARTS, WHOLE, fit};
+use super::fit::{Effort, Fit, PARTS, WHOLE, fit, samples};
 use super::law::{LawInfo, Sizes};
 use super::linear::{self, Linear};
 use super::model::Model;
@@ -11,7 +11,7 @@ use super::periods;
 use super::record::Record;
 use measurement::body_record::Output;
 
-/// Share of the squared left-out error that a law must remove.
+/// Least share of the squared left-out error that a law must remove, in long records.
 pub(crate) const LEAST_GAIN: f64 = 0.01;
 /// Parts that it must predict better.
 pub(crate) const LEAST_PARTS: usize = PARTS - 1;
@@ -129,6 +129,14 @@ fn first_fit(
     Some((model, full))
 }
 
+/// rms noise of all training records, periods averaged, if it is known of each of them.
+pub(crate) fn noise_floor(records: &[Record]) -> Option<f64> {
+    let squares = records
+        .iter()
+        .map(|record| record.noise_of_mean().map(|noise| noise * noise * record.len() as f64));
+    Some(libm::sqrt(squares.sum::<Option<f64>>()? / samples(records) as f64))
+}
+
 /// A fit of the same model on a clock that is twice as fast.
 pub(crate) fn refined(judged: &Judged, records: &mut [Record], control: OnMassControl<'_>) -> Fit {
     for record in records.iter_mut() {
@@ -203,15 +211,29 @@ fn prepare(records: &mut [Record], linear: Linear, decay_per_s: f64) {
     }
 }
 
-/// The law to accept and its alternatives: the simplest of those that are as good as the best.
+/// Share of the squared left-out error that a law with this many parameters must remove. Chance
+/// removes about one part in the number of samples per parameter, and the best of many candidates
+/// more.
+pub(crate) fn least_gain(parameters: usize, samples: usize) -> f64 {
+    let chance = (2 * parameters + 10) as f64 / samples as f64;
+    LEAST_GAIN.max(chance)
+}
+
+/// The law to accept and its alternatives: the simplest of those that are as good as the best. A
+/// model at the noise floor lacks none.
 fn choose(
     base: &Judged,
     candidates: &[Candidate],
     records: &[Record],
 ) -> (Option<&'static LawInfo>, Vec<&'static LawInfo>) {
+    if noise_floor(records).is_some_and(|floor| base.rms(records) <= floor) {
+        return (None, Vec::new());
+    }
+    let samples = samples(records);
     let passed = |candidate: &&Candidate| {
         candidate.judged.as_ref().is_some_and(|judged| {
-            judged.gain_on(base) >= LEAST_GAIN && judged.better_parts(base) >= LEAST_PARTS
+            judged.gain_on(base) >= least_gain(candidate.law.parameters.len(), samples)
+                && judged.better_parts(base) >= LEAST_PARTS
         })
     };
     let error = |candidate: &Candidate| {

@@ -11,17 +11,17 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 const RATE_HZ: f64 = 750.0;
-const PERIOD: usize = 600;
+const PERIOD: usize = 300;
 const MASS_KG: f64 = 2.0;
 const K0: f64 = 5e4;
 const C0: f64 = 40.0;
 
-/// A multisine of 6 to 150 Hz, N.
+/// A multisine of 7.5 to 150 Hz, N.
 fn multisine(seed: u64, rms_n: f64) -> impl Fn(f64) -> f64 {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let length_s = PERIOD as f64 / RATE_HZ;
     let tones: Vec<(f64, f64)> =
-        (5..=120).map(|line| (TAU * f64::from(line) / length_s, TAU * draw(&mut random))).collect();
+        (3..=60).map(|line| (TAU * f64::from(line) / length_s, TAU * draw(&mut random))).collect();
     let size = rms_n * libm::sqrt(2.0 / tones.len() as f64);
     move |t: f64| tones.iter().map(|(omega, phase)| size * libm::cos(omega * t + phase)).sum()
 }
@@ -67,7 +67,7 @@ fn motion(
     all
 }
 
-/// A periodic record of `periods` periods after six that settle, with noise.
+/// A periodic record of `periods` periods after eight that settle, with noise.
 fn record(
     name: &str,
     seed: u64,
@@ -76,7 +76,7 @@ fn record(
     law: &dyn Fn(f64, f64, f64) -> (f64, f64),
 ) -> BodyRecord {
     let force = multisine(seed, 60.0);
-    let settle = 6 * PERIOD;
+    let settle = 8 * PERIOD;
     let samples = settle + periods * PERIOD;
     let mut random = ChaCha8Rng::seed_from_u64(100 + seed);
     let clean = motion(&force, samples, law);
@@ -156,14 +156,23 @@ fn a_linear_body_misses_nothing() {
 }
 
 #[test]
-fn a_law_outside_the_catalogue_is_unexplained_in_part() {
-    // A spring that is stiffer on one side only, and by a step of force at 0.3 mm.
-    let law = |y: f64, _: f64, _: f64| (0.0, if y > 0.3e-3 { 25.0 } else { 0.0 });
-    let found = identified(&law);
-    let verdict = found.result.verdict;
-    let honest = [OnMassVerdict::Unexplained, OnMassVerdict::EffectsFoundAndUnexplained];
-    assert!(honest.contains(&verdict), "{}", found.summary());
-    assert!(found.result.unexplained.as_ref().unwrap().rms > 2.5e-6, "{}", found.summary());
+fn an_input_that_was_not_recorded_is_unexplained() {
+    let linear = |_: f64, _: f64, _: f64| (0.0, 0.0);
+    let mut train = record("train", 1, 4, 5e-6, &linear);
+    // Half as much again that the record does not know of.
+    let hidden = record("hidden", 3, 4, 0.0, &linear);
+    for (motion, more) in train.motion.iter_mut().zip(&hidden.motion) {
+        *motion += 0.5 * more;
+    }
+    let question = OnMassQuestion {
+        train: vec![train],
+        holdout: Vec::new(),
+        datasheet: None,
+        notes: Vec::new(),
+    };
+    let found = identify_on_mass(&question, OnMassControl::QUIET).unwrap();
+    assert_eq!(found.result.verdict, OnMassVerdict::Unexplained, "{}", found.summary());
+    assert!(found.result.unexplained.as_ref().unwrap().rms > 5e-5, "{}", found.summary());
 }
 
 /// A mass of 200 kg that falls onto a damper at 0.8 m/s: clearance, stiffness, dashpot with relief.
@@ -192,7 +201,7 @@ fn drop_record(name: &str, speed_m_per_s: f64) -> BodyRecord {
         [v, (weight - k0 * y - force) / mass, dashpot(force)]
     };
     let moved = |s: [f64; 3], r: [f64; 3], h: f64| std::array::from_fn(|n| s[n] + h * r[n]);
-    let (rate_hz, samples, steps) = (1000.0, 1500, 50);
+    let (rate_hz, samples, steps) = (1000.0, 400, 50);
     let h = 1.0 / (rate_hz * f64::from(steps));
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let mut state = [0.0, speed_m_per_s, 0.0];
