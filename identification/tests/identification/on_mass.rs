@@ -155,18 +155,22 @@ fn a_linear_body_misses_nothing() {
     }
 }
 
-#[test]
-fn an_input_that_was_not_recorded_is_unexplained() {
+/// A record of a linear body under half as much force again that the record does not hold.
+fn with_hidden_force(name: &str, seed: u64) -> BodyRecord {
     let linear = |_: f64, _: f64, _: f64| (0.0, 0.0);
-    let mut train = record("train", 1, 4, 5e-6, &linear);
-    // Half as much again that the record does not know of.
-    let hidden = record("hidden", 3, 4, 0.0, &linear);
-    for (motion, more) in train.motion.iter_mut().zip(&hidden.motion) {
+    let mut known = record(name, seed, 4, 5e-6, &linear);
+    let hidden = record("hidden", seed + 50, 4, 0.0, &linear);
+    for (motion, more) in known.motion.iter_mut().zip(&hidden.motion) {
         *motion += 0.5 * more;
     }
+    known
+}
+
+#[test]
+fn an_input_that_was_not_recorded_is_unexplained_and_no_law_passes_the_hold_out() {
     let question = OnMassQuestion {
-        train: vec![train],
-        holdout: Vec::new(),
+        train: vec![with_hidden_force("train", 1)],
+        holdout: vec![with_hidden_force("test", 2)],
         datasheet: None,
         notes: Vec::new(),
     };
@@ -250,16 +254,18 @@ fn a_drop_tower_gives_the_damper_back() {
     // Nothing repeats itself: no noise floor, and the program says so.
     assert_eq!(result.noise_floor, None);
     assert_eq!(result.verdict, OnMassVerdict::NotJudged, "{}", found.summary());
+    // Within four standard deviations, and these are small.
     let truth = [
-        ("ce_n_s_per_m", 2e4, 0.01),
-        ("ke_n_per_m", 3e6, 0.1),
-        ("clearance_2a_m", 1e-3, 0.1),
+        ("ce_n_s_per_m", 2e4, 0.02),
+        ("ke_n_per_m", 3e6, 0.02),
+        ("clearance_2a_m", 1e-3, 0.05),
         ("f_relief_n", 6e3, 0.02),
-        ("c2_n_s_per_m", 3e3, 0.02),
+        ("c2_n_s_per_m", 3e3, 0.1),
     ];
-    for (name, truth, tolerance) in truth {
-        let value = result.laws[0].parameters[name].value;
-        assert!((value / truth - 1.0).abs() < tolerance, "{name} = {value}\n{}", found.summary());
+    for (name, truth, share) in truth {
+        let found_value = &result.laws[0].parameters[name];
+        let (miss, std) = ((found_value.value - truth).abs(), found_value.std.unwrap());
+        assert!(miss < 4.0 * std && std < share * truth, "{name}\n{}", found.summary());
     }
     let test = result.per_record.iter().find(|row| row.role == "holdout").unwrap();
     assert!(test.kept_rms.unwrap() < 1e-5, "{}", found.summary());
