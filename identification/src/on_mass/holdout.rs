@@ -71,7 +71,7 @@ fn start(model: &Model, values: &[f64], record: &Record) -> [f64; 2] {
         let (yy, yv, vv) = (dot(&over_y, &over_y), dot(&over_y, &over_v), dot(&over_v, &over_v));
         let (y, v) = (-dot(&over_y, &here), -dot(&over_v, &here));
         let determinant = yy * vv - yv * yv;
-        if !(determinant > 1e-12 * yy * vv) {
+        if determinant.is_nan() || determinant <= 1e-12 * yy * vv {
             break;
         }
         let step = [(y * vv - v * yv) / determinant, (v * yy - y * yv) / determinant];

@@ -162,7 +162,7 @@ impl Report<'_> {
             unexplained,
             models: self.models(),
             kept: self.kept + 1,
-            per_record: shown.iter().map(|shown| self.errors_of(shown)).collect(),
+            per_record: shown.iter().map(errors_of).collect(),
             body: body.collect(),
             laws,
             cut: self.cut().iter().map(|law| law.name.to_owned()).collect(),
@@ -216,28 +216,6 @@ impl Report<'_> {
                 .filter(|rms| rms.is_finite()),
         };
         stages.map(error).collect()
-    }
-
-    fn errors_of(&self, shown: &Shown) -> RecordErrors {
-        let record = &shown.record;
-        let skipped = if shown.held_out { holdout::run_in(record) } else { 0 };
-        let rms = |motion: &[f64]| {
-            let pairs = motion.iter().zip(&record.motion).skip(skipped);
-            let rms = super::periods::rms(pairs.map(|(a, b)| a - b));
-            rms.is_finite().then_some(rms)
-        };
-        RecordErrors {
-            name: record.name.clone(),
-            role: if shown.held_out { "holdout" } else { "train" },
-            samples: record.len() - skipped,
-            periods: record.periods,
-            start: record.start.name(),
-            inter_sample: record.inter_sample.name(),
-            noise: record.noise,
-            motion_rms: super::periods::rms(record.motion.iter().copied()),
-            first_rms: rms(&shown.first),
-            kept_rms: rms(&shown.kept),
-        }
     }
 
     fn parameter(&self, number: usize, unit: &'static str, std: Option<&[f64]>) -> OnMassParameter {
@@ -350,6 +328,29 @@ fn name_of(model: &Model, stage: usize) -> String {
         (_, []) => "linear body".to_owned(),
         (0, _) => format!("linear body with {}", names.join(", ")),
         (_, [.., last]) => format!("with {last}"),
+    }
+}
+
+/// Errors of both models on a record.
+fn errors_of(shown: &Shown) -> RecordErrors {
+    let record = &shown.record;
+    let skipped = if shown.held_out { holdout::run_in(record) } else { 0 };
+    let rms = |motion: &[f64]| {
+        let pairs = motion.iter().zip(&record.motion).skip(skipped);
+        let rms = super::periods::rms(pairs.map(|(a, b)| a - b));
+        rms.is_finite().then_some(rms)
+    };
+    RecordErrors {
+        name: record.name.clone(),
+        role: if shown.held_out { "holdout" } else { "train" },
+        samples: record.len() - skipped,
+        periods: record.periods,
+        start: record.start.name(),
+        inter_sample: record.inter_sample.name(),
+        noise: record.noise,
+        motion_rms: super::periods::rms(record.motion.iter().copied()),
+        first_rms: rms(&shown.first),
+        kept_rms: rms(&shown.kept),
     }
 }
 

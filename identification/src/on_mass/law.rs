@@ -261,13 +261,13 @@ impl Law {
             Kind::PreslidingFriction => {
                 let (capacity, length) = (at(0), at(1));
                 Self::Travel(Travel {
-                    a_n_per_m: capacity / length,
-                    b1_per_m: 1.0 / length,
-                    b2_per_m: 0.0,
+                    stiffness_n_per_m: capacity / length,
+                    b1: 1.0 / length,
+                    b2: 0.0,
                 })
             }
             Kind::BoucWen => {
-                Self::Travel(Travel { a_n_per_m: at(0), b1_per_m: at(1), b2_per_m: at(2) })
+                Self::Travel(Travel { stiffness_n_per_m: at(0), b1: at(1), b2: at(2) })
             }
             Kind::SeriesDamper => return None,
         };

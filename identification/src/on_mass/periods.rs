@@ -60,7 +60,7 @@ pub(super) fn period_of(force_n: &[f64]) -> Option<usize> {
     let count = force_n.len();
     let mean = force_n.iter().sum::<f64>() / count as f64;
     let size = rms(force_n.iter().map(|force| force - mean));
-    if !(size > 0.0) {
+    if size.is_nan() || size <= 0.0 {
         return None;
     }
     let difference = |period: usize, stride: usize| {

@@ -13,11 +13,11 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Travel {
     /// Stiffness at zero force, N/m.
-    pub(super) a_n_per_m: f64,
+    pub(super) stiffness_n_per_m: f64,
     /// Decay per travel, 1/m.
-    pub(super) b1_per_m: f64,
+    pub(super) b1: f64,
     /// Difference between loading and unloading, 1/m.
-    pub(super) b2_per_m: f64,
+    pub(super) b2: f64,
 }
 
 impl Travel {
@@ -25,30 +25,30 @@ impl Travel {
     pub(super) fn after(&self, force_n: f64, travel_m: f64) -> (f64, f64) {
         if travel_m == 0.0 {
             // The slope of the branch on which the force stands, forward.
-            return (force_n, self.a_n_per_m - self.decay(1.0, force_n) * force_n);
+            return (force_n, self.stiffness_n_per_m - self.decay(1.0, force_n) * force_n);
         }
         let way = travel_m.signum();
         // At zero force the branch is that of the sign which the force takes next.
-        let side = if force_n == 0.0 { way * self.a_n_per_m } else { force_n };
+        let side = if force_n == 0.0 { way * self.stiffness_n_per_m } else { force_n };
         let decay = self.decay(way, side);
-        let end = along(self.a_n_per_m, decay, force_n, travel_m);
+        let end = along(self.stiffness_n_per_m, decay, force_n, travel_m);
         if end * side >= 0.0 || force_n == 0.0 {
-            return (end, self.a_n_per_m - decay * end);
+            return (end, self.stiffness_n_per_m - decay * end);
         }
         // Through zero: the travel up to there, and the rest on the other branch.
-        let to_zero = if (decay * force_n / self.a_n_per_m).abs() < 1e-12 {
-            -force_n / self.a_n_per_m
+        let to_zero = if (decay * force_n / self.stiffness_n_per_m).abs() < 1e-12 {
+            -force_n / self.stiffness_n_per_m
         } else {
-            libm::log1p(-decay * force_n / self.a_n_per_m) / decay
+            libm::log1p(-decay * force_n / self.stiffness_n_per_m) / decay
         };
         let rest = travel_m - to_zero;
         let other = self.decay(way, -side);
-        let end = along(self.a_n_per_m, other, 0.0, rest);
-        (end, self.a_n_per_m - other * end)
+        let end = along(self.stiffness_n_per_m, other, 0.0, rest);
+        (end, self.stiffness_n_per_m - other * end)
     }
 
     fn decay(&self, way: f64, side: f64) -> f64 {
-        self.b1_per_m * way + self.b2_per_m * if side < 0.0 { -1.0 } else { 1.0 }
+        self.b1 * way + self.b2 * if side < 0.0 { -1.0 } else { 1.0 }
     }
 }
 
@@ -75,7 +75,7 @@ mod tests {
     fn one_long_travel_is_many_short_ones() {
         // By forward Euler in a million steps; B1 + B2 < 0 included.
         for (b1, b2) in [(800.0, -1100.5), (800.0, 300.0), (500.0, 0.0), (0.0, 0.0)] {
-            let law = Travel { a_n_per_m: 5e4, b1_per_m: b1, b2_per_m: b2 };
+            let law = Travel { stiffness_n_per_m: 5e4, b1, b2 };
             for (start, travel) in [(0.0, 1e-3), (20.0, -2e-3), (-30.0, 1.5e-3), (25.0, 4e-4)] {
                 let steps = 1_000_000;
                 let dx = travel / f64::from(steps);
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn friction_of_dahl_stays_within_its_capacity() {
         let (capacity, length) = (100.0, 1e-3);
-        let law = Travel { a_n_per_m: capacity / length, b1_per_m: 1.0 / length, b2_per_m: 0.0 };
+        let law = Travel { stiffness_n_per_m: capacity / length, b1: 1.0 / length, b2: 0.0 };
         let end = law.after(-capacity, 2e-3).0;
         let exact = capacity - 2.0 * capacity * libm::exp(-2.0);
         assert!((end - exact).abs() < 1e-10, "{end} {exact}");
