@@ -1,8 +1,9 @@
 //! `yawbench identify`: from measured records to the effect that a damper model lacks.
 
 use crate::error::CommandError;
+use crate::identify_on_mass::{self, OnMassOptions};
 use crate::output::print;
-use crate::{exit, identify_on_mass, stop};
+use crate::{exit, stop};
 use clap::Args;
 use files::{FolderError, ResultFolder};
 use identification::{
@@ -21,16 +22,16 @@ use std::time::{Duration, Instant};
 pub(crate) struct IdentifyArgs {
     /// The maker's numbers; without them there is no datasheet error.
     #[arg(long, value_name = "FILE")]
-    pub(crate) datasheet: Option<PathBuf>,
+    datasheet: Option<PathBuf>,
     /// Records to fit.
     #[arg(long, value_name = "CSV", num_args = 1.., required = true)]
-    pub(crate) train: Vec<PathBuf>,
+    train: Vec<PathBuf>,
     /// Records that no fit sees; without them some of the training tests are held out.
     #[arg(long, value_name = "CSV", num_args = 1..)]
-    pub(crate) holdout: Vec<PathBuf>,
+    holdout: Vec<PathBuf>,
     /// Columns and units of the records.
     #[arg(long, value_name = "FILE")]
-    pub(crate) mapping: Option<PathBuf>,
+    mapping: Option<PathBuf>,
     /// Fit a smooth map to the residual, over the coordinate that explains most of it: empirical
     /// and no physics, kept only if it gains on left-out tests.
     #[arg(long)]
@@ -39,19 +40,30 @@ pub(crate) struct IdentifyArgs {
     /// half a minute.
     #[arg(long)]
     thorough: bool,
-    /// The records are those of a body on a damper or a spring: predict its motion from the force on
-    /// it. With a datasheet the damper is part of the model from the beginning.
+    /// The records are those of a body on a damper or a spring: predict its motion from the force
+    /// on it. With a datasheet the damper is part of the model from the beginning.
     #[arg(long, conflicts_with_all = ["empirical", "thorough"])]
     on_mass: bool,
     /// Result folder [default: runs/identify-N].
     #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
+    out: Option<PathBuf>,
     /// Replace the result that the folder holds.
     #[arg(long)]
-    pub(crate) overwrite: bool,
+    overwrite: bool,
     /// Print result.json instead of a summary.
     #[arg(long)]
-    pub(crate) json: bool,
+    json: bool,
+}
+
+impl IdentifyArgs {
+    fn files(&self) -> QuestionFiles<'_> {
+        QuestionFiles {
+            train: &self.train,
+            holdout: &self.holdout,
+            datasheet: self.datasheet.as_deref(),
+            mapping: self.mapping.as_deref(),
+        }
+    }
 }
 
 /// Runs `identify`.
@@ -60,7 +72,12 @@ pub(crate) struct IdentifyArgs {
 /// Bad input, before anything is written; or a disk that fails.
 pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     if args.on_mass {
-        return identify_on_mass::command(args);
+        return identify_on_mass::command(OnMassOptions {
+            files: args.files(),
+            out: args.out.as_deref(),
+            overwrite: args.overwrite,
+            json: args.json,
+        });
     }
     // From here on Ctrl-C ends the command with its files.
     let stop = stop::flag();
@@ -96,12 +113,7 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
 }
 
 fn question(args: &IdentifyArgs) -> Result<(Question, Vec<String>), IdentificationError> {
-    let (question, warnings) = Question::read(QuestionFiles {
-        train: &args.train,
-        holdout: &args.holdout,
-        datasheet: args.datasheet.as_deref(),
-        mapping: args.mapping.as_deref(),
-    })?;
+    let (question, warnings) = Question::read(args.files())?;
     let question = Question { empirical: args.empirical, thorough: args.thorough, ..question };
     Ok((question, warnings))
 }

@@ -2,7 +2,6 @@
 //! dashpot lack.
 
 use crate::error::CommandError;
-use crate::identify::IdentifyArgs;
 use crate::output::print;
 use crate::{exit, progress, stop};
 use files::{FolderError, ResultFolder};
@@ -10,27 +9,34 @@ use identification::on_mass::{
     OnMass, OnMassControl, OnMassQuestion, identify_on_mass, on_mass_page,
 };
 use identification::{IdentificationError, MODEL, QuestionFiles};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+
+/// The options of `identify` that it uses.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OnMassOptions<'a> {
+    /// The files.
+    pub(crate) files: QuestionFiles<'a>,
+    /// Result folder.
+    pub(crate) out: Option<&'a Path>,
+    /// Replace the result that the folder holds.
+    pub(crate) overwrite: bool,
+    /// Print result.json instead of a summary.
+    pub(crate) json: bool,
+}
 
 /// Runs `identify --on-mass`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
-pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
+pub(crate) fn command(args: OnMassOptions<'_>) -> Result<ExitCode, CommandError> {
     // From here on Ctrl-C ends the command with its files.
     let stop = stop::flag();
-    let (question, warnings) = OnMassQuestion::read(QuestionFiles {
-        train: &args.train,
-        holdout: &args.holdout,
-        datasheet: args.datasheet.as_deref(),
-        mapping: args.mapping.as_deref(),
-    })?;
-    let out = args.out.as_deref();
-    let mut folder = ResultFolder::fresh(out, "identify", "identify", args.overwrite)?;
-    let options = args.datasheet.iter().chain(&args.mapping);
-    let inputs = args.train.iter().chain(&args.holdout).chain(options);
-    folder.refuse_inputs(inputs.map(PathBuf::as_path))?;
+    let OnMassOptions { files, out, overwrite, json: as_json } = args;
+    let (question, warnings) = OnMassQuestion::read(files)?;
+    let mut folder = ResultFolder::fresh(out, "identify", "identify", overwrite)?;
+    let records = files.train.iter().chain(files.holdout).map(PathBuf::as_path);
+    folder.refuse_inputs(records.chain(files.datasheet).chain(files.mapping))?;
     let names = question.train.iter().chain(&question.holdout).map(|record| &record.name);
     let predictions = names.map(|name| prediction_file(name));
     let fixed = ["result.json", MODEL, "report.html"].map(str::to_owned);
@@ -55,7 +61,7 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     let html = on_mass_page(&found).to_html()?;
     folder.create()?;
     write(&folder, &found, &json, &html)?;
-    if args.json {
+    if as_json {
         print(&json)?;
     } else {
         print(&format!("{}\nfiles: {}", found.summary(), folder.path().display()))?;

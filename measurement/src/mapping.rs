@@ -29,10 +29,11 @@
 //! force_offset = "the mean was subtracted"
 //! ```
 //! `[velocity]`, `[temperature]` and `[acceleration]` likewise; the last one is for a body on a
-//! damper (`[on_mass]`, [`crate::body_record`]) and is then its motion instead of the displacement. Columns that are not named keep the names of this
-//! project, `time_s`, `displacement_m`, `force_n`; units that are not named come from the units
-//! row, or are SI. `extension = "negative"` turns the signs of displacement, velocity and force, so
-//! that positive is extension and tension. Numbers in `where` match within 0.1 %.
+//! damper (`[on_mass]`, [`crate::body_record`]) and is then its motion instead of the displacement.
+//! Columns that are not named keep the names of this project, `time_s`, `displacement_m`,
+//! `force_n`; units that are not named come from the units row, or are SI. `extension = "negative"`
+//! turns the signs of displacement, velocity and force, so that positive is extension and tension.
+//! Numbers in `where` match within 0.1 %.
 //!
 //! One mapping may serve files of different layout: `[[file]]` tables with `named = "*quake*"`
 //! hold the same keys for the files whose names fit, and override those at the top.

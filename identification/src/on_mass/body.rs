@@ -49,7 +49,7 @@ pub(super) struct BodyState {
 }
 
 impl Body {
-    /// The body at the beginning of a record; laws with a memory and the damper have no force there.
+    /// The body at the beginning of a record; what has a memory has no force there.
     pub(super) fn starting(&self, y: f64, v: f64) -> BodyState {
         let memory = vec![0.0; self.laws.len()];
         let mut scratch = memory.clone();

@@ -1,8 +1,8 @@
-//! Least squares on the free-run motion: Levenberg-Marquardt over the parameters of the body and the
-//! starts of the records that move at their first sample.
+//! Least squares on the free-run motion: Levenberg-Marquardt over the parameters of the body and
+//! the starts of the records that move at their first sample.
 //!
-//! Derivatives are differences of simulations, in parallel over parameters and records; every sum is
-//! formed in the order of the records, so the result does not depend on the number of cores.
+//! Derivatives are differences of simulations, in parallel over parameters and records; every sum
+//! is formed in the order of the records, so the result does not depend on the number of cores.
 
 use super::model::Model;
 use super::record::Record;

@@ -22,7 +22,11 @@ const ALIKE: f64 = 1.02;
 const MOST_LAWS: usize = 4;
 /// Steps of the simulation per radian of the free vibration, in the search.
 const STEPS_PER_RADIAN: f64 = 33.0;
-/// Limits of the steps per sample in the search; the final fit has twice as many.
+/// Error of the steps that a search allows, as a share of the noise floor.
+const STEP_ERROR: f64 = 0.3;
+/// Steps per sample that are not doubled any more.
+const MOST_SUBSTEPS: usize = 40;
+/// Limits of the steps per sample at the beginning; the final fit has twice as many as the search.
 const SUBSTEPS: [usize; 2] = [4, 20];
 
 /// A round of the search.
@@ -62,6 +66,7 @@ pub(crate) fn search(
     let decay_per_s = 0.5 * start.c0_n_s_per_m / start.mass_kg;
     prepare(records, start, decay_per_s);
     let (model, fitted) = first_fit(records, start, sizes, given, control)?;
+    let fitted = on_fine_clock(&model, fitted, records, control);
     let mut stages = vec![Judged::new(model, fitted, records, control)?];
     let mut rounds = Vec::new();
     while let Some(base) = stages.last() {
@@ -135,6 +140,41 @@ pub(crate) fn noise_floor(records: &[Record]) -> Option<f64> {
         .iter()
         .map(|record| record.noise_of_mean().map(|noise| noise * noise * record.len() as f64));
     Some(libm::sqrt(squares.sum::<Option<f64>>()? / samples(records) as f64))
+}
+
+/// The fit on a clock on which the error of the steps is small compared with the noise: otherwise a
+/// law of the catalogue would be found that describes that error. Where the noise is not known, the
+/// residual of the first model counts.
+fn on_fine_clock(
+    model: &Model,
+    mut fitted: Fit,
+    records: &mut [Record],
+    control: OnMassControl<'_>,
+) -> Fit {
+    let residual = libm::sqrt(fitted.seen(WHOLE) / samples(records) as f64);
+    let limit = STEP_ERROR * noise_floor(records).unwrap_or(residual);
+    while records.iter().all(|record| record.substeps() < MOST_SUBSTEPS) {
+        for record in records.iter_mut() {
+            record.set_substeps(2 * record.substeps());
+        }
+        let finer = Fit::evaluate(model, &fitted.values, &fitted.starts, records);
+        let pairs = finer.iter().flat_map(|finer| finer.motion.iter().zip(&fitted.motion));
+        let changes = pairs.flat_map(|(fine, coarse)| fine.iter().zip(coarse));
+        // Of second order: the change is three quarters of the error.
+        let error = periods::rms(changes.map(|(fine, coarse)| (fine - coarse) / 0.75));
+        if error.is_nan() || error <= limit {
+            for record in records.iter_mut() {
+                record.set_substeps(record.substeps() / 2);
+            }
+            break;
+        }
+        let from = (fitted.values.as_slice(), fitted.starts.as_slice());
+        match fit(model, from, records, WHOLE, Effort::FULL, control.stop) {
+            Some(better) => fitted = better,
+            None => break,
+        }
+    }
+    fitted
 }
 
 /// A fit of the same model on a clock that is twice as fast.
