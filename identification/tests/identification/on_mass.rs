@@ -42,6 +42,7 @@ fn motion(
     force: &dyn Fn(f64) -> f64,
     samples: usize,
     law: &dyn Fn(f64, f64, f64) -> (f64, f64),
+    output: Output,
 ) -> Vec<f64> {
     let steps = 40;
     let h = 1.0 / (RATE_HZ * f64::from(steps));
@@ -53,7 +54,10 @@ fn motion(
     let mut state = [0.0; 3];
     let mut all = Vec::with_capacity(samples);
     for sample in 0..samples {
-        all.push(state[0]);
+        all.push(match output {
+            Output::Displacement => state[0],
+            Output::Acceleration => rates(sample as f64 / RATE_HZ, state)[1],
+        });
         for step in 0..steps {
             let t = sample as f64 / RATE_HZ + h * f64::from(step);
             let k1 = rates(t, state);
@@ -79,7 +83,7 @@ fn record(
     let settle = 8 * PERIOD;
     let samples = settle + periods * PERIOD;
     let mut random = ChaCha8Rng::seed_from_u64(100 + seed);
-    let clean = motion(&force, samples, law);
+    let clean = motion(&force, samples, law, Output::Displacement);
     BodyRecord {
         name: name.to_owned(),
         file: PathBuf::from(format!("{name}.csv")),
@@ -138,6 +142,31 @@ fn hysteresis_is_named_from_a_linear_body_and_dry_friction_is_not() {
     assert!(html.contains("bouc_wen") && html.contains("Candidates of motion"));
     assert_eq!(found.predictions().count(), 2);
     assert_eq!(found.model_text(), None);
+}
+
+#[test]
+fn a_linear_body_is_found_from_its_acceleration() {
+    let linear = |_: f64, _: f64, _: f64| (0.0, 0.0);
+    let mut train = record("train", 1, 3, 0.0, &linear);
+    let settle = 8 * PERIOD;
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let clean = motion(&multisine(1, 60.0), settle + 3 * PERIOD, &linear, Output::Acceleration);
+    train.motion = clean[settle..].iter().map(|a| a + 0.1 * normal(&mut random)).collect();
+    train.output = Output::Acceleration;
+    let question = OnMassQuestion {
+        train: vec![train],
+        holdout: Vec::new(),
+        datasheet: None,
+        notes: Vec::new(),
+    };
+    let found = identify_on_mass(&question, OnMassControl::QUIET).unwrap();
+    let result = &found.result;
+    assert_eq!(result.verdict, OnMassVerdict::NoMissingEffect, "{}", found.summary());
+    assert_eq!((result.unit, result.output), ("m/s2", "acceleration"));
+    for (name, truth) in [("mass_kg", MASS_KG), ("k0_n_per_m", K0), ("c0_n_s_per_m", C0)] {
+        let miss = (result.body[name].value - truth).abs();
+        assert!(miss < 5.0 * result.body[name].std.unwrap() + 1e-3 * truth, "{}", found.summary());
+    }
 }
 
 #[test]
