@@ -1,6 +1,7 @@
 //! `yawbench identify`: from measured records to the effect that a damper model lacks.
 
 use crate::error::CommandError;
+use crate::identify_on_mass::{self, OnMassOptions};
 use crate::next_test::{NEXT_TEST, NextTestArgs, Proposed};
 use crate::output::print;
 use crate::{exit, stop};
@@ -40,6 +41,10 @@ pub(crate) struct IdentifyArgs {
     /// half a minute.
     #[arg(long)]
     thorough: bool,
+    /// The records are those of a body on a damper or a spring: predict its motion from the force
+    /// on it. With a datasheet the damper is part of the model from the beginning.
+    #[arg(long, conflicts_with_all = ["empirical", "thorough"])]
+    on_mass: bool,
     /// Result folder [default: runs/identify-N].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -53,11 +58,30 @@ pub(crate) struct IdentifyArgs {
     next_test: NextTestArgs,
 }
 
+impl IdentifyArgs {
+    fn files(&self) -> QuestionFiles<'_> {
+        QuestionFiles {
+            train: &self.train,
+            holdout: &self.holdout,
+            datasheet: self.datasheet.as_deref(),
+            mapping: self.mapping.as_deref(),
+        }
+    }
+}
+
 /// Runs `identify`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or a disk that fails.
 pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
+    if args.on_mass {
+        return identify_on_mass::command(OnMassOptions {
+            files: args.files(),
+            out: args.out.as_deref(),
+            overwrite: args.overwrite,
+            json: args.json,
+        });
+    }
     // From here on Ctrl-C ends the command with its files.
     let stop = stop::flag();
     args.next_test.check()?;
@@ -101,12 +125,7 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
 }
 
 fn question(args: &IdentifyArgs) -> Result<(Question, Vec<String>), IdentificationError> {
-    let (question, warnings) = Question::read(QuestionFiles {
-        train: &args.train,
-        holdout: &args.holdout,
-        datasheet: args.datasheet.as_deref(),
-        mapping: args.mapping.as_deref(),
-    })?;
+    let (question, warnings) = Question::read(args.files())?;
     let question = Question { empirical: args.empirical, thorough: args.thorough, ..question };
     Ok((question, warnings))
 }

@@ -12,6 +12,7 @@ mod curve;
 mod error;
 mod exit;
 mod identify;
+mod identify_on_mass;
 mod next_test;
 mod output;
 mod progress;

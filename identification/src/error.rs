@@ -27,6 +27,17 @@ pub enum IdentificationError {
     NothingToFit,
     /// No damper follows the records at all.
     NoFit,
+    /// No body follows the records at all.
+    NoBody,
+    /// A record of a body has another output than the first one.
+    OtherOutput {
+        /// The file.
+        file: PathBuf,
+        /// Its output.
+        found: &'static str,
+        /// That of the first record.
+        expected: &'static str,
+    },
     /// The work was stopped before the nominal damper was fitted.
     Interrupted,
 }
@@ -59,6 +70,14 @@ impl fmt::Display for IdentificationError {
                 write!(f, "found no training test with samples beyond its run-in, expected one")
             }
             Self::NoFit => write!(f, "found no damper that follows these records at all"),
+            Self::NoBody => write!(f, "found no body that follows these records at all"),
+            Self::OtherOutput { file, found, expected } => {
+                write!(
+                    f,
+                    "{}: found {found} as the output, expected {expected} as in the first record",
+                    quoted(file)
+                )
+            }
             Self::Interrupted => {
                 write!(f, "interrupted before the nominal damper was fitted, nothing was written")
             }

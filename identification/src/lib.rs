@@ -33,6 +33,7 @@
 //! | `uncertainty`, `cautions` | how well parameters are known; reasons for doubt |
 //! | `error`, `question`, `result`, `identify` | files to a question; the whole; `result.json` |
 //! | `next_test` | the motion that separates what these records cannot |
+//! | `on_mass` | the other direction: force in, motion of a body out |
 //! | `tables`, `summary`, `page`, `model_file`, `predictions` | text, report, `model.toml`, CSV files |
 //!
 //! Layers: the crate knows `measurement`, `scenario`, `signal`, `report`, `files` and the core, but
@@ -62,6 +63,7 @@ mod judged;
 mod linearised;
 mod model_file;
 mod next_test;
+pub mod on_mass;
 mod page;
 mod pair;
 mod predictions;

@@ -1,5 +1,6 @@
 //! How one file is read: separators, columns, units and signs, all checked.
 
+use crate::drive::OnMass;
 use crate::unit::{Kind, Unit};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -39,6 +40,10 @@ pub(crate) struct Layout {
     pub(crate) velocity: OptionalReading,
     /// Temperature.
     pub(crate) temperature: OptionalReading,
+    /// Acceleration of a body, where it takes the place of the displacement.
+    pub(crate) acceleration: Option<Reading>,
+    /// How a body was driven.
+    pub(crate) on_mass: OnMass,
     /// Effects that the laboratory's processing has destroyed, and how.
     pub(crate) destroyed: BTreeMap<&'static str, String>,
     /// What was tested.
@@ -139,6 +144,8 @@ impl Layout {
             force: vec![Reading::plain(Kind::Force, "force_n")],
             velocity: optional(Kind::Velocity, "velocity_m_per_s"),
             temperature: optional(Kind::Temperature, "temperature_degc"),
+            acceleration: None,
+            on_mass: OnMass::default(),
             destroyed: BTreeMap::new(),
             specimen: None,
             understood: None,

@@ -19,6 +19,7 @@
 //!     sign            whether displacement and force agree
 //!     smoothing       the displacement without its noise
 //!     interpolant     velocity and acceleration
+//! body_record     force in, motion out: a body on a damper (drive)
 //! noise           what no model can explain
 //! ```
 //!
@@ -28,10 +29,12 @@
 //! Layers: above `files`, `scenario` and `signal`; below the virtual bench, the identification and
 //! the hardware bench, which all produce or use a [`Series`] or a [`Measurement`].
 
+pub mod body_record;
 mod clock;
 mod columns;
 mod companion;
 mod cycles;
+mod drive;
 mod error;
 mod force_faults;
 mod header;

@@ -29,9 +29,11 @@
 //! [destroyed]                    # effects that no longer show, and what was done to the records
 //! force_offset = "the mean was subtracted"
 //! ```
-//! `[velocity]` and `[temperature]` likewise. Columns that are not named keep the names of this
-//! project, `time_s`, `displacement_m`, `force_n`; units that are not named come from the units
-//! row, or are SI. With `scale` a unit is that of the scaled value, and a units row is not used.
+//! `[velocity]`, `[temperature]` and `[acceleration]` likewise; the last one is for a body on a
+//! damper (`[on_mass]`, [`crate::body_record`]) and is then its motion instead of the displacement.
+//! Columns that are not named keep the names of this project, `time_s`, `displacement_m`,
+//! `force_n`; units that are not named come from the units row, or are SI. With `scale` a unit is
+//! that of the scaled value, and a units row is not used.
 //!
 //! Units may be spelled as programs do (`Sec`, `kip`, `lbs`, `inches`, `ips`). A time column may
 //! hold dates and times of day; they become seconds since the first. Where a file has a velocity
@@ -50,6 +52,7 @@
 pub use crate::companion::Companion;
 pub use crate::layout::Extension;
 
+use crate::drive::{BodyStart, OnMass};
 use crate::error::MeasurementError;
 use crate::layout::{Decimal, Layout, OptionalReading, Reading, Separator, Wanted};
 use crate::unit::Kind;
@@ -103,6 +106,10 @@ pub(crate) struct Mapping {
     velocity: Option<Column>,
     /// Temperature.
     temperature: Option<Column>,
+    /// Acceleration of a body.
+    acceleration: Option<Column>,
+    /// How a body was driven.
+    on_mass: Option<Spanned<OnMass>>,
     /// Effects that the laboratory's processing has destroyed, and how.
     destroyed: Option<BTreeMap<Spanned<String>, String>>,
     /// Names of the files that a `[[file]]` table is for, `*` for anything.
@@ -196,6 +203,8 @@ impl Mapping {
             force: own.force.or(base.force),
             velocity: own.velocity.or(base.velocity),
             temperature: own.temperature.or(base.temperature),
+            acceleration: own.acceleration.or(base.acceleration),
+            on_mass: own.on_mass.or(base.on_mass),
             destroyed: own.destroyed.or(base.destroyed),
             named: None,
             file: Vec::new(),
@@ -261,6 +270,13 @@ impl Mapping {
                 reading: read(&self.temperature, Kind::Temperature, "temperature_degc")?,
                 required: self.temperature.is_some(),
             },
+            acceleration: match &self.acceleration {
+                Some(_) => {
+                    Some(read(&self.acceleration, Kind::Acceleration, "acceleration_m_per_s2")?)
+                }
+                None => None,
+            },
+            on_mass: on_mass(source, self.on_mass.as_ref())?,
             destroyed: destroyed(source, self.destroyed.as_ref())?,
             specimen: self.specimen.as_ref().map(|specimen| quoted(specimen).to_string()),
             understood: None,
@@ -311,6 +327,25 @@ fn reading(
     };
     let column = given.name.as_ref().map_or(name, |column| column.get_ref()).to_owned();
     Ok(Reading { kind, column, unit, offset, scale, sign })
+}
+
+/// How a body was driven, with the length of a period where it is periodic.
+fn on_mass(source: &Source, given: Option<&Spanned<OnMass>>) -> Result<OnMass, ScenarioError> {
+    let Some(given) = given else { return Ok(OnMass::default()) };
+    let OnMass { start, period_samples, .. } = *given.get_ref();
+    if let Some(length) = period_samples.filter(|length| *length < 16) {
+        let message = format!("period_samples = {length}, expected 16 or more");
+        return Err(source.error(&given.span(), message));
+    }
+    match (start, period_samples) {
+        (Some(BodyStart::Periodic), None) => Err(source
+            .error(&given.span(), "start = \"periodic\" without period_samples, expected both")),
+        (Some(BodyStart::Rest | BodyStart::Moving), Some(_)) => Err(source.error(
+            &given.span(),
+            "period_samples with another start, expected start = \"periodic\" or none",
+        )),
+        _ => Ok(*given.get_ref()),
+    }
 }
 
 /// Effects of the catalogue, each with the reason why these records no longer show it.
@@ -442,6 +477,9 @@ mod tests {
                 "[[file]]\nnamed = \"a*\"\nmapping_for = \"a.csv\"\n",
                 "map.toml: mapping_for in a [[file]] table",
             ),
+            ("[on_mass]\nperiod_samples = 3\n", "map.toml:1: period_samples = 3, expected 16"),
+            ("[on_mass]\nstart = \"periodic\"\n", "map.toml:1: start = \"periodic\" without"),
+            ("[on_mass]\ninter_sample = \"x\"\n", "map.toml:2: unknown variant `x`"),
             ("named = \"*\"\n", "map.toml: named belongs in a [[file]] table"),
         ] {
             let found = layout(text, "a.csv").unwrap_err();

@@ -154,6 +154,7 @@ const fn usual(kind: Kind) -> &'static str {
         Kind::Velocity => "mm/s",
         Kind::Force => "kN",
         Kind::Temperature => "degC",
+        Kind::Acceleration => "m/s2",
     }
 }
 

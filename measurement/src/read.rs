@@ -82,7 +82,7 @@ pub fn read_motions(
 }
 
 /// The mapping that applies to the files.
-enum MappingChoice {
+pub(crate) enum MappingChoice {
     /// One that was named.
     Named(Box<Mapping>, Source),
     /// For each file that next to it, if there is one.
@@ -90,7 +90,7 @@ enum MappingChoice {
 }
 
 impl MappingChoice {
-    fn load(path: Option<&Path>) -> Result<Self, MeasurementError> {
+    pub(crate) fn load(path: Option<&Path>) -> Result<Self, MeasurementError> {
         let Some(path) = path else { return Ok(Self::Companions) };
         let (mapping, source) = Mapping::load(path)?;
         Ok(Self::Named(Box::new(mapping), source))
@@ -98,7 +98,11 @@ impl MappingChoice {
 
     /// The layout of a file, and the layout by which its wiring is compared with that of others:
     /// what a companion says about one file does not separate it from the others of its visit.
-    fn layout(&self, file: &Path, text: &Text) -> Result<(Layout, Layout), MeasurementError> {
+    pub(crate) fn layout(
+        &self,
+        file: &Path,
+        text: &Text,
+    ) -> Result<(Layout, Layout), MeasurementError> {
         if let Self::Named(mapping, source) = self {
             let layout = mapping.layout(source, file)?;
             return Ok((layout.clone(), layout));

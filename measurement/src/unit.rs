@@ -17,6 +17,8 @@ pub(crate) enum Kind {
     Force,
     /// Temperature, degrees Celsius.
     Temperature,
+    /// Acceleration, m/s2.
+    Acceleration,
 }
 
 /// A unit of one kind.
@@ -211,8 +213,12 @@ const TEMPERATURE_NAMES: &[Named] = &[
     ("kelvin", 1.0),
     ("degk", 1.0),
 ];
+/// Standard gravity is 9.80665 m/s2.
+const ACCELERATION: &[Named] =
+    &[("m/s2", 1.0), ("m/s^2", 1.0), ("mm/s2", 1e-3), ("g", 9.806_65), ("mg", 9.806_65e-3)];
 
 impl Kind {
+    /// The channels of a record of a damper.
     pub(crate) const ALL: [Self; 5] =
         [Self::Time, Self::Displacement, Self::Velocity, Self::Force, Self::Temperature];
 
@@ -224,6 +230,7 @@ impl Kind {
             Self::Velocity => "velocity",
             Self::Force => "force",
             Self::Temperature => "temperature",
+            Self::Acceleration => "acceleration",
         }
     }
 
@@ -234,6 +241,7 @@ impl Kind {
             Self::Velocity => VELOCITY,
             Self::Force => FORCE,
             Self::Temperature => TEMPERATURE,
+            Self::Acceleration => ACCELERATION,
         }
     }
 
@@ -244,6 +252,7 @@ impl Kind {
             Self::Velocity => VELOCITY_NAMES,
             Self::Force => FORCE_NAMES,
             Self::Temperature => TEMPERATURE_NAMES,
+            Self::Acceleration => &[],
         }
     }
 
@@ -347,7 +356,7 @@ mod tests {
 
     #[test]
     fn every_known_unit_is_found_by_its_own_name() {
-        for kind in Kind::ALL {
+        for kind in Kind::ALL.into_iter().chain([Kind::Acceleration]) {
             for (name, factor) in kind.table() {
                 assert_eq!(kind.unit(name).unwrap().factor(), *factor);
                 assert!(kind.names().contains(name));

@@ -25,6 +25,7 @@ mod identify_page;
 mod interrupted_study;
 mod layout;
 mod measured_run;
+mod on_mass;
 mod physics;
 mod real_records;
 mod reproduce;

@@ -6,5 +6,6 @@ mod empirical_map;
 mod findings;
 mod interruption;
 mod neighbours;
+mod on_mass;
 mod support;
 mod without_cycles;
