@@ -30,6 +30,9 @@ use measurement::{Measurement, MeasurementError, Series};
 use rayon::prelude::*;
 use serde::Serialize;
 
+/// A difference below this share of the residual separates nothing.
+const LEAST_DIFFERENCE: f64 = 0.05;
+
 /// A motion that a bench can make.
 #[derive(Debug, Clone)]
 pub struct Motion {
@@ -68,7 +71,8 @@ struct Rivals {
 }
 
 /// For every pair of models that the records do not separate, the motion that separates them most
-/// per second; the largest separation first. Empty where nothing is open.
+/// per second; the largest separation first. Empty where nothing is open, or where no motion
+/// separates it.
 ///
 /// # Errors
 /// A motion that cannot be prepared as a record.
@@ -85,6 +89,7 @@ pub fn next_tests(
     control.report("motions of the next test");
     let prepared: Vec<TestSet> =
         motions.par_iter().map(prepared).collect::<Result<_, MeasurementError>>()?;
+    let residual_n = found.findings.with_effects.fit().rms_n(&found.train);
     let mut tests: Vec<NextTest> = rivals
         .iter()
         .filter_map(|rivals| {
@@ -102,7 +107,9 @@ pub fn next_tests(
                     })
                 });
             // The mean square is the separation per second.
-            separations.max_by(|a, b| a.difference_n.total_cmp(&b.difference_n))
+            separations
+                .max_by(|a, b| a.difference_n.total_cmp(&b.difference_n))
+                .filter(|best| best.difference_n > LEAST_DIFFERENCE * residual_n)
         })
         .collect();
     tests.sort_by(|a, b| b.difference_n.total_cmp(&a.difference_n));

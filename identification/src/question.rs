@@ -37,6 +37,9 @@ pub struct QuestionFiles<'a> {
     pub mapping: Option<&'a Path>,
 }
 
+/// Records that a note names.
+const NAMED_RECORDS: usize = 3;
+
 impl Question {
     /// Reads all files of a question. The second value holds the warnings about the datasheet.
     ///
@@ -55,14 +58,35 @@ impl Question {
             notes.extend(warnings.iter().cloned());
         }
         notes.extend(how);
-        for record in train.iter().chain(&holdout) {
-            notes.extend(record.repairs.iter().map(|repair| format!("{}: {repair}", record.name)));
-        }
+        notes.extend(repairs(&train, &holdout));
         notes.extend(bandwidths(train.iter().chain(&holdout)));
         let datasheet = datasheet.map(|sheet| sheet.nominal);
         let question = Self { train, holdout, datasheet, empirical: false, thorough: false, notes };
         Ok((question, warnings))
     }
+}
+
+/// What was repaired, once for all records that it was repaired in.
+fn repairs(train: &[Measurement], holdout: &[Measurement]) -> Vec<String> {
+    let mut found: Vec<(&str, Vec<&str>)> = Vec::new();
+    for record in train.iter().chain(holdout) {
+        for repair in &record.repairs {
+            match found.iter_mut().find(|(known, _)| known == repair) {
+                Some((_, names)) => names.push(&record.name),
+                None => found.push((repair, vec![&record.name])),
+            }
+        }
+    }
+    let records = train.len() + holdout.len();
+    let line = |(repair, names): &(&str, Vec<&str>)| match names.len() {
+        count if count > 1 && count == records => format!("all {count} records: {repair}"),
+        count if count > NAMED_RECORDS => {
+            let first = names[..NAMED_RECORDS].join(", ");
+            format!("{first} and {} more: {repair}", count - NAMED_RECORDS)
+        }
+        _ => format!("{}: {repair}", names.join(", ")),
+    };
+    found.iter().map(line).collect()
 }
 
 fn refuse_files_given_twice(files: &QuestionFiles<'_>) -> Result<(), IdentificationError> {

@@ -189,11 +189,5 @@ pub(super) fn about(identification: &Identification) -> Section {
     for note in notes {
         section = section.note(note);
     }
-    let tests = identification.train.tests.iter().chain(&identification.holdout.tests);
-    for record in tests.map(|test| &test.record) {
-        for repair in record.repairs.iter().filter(|repair| !notes.contains(repair)) {
-            section = section.note(&format!("{}: {repair}", record.name));
-        }
-    }
     section
 }
