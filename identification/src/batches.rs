@@ -1,8 +1,8 @@
 //! A constant under a coloured residual, by the means of batches.
 //!
 //! A residual that is mostly the missing shape of other effects is coloured, and a comparison block
-//! by block takes a constant under it for chance. The means of a dozen long batches hardly depend on
-//! each other, and Student's test on them (two-sided) sees the constant:
+//! by block takes a constant under it for chance. The means of a dozen long batches hardly depend
+//! on each other, and Student's test on them (two-sided) sees the constant:
 //!
 //! ```text
 //! t = mean of the means / (s / sqrt(n)), with n - 1 degrees of freedom

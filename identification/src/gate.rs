@@ -1,10 +1,10 @@
 //! The hold-out gate: which of the accepted effects survive tests that the search has not seen.
 //!
 //! An effect may describe the training tests and mislead beyond them. After the search, the model
-//! is refitted with every prefix of the accepted effects, and every prefix is simulated on the tests
-//! held out. The longest prefix is kept whose error is at most 1.05 times the smallest error of the
-//! shorter ones, the refitted nominal model included. Effects that were accepted as a pair are kept
-//! or cut together.
+//! is refitted with every prefix of the accepted effects, and every prefix is simulated on the
+//! tests held out. The longest prefix is kept whose error is at most 1.05 times the smallest error
+//! of the shorter ones, the refitted nominal model included. Effects that were accepted as a pair
+//! are kept or cut together.
 //!
 //! Only samples within the range of the training tests count: beyond it a true effect may look
 //! worse. If fewer than a fifth of the samples, or less than two seconds, are in range, or nothing

@@ -19,6 +19,8 @@ use files::quoted;
 const ROWS_LEAST: usize = 5;
 /// Rows of numbers that are looked at.
 const ROWS_MOST: usize = 400;
+/// One cell in so many may hold a word in the place of a number.
+const MARKED_SHARE: usize = 50;
 /// Lines above the numbers that are looked at.
 const HEAD_MOST: usize = 400;
 
@@ -131,12 +133,14 @@ impl Body {
             }
         }
         let body = found.filter(|body| body.rows.len() >= ROWS_LEAST)?;
-        // Every column of numbers is one in every row.
+        // Every column of numbers is one in nearly every row: an overflow or a gap that a program
+        // has marked with a word is for the reader of the cells to refuse.
+        let marked = (body.rows.len() / MARKED_SHARE).max(1);
         let is_mixed = (0..body.width).any(|column| {
             let cells = body.rows.iter().filter_map(|row| row.get(column));
             let numbers = cells.clone().filter(|cell| number(cell)).count();
-            2 * numbers > body.rows.len()
-                && cells.filter(|cell| !cell.is_empty()).any(|cell| !number(cell))
+            let others = cells.filter(|cell| !cell.is_empty() && !number(cell)).count();
+            2 * numbers > body.rows.len() && others > marked
         });
         (!is_mixed).then_some(body)
     }

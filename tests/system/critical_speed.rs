@@ -187,5 +187,5 @@ fn impossible_requests_get_one_line_and_nothing_is_written() {
     let errors = String::from_utf8_lossy(&result.stderr);
     assert_eq!(result.status.code(), Some(2), "{errors}");
     assert!(errors.contains("--out kept: holds"), "{errors}");
-    assert!(errors.contains("from_kmh: 226.0, before 225.0"), "{errors}");
+    assert!(errors.contains("from_kmh: 226, before 225"), "{errors}");
 }

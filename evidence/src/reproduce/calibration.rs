@@ -36,7 +36,7 @@ pub struct Unknown {
     pub key: &'static str,
     /// Where it may lie.
     pub range: [f64; 2],
-    /// Which of [`CALIBRATED_ON`] fixes it.
+    /// Which of `CALIBRATED_ON` fixes it.
     pub fixed_on: usize,
 }
 

@@ -14,12 +14,15 @@ use signal::statistics::rms;
 const LEAST_SHARE_OF_FLOOR: f64 = 0.25;
 /// Structure below this share of the rms force may be the models' own.
 const LEAST_SHARE_OF_FORCE: f64 = 2e-4;
-/// A residual up to this multiple of a known noise floor is that noise.
-const AT_FLOOR: f64 = 1.1;
+/// A residual up to this multiple of a known noise floor is that noise: a floor is known within 30
+/// %, and slow noise is not in it.
+const AT_FLOOR: f64 = 1.3;
 /// A residual from this multiple of a known noise floor is more than that noise.
 const FAR_ABOVE_FLOOR: f64 = 1.5;
 /// Largest probability of structure by chance, over all coordinates.
 const LARGEST_P: f64 = 1e-3;
+/// Share of the squared residual from which one test holds most of it.
+const MOST_OF_ALL: f64 = 0.7;
 /// A constant of a smaller share of the squared residual is not reported.
 const LEAST_SHARE_OF_CONSTANT: f64 = 0.03;
 /// Largest probability of a size that follows the force by chance.
@@ -40,8 +43,8 @@ pub struct Unexplained {
 
 impl Unexplained {
     /// With the description of another structure in the same residual.
-    fn also(self, other: &Self) -> Self {
-        Self { description: format!("{}; {}", self.description, other.description), ..self }
+    fn also(self, other: &str) -> Self {
+        Self { description: format!("{}; {other}", self.description), ..self }
     }
 }
 
@@ -55,17 +58,38 @@ pub(super) fn judge(
     let floor_n = analysis.noise.floor_n.unwrap_or(0.0);
     let least_n = (LEAST_SHARE_OF_FLOOR * floor_n).max(own_n);
     let motion = follows_motion(analysis, least_n);
-    if let Some(shaped) = shaped(analysis, residual_n, least_n, tests) {
-        return Some(match motion {
-            None => shaped,
-            // Kinks that follow the motion make lines too.
-            Some(motion) if shaped.coordinate == "frequency" && motion.rms_n > shaped.rms_n => {
-                motion.also(&shaped)
-            }
-            Some(motion) => shaped.also(&motion),
-        });
+    let found = match (shaped(analysis, residual_n, least_n, tests), motion) {
+        (None, motion) => motion
+            .or_else(|| follows_force(analysis, own_n))
+            .or_else(|| constant(analysis, least_n)),
+        (shaped, None) => shaped,
+        // Kinks that follow the motion make lines too.
+        (Some(shaped), Some(motion))
+            if shaped.coordinate == "frequency" && motion.rms_n > shaped.rms_n =>
+        {
+            Some(motion.also(&shaped.description))
+        }
+        (Some(shaped), Some(motion)) => Some(shaped.also(&motion.description)),
+    };
+    match (found, mostly_in_one(residual_n, tests)) {
+        (Some(found), Some(one)) => Some(found.also(&one)),
+        (found, _) => found,
     }
-    motion.or_else(|| follows_force(analysis, own_n)).or_else(|| constant(analysis, least_n))
+}
+
+/// The test that holds most of the squared residual, if one of several does.
+fn mostly_in_one(residual_n: &[Vec<f64>], tests: &TestSet) -> Option<String> {
+    let each = tests.tests.iter().zip(residual_n).map(|(test, residual)| {
+        let square: f64 = residual[test.counted()].iter().map(|r| r * r).sum();
+        (square, test)
+    });
+    let all: Vec<_> = each.collect();
+    let total: f64 = all.iter().map(|(square, _)| square).sum();
+    let (square, test) = all.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let share = square / total;
+    (all.len() > 2 && share > MOST_OF_ALL).then(|| {
+        format!("test {} holds {:.0} % of the squared residual", test.record.name, 100.0 * share)
+    })
 }
 
 /// More of the force follows from the motion than the model knows.

@@ -86,7 +86,9 @@ impl ResidualAnalysis {
         maps.sort_by(|a, b| b.share.total_cmp(&a.share));
         let repeat = repeat::repeat(&residual_n, tests);
         let lines = lines::lines(&residual_n, tests);
-        let noise = NoiseFloor::of(&residual_n, &repeat, lines::pooled(&lines, tests), tests);
+        let size = size::size(fit, &residual_n, tests)?;
+        let lines_n = lines::pooled(&lines, tests);
+        let noise = NoiseFloor::of(&residual_n, (&repeat, &size), lines_n, tests);
         let mut analysis = Self {
             rms_n: fit.rms_n(tests),
             noise,
@@ -94,7 +96,7 @@ impl ResidualAnalysis {
             repeat,
             lines,
             motion: motion::motion(fit, tests),
-            size: size::size(fit, &residual_n, tests)?,
+            size,
             constant: batches::constant(&residual_n, tests),
             unexplained: None,
         };

@@ -213,11 +213,12 @@ impl Run {
         let mut gram = Box::new(SMatrix::<f64, COUNT, COUNT>::zeros());
         let mut right = [SVector::<f64, COUNT>::zeros(); 2];
         let (mut sum, mut target_sum) = (SVector::zeros(), [0.0; 2]);
-        for k in run.samples.start.div_ceil(stride)..run.samples.end.div_ceil(stride) {
+        let kept_rows = run.samples.start.div_ceil(stride)..run.samples.end.div_ceil(stride);
+        for (k, row) in rows.iter().enumerate().take(kept_rows.end).skip(kept_rows.start) {
             let sample = k * stride;
             let force_n = record.force_n[sample];
             let target = [force_n - fit.force_n[run.test][sample], force_n];
-            let row = scaling.scaled(&rows[k]);
+            let row = scaling.scaled(row);
             gram.ger(1.0, &row, &row, 1.0);
             for which in 0..2 {
                 right[which].axpy(target[which], &row, 1.0);

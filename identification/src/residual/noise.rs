@@ -12,8 +12,12 @@
 
 use super::repeat::Repeat;
 use super::same_motion;
+use super::size::Size;
 use crate::test_set::TestSet;
 use measurement::noise::{NoiseSource, rest, rounding_n, white};
+
+/// Share of the squared floor that must remain without lines.
+const LEAST_REST: f64 = 0.5;
 
 /// What is known about the noise of the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,21 +36,30 @@ pub struct NoiseFloor {
 impl NoiseFloor {
     /// From the first source that applies. `lines_n` is the rms of lines in the spectrum of the
     /// residual, which are no noise even where they do not repeat with the cycle.
+    ///
+    /// A difference between cycles whose size strongly follows the force is no noise: a valve that
+    /// switches makes cycles differ too. Then nothing that repeats counts as a source.
     pub(crate) fn of(
         residual_n: &[Vec<f64>],
-        repeat: &Repeat,
+        (repeat, size): (&Repeat, &Size),
         lines_n: f64,
         tests: &TestSet,
     ) -> Self {
         let known = |floor_n: f64, method| {
-            let floor_n = without_lines(floor_n, lines_n, repeat);
-            Self { floor_n: Some(floor_n), at_least_n: None, samples_n: None, method }
+            let floor_n = without_lines(floor_n, lines_n, repeat)?;
+            Some(Self { floor_n: Some(floor_n), at_least_n: None, samples_n: None, method })
         };
-        if let Some(floor_n) = repeat.noise_floor_n {
-            return known(floor_n, "difference of the residual between successive cycles");
-        }
-        if let Some(floor_n) = same_motion::noise_floor_n(residual_n, tests) {
-            return known(floor_n, "difference of the residual between tests with the same motion");
+        let by_cycles = repeat.noise_floor_n.and_then(|floor_n| {
+            known(floor_n, "difference of the residual between successive cycles")
+        });
+        let by_tests = || {
+            let floor_n = same_motion::noise_floor_n(residual_n, tests)?;
+            known(floor_n, "difference of the residual between tests with the same motion")
+        };
+        if !size.is_strong()
+            && let Some(known) = by_cycles.or_else(by_tests)
+        {
+            return known;
         }
         let (square, source) = lower_bound(residual_n, tests);
         let samples = tests.tests.iter().filter_map(|test| {
@@ -57,8 +70,8 @@ impl NoiseFloor {
             floor_n: None,
             at_least_n: None,
             samples_n: (samples > 0.0).then(|| samples.sqrt()),
-            method: "unknown: no cycle and no test repeats, the noise of the samples is not white, \
-                     and the damper never rests",
+            method: "unknown: no cycle and no test repeats without other disturbances, the noise \
+                     of the samples is not white, and the damper never rests",
         };
         match source {
             None => unknown,
@@ -72,13 +85,14 @@ impl NoiseFloor {
     }
 }
 
-/// A line that does not repeat with the cycle is no noise.
-fn without_lines(floor_n: f64, lines_n: f64, repeat: &Repeat) -> f64 {
-    if lines_n > repeat.repeated_in_all_rms_n {
-        (floor_n * floor_n - lines_n * lines_n).max(0.01 * floor_n * floor_n).sqrt()
-    } else {
-        floor_n
+/// The floor without lines that do not repeat with the cycle, which are no noise; none where they
+/// are most of it, since the rest is then not known.
+fn without_lines(floor_n: f64, lines_n: f64, repeat: &Repeat) -> Option<f64> {
+    if lines_n <= repeat.repeated_in_all_rms_n {
+        return Some(floor_n);
     }
+    let rest = floor_n * floor_n - lines_n * lines_n;
+    (rest > LEAST_REST * floor_n * floor_n).then(|| rest.sqrt())
 }
 
 /// Mean square of a lower bound over all tests, N2, and the source that gives most of it. A test

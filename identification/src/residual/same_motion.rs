@@ -30,10 +30,10 @@ pub(crate) fn noise_floor_n(residual_n: &[Vec<f64>], tests: &TestSet) -> Option<
         for (second, second_n) in all.clone().skip(index + 1) {
             let Some(shift) = shift(first, second) else { continue };
             let (from, to) = overlap(first, second, shift.whole);
-            for i in from..to {
+            for (i, first_n) in first_n.iter().enumerate().take(to).skip(from) {
                 let k = i.saturating_add_signed(shift.whole);
                 let rate = 0.5 * (second_n[k + 1] - second_n[k - 1]);
-                let difference = second_n[k] + shift.rest * rate - first_n[i];
+                let difference = second_n[k] + shift.rest * rate - first_n;
                 squares += difference * difference;
                 count += 1.0;
             }

@@ -64,12 +64,19 @@ pub struct Size {
     pub p_value: f64,
 }
 
+/// A rank correlation from which most of the residual follows the force.
+const STRONG: f64 = 0.5;
 /// Largest probability of a correlation by chance.
 const LARGEST_P: f64 = 0.01;
 
 impl Size {
     fn not_tested(why: &str) -> Self {
         Self { answer: Answer::NotTested(why.to_owned()), correlation: 0.0, p_value: 1.0 }
+    }
+
+    /// True where most of the residual follows the force.
+    pub(crate) fn is_strong(&self) -> bool {
+        self.answer == Answer::Yes && self.correlation.abs() > STRONG
     }
 
     /// True where the correlation is tested and less probable than `p` by chance.

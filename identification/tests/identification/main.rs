@@ -7,5 +7,6 @@ mod findings;
 mod interruption;
 mod neighbours;
 mod on_mass;
+mod one_test;
 mod support;
 mod without_cycles;

@@ -1,7 +1,7 @@
 //! Noise while the damper rests.
 //!
 //! Where the displacement stays within its own noise for 0.3 s, the force is noise and drift. A
-//! straight line is taken off each such stretch, and the rms of the rest is pooled over all of them.
+//! straight line is taken off each such stretch, and the rms of the rest is pooled over all.
 //!
 //! Limits: a lower bound, since noise of the clock, of the displacement and of the gain act only in
 //! motion.

@@ -36,7 +36,7 @@ const FEWEST: usize = 200;
 /// let mut state = 1_u64;
 /// let noisy: Vec<f64> = (0..4000)
 ///     .map(|n| {
-///         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+///         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
 ///         let uniform = (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
 ///         100.0 * libm::sin(0.01 * f64::from(n)) + uniform
 ///     })
