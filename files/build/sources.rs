@@ -20,7 +20,8 @@ fn export_hash(variable: &str, folders: &[&str]) {
         files.sort_unstable();
         assert!(!files.is_empty(), "{folder}: found no file, expected the sources of a crate");
         for file in files {
-            let content = std::fs::read(&file).unwrap_or_else(|why| panic!("{}: {why}", file.display()));
+            let content =
+                std::fs::read(&file).unwrap_or_else(|why| panic!("{}: {why}", file.display()));
             let name = file.to_string_lossy();
             for part in [name.as_bytes(), &content] {
                 hash = fnv::add(hash, part.len() as u64);
@@ -32,7 +33,8 @@ fn export_hash(variable: &str, folders: &[&str]) {
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
-    let entries = std::fs::read_dir(folder).unwrap_or_else(|why| panic!("{}: {why}", folder.display()));
+    let entries =
+        std::fs::read_dir(folder).unwrap_or_else(|why| panic!("{}: {why}", folder.display()));
     for entry in entries {
         let entry = entry.unwrap_or_else(|why| panic!("{}: {why}", folder.display()));
         if entry.path().is_dir() {

@@ -239,9 +239,7 @@ mod tests {
             let step_s = 0.1e-3 * f64::from(every);
             let mut state = DamperState::starting(sine(0.0));
             (1..=4000 / every)
-                .map(|i| {
-                    damper.advance(&mut state, sine(step_s * f64::from(i)), step_s)
-                })
+                .map(|i| damper.advance(&mut state, sine(step_s * f64::from(i)), step_s))
                 .enumerate()
                 .filter(|(i, _)| (i + 1) % (40 / every) as usize == 0)
                 .map(|(_, force)| force)
@@ -260,15 +258,13 @@ mod tests {
     fn every_motion_dissipates_whatever_the_capacity_does() {
         // The work is never less than what is stored: over a random walk, and over small motions
         // that are slow one way and fast the other, followed by a release.
-        let friction =
-            PreslidingFriction { direction_asymmetry: 0.5, low_speed_rise: 3.0, ..DAHL };
+        let friction = PreslidingFriction { direction_asymmetry: 0.5, low_speed_rise: 3.0, ..DAHL };
         let work_j = |z: f64, dx: f64, speed: f64| {
             let after = friction.after_n(z, dx, speed);
             let s = dx.signum();
             let share = friction.capacity_share(s, speed);
             // dz = F_0/x_d (dx - z/F_c |dx|): the integral of z over dx from the change of z.
-            let work =
-                s * share * (friction.capacity_n * dx - friction.travel_m * (after - z));
+            let work = s * share * (friction.capacity_n * dx - friction.travel_m * (after - z));
             (after, work)
         };
         let stored = |z: f64| 0.5 * friction.travel_m * z * z / friction.capacity_n;
@@ -319,8 +315,7 @@ mod tests {
 
     #[test]
     fn each_direction_and_speed_has_its_capacity() {
-        let friction =
-            PreslidingFriction { direction_asymmetry: 0.3, low_speed_rise: 0.5, ..DAHL };
+        let friction = PreslidingFriction { direction_asymmetry: 0.3, low_speed_rise: 0.5, ..DAHL };
         let damper = alone(friction);
         for (speed, rise) in [(1e-9, 1.5), (5e-3, 1.0 + 0.5 / core::f64::consts::E), (0.1, 1.0)] {
             for (sign, share) in [(1.0, 1.3), (-1.0, 0.7)] {

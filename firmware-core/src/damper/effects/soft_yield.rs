@@ -202,7 +202,8 @@ mod tests {
         let scale = Nominal::NEW.scale();
         let [(_, most), (least, widest)] =
             [0, 1].map(|i| <SoftYield as super::super::Table>::PARAMETERS[i].bounds(&scale));
-        for (yield_n, knee) in [(1e-3, 4e-3), (3e3, least), (3e3, 4e-3), (3e3, widest), (most, 4e-3)]
+        for (yield_n, knee) in
+            [(1e-3, 4e-3), (3e3, least), (3e3, 4e-3), (3e3, widest), (most, 4e-3)]
         {
             let here = forces(yield_n, knee);
             for (more_n, wider) in [(1.01, 1.0), (1.0, 1.01)] {
