@@ -1,7 +1,8 @@
 //! The tests that a candidate has to pass before it is accepted, and the choice among those that
 //! do.
 //!
-//! A candidate must gain on left-out pieces and on the pieces it is fitted to; improve or leave
+//! A candidate must gain on left-out pieces, there also in the band of the motion, and on the
+//! pieces it is fitted to; improve or leave
 //! unchanged four pieces in five; be significant with all candidates counted; keep its parameters
 //! off their bounds; and be chosen again without each piece. Among candidates that predict equally
 //! well one is named. The others are its alternatives, including those that only a parameter on its
@@ -93,13 +94,14 @@ pub(crate) fn objection(
 
 /// The reason why a trial does not predict better than the standing model, if there is one.
 fn no_gain(standing: &Judged, trial: &Trial, candidates: usize) -> Option<String> {
-    let Evidence { holdout_gain, improved, p_value } = trial.evidence;
+    let Evidence { holdout_gain, gain_in_band, improved, p_value } = trial.evidence;
     let before = standing.fit().total_n2();
     let seen_gain = 1.0 - trial.judged.fit().total_n2() / before;
     let p = (p_value * candidates as f64).min(1.0);
     let gains = [(seen_gain, "the tests it is fitted to"), (holdout_gain, "tests left out")];
     let unfit = gains.into_iter().find_map(|(gain, of)| too_little(gain, of));
-    if let Some(why) = unfit.or_else(|| too_seldom(improved)) {
+    let above_the_motion = || (gain_in_band < LEAST_GAIN).then(|| above_the_motion(gain_in_band));
+    if let Some(why) = unfit.or_else(|| too_seldom(improved)).or_else(above_the_motion) {
         return Some(why);
     }
     (p > LARGEST_P).then(|| format!("may be chance: p = {p:.3} with all candidates counted"))
@@ -111,6 +113,15 @@ pub(super) fn too_little(gain: f64, of: &str) -> Option<String> {
         let gain = 100.0 * gain;
         format!("removes {gain:.2} % of the squared error on {of}, less than 3 %")
     })
+}
+
+/// The reason against an effect that acts above the frequencies of the motion alone.
+fn above_the_motion(gain_in_band: f64) -> String {
+    format!(
+        "removes {:.2} % of the squared error at the frequencies of the motion, less than 3 %: it \
+         filters noise of the drive",
+        100.0 * gain_in_band
+    )
 }
 
 /// The reason why too few pieces are improved, if there are too few.

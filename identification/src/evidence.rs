@@ -1,6 +1,7 @@
 //! The evidence for one effect: a richer model against a poorer one, on pieces that neither has
 //! seen.
 
+use super::band::gain_in_band;
 use super::chance::one_sided;
 use super::gram::Gram;
 use super::judged::Judged;
@@ -20,6 +21,8 @@ const EXCITED: f64 = 0.05;
 pub struct Evidence {
     /// Share of the squared error on left-out pieces that the effect removes.
     pub holdout_gain: f64,
+    /// The same in the band of the motion.
+    pub gain_in_band: f64,
     /// Share of the pieces that excite it that it improves or leaves unchanged.
     pub improved: f64,
     /// Probability of such a gain without the effect, for one candidate.
@@ -39,6 +42,7 @@ pub(crate) fn evidence(poorer: &Judged, richer: &Judged, tests: &TestSet) -> Evi
     let (before, after) = (&poorer.left_out, &richer.left_out);
     Evidence {
         holdout_gain: 1.0 - after.total_n2() / before.total_n2(),
+        gain_in_band: gain_in_band(poorer, richer, tests),
         improved: improved_of_excited(poorer, richer, tests),
         p_value: p_value(poorer, richer, tests),
     }

@@ -22,7 +22,7 @@
 //! | `gram`, `colour`, `chance`, `batches` | normal equations, coloured noise, significance |
 //! | `residual` | is the residual noise, or has it structure? |
 //! | `linearised`, `folds`, `judged` | a fitted model, and its predictions of left-out pieces |
-//! | `evidence`, `finding` | the vocabulary: evidence, accepted, rejected, not testable |
+//! | `band`, `evidence`, `finding` | the vocabulary: evidence, accepted, rejected, not testable |
 //! | `candidate`, `screening`, `short_list` | the catalogue against the residual, to first order |
 //! | `trial`, `acceptance`, `canonical`, `settling` | a candidate fitted and judged; the rules |
 //! | `sharing` | parameters that share one value where that is enough |
@@ -40,6 +40,7 @@
 //! no bench and no vehicle.
 
 mod acceptance;
+mod band;
 mod batches;
 mod budget;
 mod candidate;

@@ -151,7 +151,8 @@ mod tests {
 
     #[test]
     fn a_pair_that_shares_an_effect_is_an_alternative_to_the_other() {
-        let evidence = Evidence { holdout_gain: 0.9, improved: 1.0, p_value: 1e-9 };
+        let evidence =
+            Evidence { holdout_gain: 0.9, gain_in_band: 0.9, improved: 1.0, p_value: 1e-9 };
         let mut pair = ["seal_friction", "sensor_delay"].map(|name| Accepted {
             name,
             evidence,
