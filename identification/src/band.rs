@@ -16,7 +16,7 @@
 
 use super::judged::Judged;
 use super::test_set::TestSet;
-use signal::statistics::rms;
+use signal::statistics::{moving_mean, rms};
 use std::f64::consts::TAU;
 
 /// Share of the squared error in the band of the motion that a richer model removes on left-out
@@ -46,18 +46,7 @@ pub(crate) fn gain_in_band(poorer: &Judged, richer: &Judged, tests: &TestSet) ->
 
 /// Sum of the squares of a moving mean over `half` samples to either side.
 fn moving_mean_squares(values: &[f64], half: usize) -> f64 {
-    let mut sums = Vec::with_capacity(values.len() + 1);
-    sums.push(0.0);
-    for value in values {
-        sums.push(sums[sums.len() - 1] + value);
-    }
-    (0..values.len())
-        .map(|i| {
-            let (from, to) = (i.saturating_sub(half), (i + half + 1).min(values.len()));
-            let mean = (sums[to] - sums[from]) / (to - from) as f64;
-            mean * mean
-        })
-        .sum()
+    moving_mean(values, half).iter().map(|mean| mean * mean).sum()
 }
 
 #[cfg(test)]

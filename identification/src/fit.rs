@@ -5,9 +5,10 @@
 //! of the tests, so the result does not depend on the number of cores.
 
 use super::control::Control;
-use super::grey_box::GreyBox;
+use super::grey_box::{GreyBox, NOMINAL};
 use super::simulation::{simulate, start_deflection_m};
 use super::test_set::TestSet;
+use firmware_core::damper::effects::Scale;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
@@ -73,6 +74,21 @@ impl Fit {
     /// The same model simulated on other tests.
     pub fn on(&self, tests: &TestSet) -> Option<Self> {
         Self::evaluate(&self.model, &self.values, tests)
+    }
+
+    /// The model with those of its effects alone whose place is kept, and their fitted values.
+    pub(crate) fn with_effects_kept(
+        &self,
+        keep: impl Fn(usize) -> bool,
+        scale: &Scale,
+    ) -> (GreyBox, Vec<f64>) {
+        let mut model = GreyBox::nominal(scale);
+        let mut values = self.values[..NOMINAL.len()].to_vec();
+        for (index, effect) in self.model.effects.iter().enumerate().filter(|(k, _)| keep(*k)) {
+            model = model.with(effect, scale);
+            values.extend(&self.values[self.model.range_of(index)]);
+        }
+        (model, values)
     }
 
     /// Sum over all pieces, N2.

@@ -42,14 +42,7 @@ pub struct LeftOut {
 impl LeftOut {
     /// Leaves out every piece in turn.
     pub fn predict(standing: &Linearised, tests: &TestSet) -> Option<Self> {
-        let grams: Vec<Gram> = tests
-            .pieces
-            .par_iter()
-            .map(|piece| {
-                let residual = residual(&standing.fit.force_n, piece, tests);
-                Gram::over(&columns(standing, piece), &residual)
-            })
-            .collect();
+        let grams = grams(standing, tests);
         let folds: Option<Vec<(Vec<f64>, f64, f64)>> = (0..tests.pieces.len())
             .into_par_iter()
             .map(|out| fold(standing, &grams, out, tests))
@@ -80,14 +73,7 @@ impl LeftOut {
         tests: &TestSet,
     ) -> Option<Vec<f64>> {
         let (cut, runs) = tests.with_runs_of(piece)?;
-        let grams: Vec<Gram> = cut
-            .pieces
-            .par_iter()
-            .map(|piece| {
-                let residual = residual(&standing.fit.force_n, piece, &cut);
-                Gram::over(&columns(standing, piece), &residual)
-            })
-            .collect();
+        let grams = grams(standing, &cut);
         let whole = &tests.pieces[piece];
         let mut force_n = standing.fit.force_n[whole.test][whole.samples.clone()].to_vec();
         let folds: Option<Vec<(Vec<f64>, f64, f64)>> =
@@ -126,6 +112,15 @@ impl LeftOut {
         }
         sums
     }
+}
+
+/// Normal equations of a fitted model, one for each piece.
+pub(crate) fn grams(standing: &Linearised, tests: &TestSet) -> Vec<Gram> {
+    let each = tests.pieces.par_iter().map(|piece| {
+        let residual = residual(&standing.fit.force_n, piece, tests);
+        Gram::over(&columns(standing, piece), &residual)
+    });
+    each.collect()
 }
 
 /// Force on the left-out piece, its squared error, and that of the others. `grams` are those of the

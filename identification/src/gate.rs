@@ -16,7 +16,6 @@
 use super::control::Control;
 use super::finding::{Accepted, Findings, Rejected};
 use super::fit::{Effort, Fit, fit};
-use super::grey_box::{GreyBox, NOMINAL};
 use super::judged::Judged;
 use super::test_set::{Test, TestSet};
 use serde::Serialize;
@@ -176,12 +175,7 @@ fn models(
 
 /// A model with its first effects alone, fitted again.
 fn refitted(full: &Fit, effects: usize, train: &TestSet, control: Control<'_>) -> Option<Judged> {
-    let mut model = GreyBox::nominal(&train.scale);
-    let mut values = full.values[..NOMINAL.len()].to_vec();
-    for (index, effect) in full.model.effects.iter().take(effects).enumerate() {
-        model = model.with(effect, &train.scale);
-        values.extend(&full.values[full.model.range_of(index)]);
-    }
+    let (model, values) = full.with_effects_kept(|index| index < effects, &train.scale);
     Judged::new(fit(&model, &values, train, Effort::FULL, control)?, train)
 }
 

@@ -18,8 +18,8 @@
 use super::candidate::candidates;
 use super::control::Control;
 use super::fit::{Effort, Fit, fit, slopes};
+use super::folds::grams;
 use super::gram::Gram;
-use super::grey_box::{GreyBox, NOMINAL};
 use super::identify::Identification;
 use super::linearised::Linearised;
 use super::simulation::simulate;
@@ -162,16 +162,7 @@ fn rivals(found: &Identification, control: Control<'_>) -> Vec<Rivals> {
 
 fn pair(names: [String; 2], a: Damper, b: Fit, train: &TestSet) -> Option<Rivals> {
     let linearised = Linearised::new(b.clone(), train);
-    let each = train.pieces.iter().map(|piece| {
-        let columns: Vec<&[f64]> = linearised
-            .slopes
-            .iter()
-            .map(|slope| &slope[piece.test][piece.samples.clone()])
-            .collect();
-        Gram::over(&columns, &linearised.residual_n[piece.test][piece.samples.clone()])
-    });
-    let grams: Vec<Gram> = each.collect();
-    Some(Rivals { names, a, b, training: Gram::sum(grams.iter())? })
+    Some(Rivals { names, a, b, training: Gram::sum(grams(&linearised, train).iter())? })
 }
 
 fn effect(name: &str) -> Option<&'static EffectInfo> {
@@ -186,12 +177,7 @@ fn in_place_of(
     train: &TestSet,
     control: Control<'_>,
 ) -> Option<Fit> {
-    let mut model = GreyBox::nominal(&train.scale);
-    let mut values = full.values[..NOMINAL.len()].to_vec();
-    for (k, info) in full.model.effects.iter().enumerate().filter(|(k, _)| *k != index) {
-        model = model.with(info, &train.scale);
-        values.extend(&full.values[full.model.range_of(k)]);
-    }
+    let (model, values) = full.with_effects_kept(|k| k != index, &train.scale);
     let candidate =
         candidates(&model, train).into_iter().find(|candidate| candidate.effect.name == name)?;
     let model = model.with(candidate.effect, &train.scale);

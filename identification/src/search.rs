@@ -23,7 +23,7 @@ use super::control::Control;
 use super::evidence::{LEAST_GAIN, evidence};
 use super::finding::{Accepted, Findings, Outdone, Rejected};
 use super::fit::{Effort, Fit, fit};
-use super::grey_box::{GreyBox, NOMINAL};
+use super::grey_box::GreyBox;
 use super::judged::Judged;
 use super::pair::{Pair, pair};
 use super::rejection::rejections;
@@ -300,14 +300,7 @@ fn as_good_without(
     control: Control<'_>,
 ) -> Option<Judged> {
     let fitted = standing.fit();
-    let mut model = GreyBox::nominal(&tests.scale);
-    let mut values = fitted.values[..NOMINAL.len()].to_vec();
-    for (k, effect) in fitted.model.effects.iter().enumerate() {
-        if k != index {
-            model = model.with(effect, &tests.scale);
-            values.extend(&fitted.values[fitted.model.range_of(k)]);
-        }
-    }
+    let (model, values) = fitted.with_effects_kept(|k| k != index, &tests.scale);
     let without = Judged::new(fit(&model, &values, tests, Effort::FULL, control)?, tests)?;
     let gain = evidence(&without, standing, tests).holdout_gain;
     let seen_gain = 1.0 - fitted.total_n2() / without.fit().total_n2();

@@ -20,6 +20,21 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
+/// Mean over `half` values to either side, over fewer at the ends.
+///
+/// ```
+/// assert_eq!(signal::statistics::moving_mean(&[0.0, 3.0, 6.0, 0.0], 1), [1.5, 3.0, 3.0, 3.0]);
+/// ```
+pub fn moving_mean(values: &[f64], half: usize) -> Vec<f64> {
+    (0..values.len())
+        .map(|i| {
+            let range = i.saturating_sub(half)..(i + half + 1).min(values.len());
+            let length = range.len() as f64;
+            values[range].iter().sum::<f64>() / length
+        })
+        .collect()
+}
+
 /// Least and greatest value; `None` for no samples. Values that are not numbers are passed over.
 ///
 /// ```

@@ -26,9 +26,6 @@ pub struct NoiseFloor {
     pub floor_n: Option<f64>,
     /// A lower bound, N, where there is one and the floor is unknown.
     pub at_least_n: Option<f64>,
-    /// Size of third differences, N, where nothing is known: the noise if it is white, less than
-    /// the noise if it was filtered.
-    pub samples_n: Option<f64>,
     /// How it was found.
     pub method: &'static str,
 }
@@ -47,7 +44,7 @@ impl NoiseFloor {
     ) -> Self {
         let known = |floor_n: f64, method| {
             let floor_n = without_lines(floor_n, lines_n, repeat)?;
-            Some(Self { floor_n: Some(floor_n), at_least_n: None, samples_n: None, method })
+            Some(Self { floor_n: Some(floor_n), at_least_n: None, method })
         };
         let by_cycles = repeat.noise_floor_n.and_then(|floor_n| {
             known(floor_n, "difference of the residual between successive cycles")
@@ -62,25 +59,17 @@ impl NoiseFloor {
             return known;
         }
         let (square, source) = lower_bound(residual_n, tests);
-        let samples = tests.tests.iter().filter_map(|test| {
-            white::third_difference_rms(&test.record.force_n).map(|rms| (rms, test.counted().len()))
-        });
-        let samples = mean_square(samples, tests);
         let unknown = Self {
             floor_n: None,
             at_least_n: None,
-            samples_n: (samples > 0.0).then(|| samples.sqrt()),
             method: "unknown: no cycle and no test repeats without other disturbances, the noise \
                      of the samples is not white, and the damper never rests",
         };
         match source {
             None => unknown,
-            Some(source) => Self {
-                at_least_n: Some(square.sqrt()),
-                samples_n: None,
-                method: source.name(),
-                ..unknown
-            },
+            Some(source) => {
+                Self { at_least_n: Some(square.sqrt()), method: source.name(), ..unknown }
+            }
         }
     }
 }

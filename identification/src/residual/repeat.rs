@@ -17,6 +17,7 @@ use super::cycles::{runs, starts};
 use super::unlike::{Unlike, unlike};
 use crate::chance::one_sided;
 use crate::test_set::TestSet;
+use signal::statistics::moving_mean;
 
 /// Points of phase that a cycle is averaged into.
 const PHASES: usize = 256;
@@ -111,7 +112,7 @@ impl<'a> Run<'a> {
             marks.windows(2).filter_map(|pair| residual.get(pair[0]..pair[1])).collect();
         let shortest = cycles.iter().map(|cycle| cycle.len()).min().unwrap_or(0);
         let phases = shortest.min(PHASES);
-        let slow = smoothed(residual, (0.5 * SMOOTHED_S / step_s).round() as usize);
+        let slow = moving_mean(residual, (0.5 * SMOOTHED_S / step_s).round() as usize);
         let slow = marks.windows(2).filter_map(|pair| slow.get(pair[0]..pair[1]));
         let apart = (APART_S / (shortest as f64 * step_s)).ceil().max(1.0) as usize;
         Self {
@@ -136,17 +137,6 @@ impl<'a> Run<'a> {
         }
         products
     }
-}
-
-/// Mean over `half` samples to either side.
-fn smoothed(values: &[f64], half: usize) -> Vec<f64> {
-    (0..values.len())
-        .map(|i| {
-            let range = i.saturating_sub(half)..(i + half + 1).min(values.len());
-            let length = range.len() as f64;
-            values[range].iter().sum::<f64>() / length
-        })
-        .collect()
 }
 
 /// A cycle averaged into points of equal phase.
