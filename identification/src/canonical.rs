@@ -7,9 +7,13 @@
 //! ```
 //!
 //! The canonical stage lies below relief, where its table has its usual size.
+//!
+//! A parameter that moves nothing, such as the speed at which a friction falls that does not fall,
+//! stays wherever the fit has left it. Its canonical value is the usual one.
 
 use super::fit::Fit;
 use super::grey_box::{C2, CE, RELIEF};
+use super::judged::Judged;
 use super::test_set::TestSet;
 
 /// Share by which the squared error may differ.
@@ -32,6 +36,33 @@ pub(crate) fn canonical(fit: Fit, tests: &TestSet) -> Fit {
         Some(same) if same.total_n2() <= (1.0 + SAME) * fit.total_n2() => same,
         _ => fit,
     }
+}
+
+/// Change of force per coordinate, as a share of the force, below which a parameter moves nothing.
+const IDLE: f64 = 1e-6;
+
+/// A judged model whose parameters that move nothing, there and at their usual values, have these.
+pub(crate) fn with_idle_at_usual(mut judged: Judged, tests: &TestSet) -> Judged {
+    let model = judged.fit().model.clone();
+    let idle_n2 = (IDLE * tests.rms_force_n()).powi(2) * tests.counted_samples() as f64;
+    let largest_n2 = (1.0 + SAME) * judged.fit().total_n2();
+    for (index, effect) in model.effects.iter().enumerate() {
+        for (row, at) in effect.parameters.iter().zip(model.range_of(index)) {
+            let slope = &judged.linearised.slopes[at];
+            let pieces = tests.pieces.iter();
+            let seen = pieces.flat_map(|piece| &slope[piece.test][piece.samples.clone()]);
+            if seen.map(|change| change * change).sum::<f64>() > idle_n2 {
+                continue;
+            }
+            let mut values = judged.fit().values.clone();
+            values[at] = row.usual(&tests.scale);
+            let moved = Fit::starting_at(&model, &values, &judged.fit().starts_m, tests);
+            if moved.is_some_and(|moved| moved.total_n2() <= largest_n2) {
+                judged.linearised.fit.values = values;
+            }
+        }
+    }
+    judged
 }
 
 #[cfg(test)]

@@ -5,13 +5,12 @@
 //! of the tests, so the result does not depend on the number of cores.
 
 use super::control::Control;
+use super::descent::{self, LeastSquares, Limits};
 use super::grey_box::{GreyBox, NOMINAL};
-use super::simulation::{simulate, start_deflection_m};
+use super::simulation::{simulate, start_deflection_m, start_deflection_near_m};
 use super::test_set::TestSet;
+use firmware_core::damper::Damper;
 use firmware_core::damper::effects::Scale;
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::storage::Owned;
-use nalgebra::{DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 /// Step of a derivative, in a free coordinate.
@@ -22,19 +21,22 @@ const DERIVATIVE_STEP: f64 = 2e-4;
 pub struct Effort {
     /// Runs of the solver, each with new initial positions of the dashpots.
     pub rounds: usize,
-    /// Most evaluations of a run, in multiples of the number of parameters plus one.
-    pub patience: usize,
-    /// Relative gain below which a run ends.
-    pub gain: f64,
+    /// How far a run goes.
+    limits: Limits,
 }
 
 impl Effort {
     /// To the minimum.
-    pub const FULL: Self = Self { rounds: 3, patience: 12, gain: 1e-7 };
+    pub const FULL: Self = Self::new(3, 12, 1e-7);
     /// Near enough to the minimum to judge a candidate.
-    pub const TRIAL: Self = Self { rounds: 2, patience: 8, gain: 1e-5 };
+    pub const TRIAL: Self = Self::new(2, 8, 1e-5);
     /// Enough to compare starts.
-    pub const SHORT: Self = Self { rounds: 1, patience: 4, gain: 1e-4 };
+    pub const SHORT: Self = Self::new(1, 4, 1e-4);
+
+    /// To the minimum where the gain is this small.
+    const fn new(rounds: usize, patience: usize, gain: f64) -> Self {
+        Self { rounds, limits: Limits { patience, gain, to_minimum: gain < 1e-6 } }
+    }
 }
 
 /// A model fitted to records.
@@ -55,20 +57,50 @@ pub struct Fit {
 impl Fit {
     /// A model with given parameters, simulated on every test.
     pub fn evaluate(model: &GreyBox, values: &[f64], tests: &TestSet) -> Option<Self> {
-        debug_assert_eq!(values.len(), model.coordinates().len(), "one value per parameter");
         let damper = model.damper(values)?;
-        let runs: Vec<(f64, Vec<f64>)> = tests
-            .tests
-            .par_iter()
-            .map(|test| {
-                let start_m = start_deflection_m(&damper, test);
-                (start_m, simulate(&damper, test, start_m))
-            })
-            .collect();
-        let (starts_m, force_n): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
+        let starts = tests.tests.par_iter().map(|test| start_deflection_m(&damper, test));
+        Some(Self::simulated(model, values, &damper, starts.collect(), tests))
+    }
+
+    /// The same near positions of the dashpots that were the best for similar parameters.
+    fn evaluate_near(
+        model: &GreyBox,
+        values: &[f64],
+        known_m: &[f64],
+        tests: &TestSet,
+    ) -> Option<Self> {
+        let damper = model.damper(values)?;
+        let pairs = tests.tests.par_iter().zip(known_m);
+        let starts = pairs.map(|(test, known_m)| start_deflection_near_m(&damper, test, *known_m));
+        Some(Self::simulated(model, values, &damper, starts.collect(), tests))
+    }
+
+    /// The same from given positions of the dashpots.
+    pub(crate) fn starting_at(
+        model: &GreyBox,
+        values: &[f64],
+        starts_m: &[f64],
+        tests: &TestSet,
+    ) -> Option<Self> {
+        let damper = model.damper(values)?;
+        Some(Self::simulated(model, values, &damper, starts_m.to_vec(), tests))
+    }
+
+    fn simulated(
+        model: &GreyBox,
+        values: &[f64],
+        damper: &Damper,
+        starts_m: Vec<f64>,
+        tests: &TestSet,
+    ) -> Self {
+        debug_assert_eq!(values.len(), model.coordinates().len(), "one value per parameter");
+        debug_assert_eq!(starts_m.len(), tests.tests.len(), "one start per test");
+        let pairs = tests.tests.par_iter().zip(&starts_m);
+        let force_n: Vec<Vec<f64>> =
+            pairs.map(|(test, start_m)| simulate(damper, test, *start_m)).collect();
         let squares_n2 = squares_of(tests, &force_n);
-        let model = model.clone();
-        Some(Self { model, values: values.to_vec(), starts_m, force_n, squares_n2 })
+        let (model, values) = (model.clone(), values.to_vec());
+        Self { model, values, starts_m, force_n, squares_n2 }
     }
 
     /// The same model simulated on other tests.
@@ -176,24 +208,12 @@ pub(crate) fn fit_freely(
 
 /// One run of the solver with fixed initial positions of the dashpots.
 fn descend(from: &Fit, tests: &TestSet, effort: Effort, control: Control<'_>) -> Option<Fit> {
-    if control.is_stopped() {
-        return None;
-    }
     let free = from.model.free(&from.values);
     debug_assert!(free.iter().all(|u| u.is_finite()), "a start on a bound is taken inside it");
-    let problem = Problem::new(&from.model, free, &from.starts_m, tests, control);
-    let solver = LevenbergMarquardt::new()
-        .with_ftol(effort.gain)
-        .with_xtol(effort.gain)
-        .with_gtol(1e-9)
-        .with_stepbound(10.0)
-        .with_patience(effort.patience);
-    let (problem, _) = solver.minimize(problem);
-    if control.is_stopped() {
-        return None;
-    }
-    let values = from.model.values(&problem.free);
-    Fit::evaluate(&from.model, &values, tests)
+    let problem = Problem { model: &from.model, tests, starts_m: &from.starts_m, control };
+    let free = descent::descend(&problem, free, effort.limits)?;
+    let values = from.model.values(&free);
+    Fit::evaluate_near(&from.model, &values, &from.starts_m, tests)
 }
 
 struct Problem<'a> {
@@ -201,73 +221,26 @@ struct Problem<'a> {
     tests: &'a TestSet,
     starts_m: &'a [f64],
     control: Control<'a>,
-    free: Vec<f64>,
-    force_n: Option<Vec<Vec<f64>>>,
 }
 
-impl<'a> Problem<'a> {
-    fn new(
-        model: &'a GreyBox,
-        free: Vec<f64>,
-        starts_m: &'a [f64],
-        tests: &'a TestSet,
-        control: Control<'a>,
-    ) -> Self {
-        let force_n = forces(model, &model.values(&free), starts_m, tests);
-        Self { model, tests, starts_m, control, free, force_n }
-    }
-}
+impl LeastSquares for Problem<'_> {
+    const DERIVATIVE_STEP: f64 = DERIVATIVE_STEP;
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
-    type ParameterStorage = Owned<f64, Dyn>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-
-    fn set_params(&mut self, params: &DVector<f64>) {
-        debug_assert_eq!(params.len(), self.free.len(), "the solver keeps the parameters");
-        self.free = params.as_slice().to_vec();
-        let values = self.model.values(&self.free);
-        self.force_n = forces(self.model, &values, self.starts_m, self.tests);
-    }
-
-    fn params(&self) -> DVector<f64> {
-        DVector::from_column_slice(&self.free)
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        if self.control.is_stopped() {
-            return None;
-        }
-        let samples = self.tests.counted_samples();
-        let Some(force_n) = &self.force_n else {
-            // No such damper: a very large error, so that the solver turns back.
-            return Some(DVector::from_element(samples, 10.0 * self.tests.scale.force_n));
-        };
-        let values = self.tests.pieces.iter().flat_map(|piece| {
+    fn residual(&self, free: &[f64]) -> Option<Vec<f64>> {
+        let force_n = forces(self.model, &self.model.values(free), self.starts_m, self.tests)?;
+        let mut residual = Vec::with_capacity(self.tests.counted_samples());
+        for piece in &self.tests.pieces {
             let range = piece.samples.clone();
             debug_assert!(range.end <= force_n[piece.test].len(), "a piece lies inside its test");
             let measured = &self.tests.tests[piece.test].record.force_n[range.clone()];
-            force_n[piece.test][range].iter().zip(measured).map(|(f, y)| f - y)
-        });
-        Some(DVector::from_iterator(samples, values))
+            let model = &force_n[piece.test][range];
+            residual.extend(model.iter().zip(measured).map(|(f, y)| f - y));
+        }
+        Some(residual)
     }
 
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let force_n = self.force_n.as_ref().filter(|_| !self.control.is_stopped())?;
-        let columns = slopes(self.model, &self.free, force_n, self.starts_m, self.tests);
-        let samples = self.tests.counted_samples();
-        let mut matrix = DMatrix::zeros(samples, self.free.len());
-        for (mut column, slope) in matrix.column_iter_mut().zip(&columns) {
-            let values = self
-                .tests
-                .pieces
-                .iter()
-                .flat_map(|piece| slope[piece.test][piece.samples.clone()].iter());
-            for (entry, value) in column.iter_mut().zip(values) {
-                *entry = *value;
-            }
-        }
-        Some(matrix)
+    fn is_stopped(&self) -> bool {
+        self.control.is_stopped()
     }
 }
 

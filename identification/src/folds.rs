@@ -148,6 +148,14 @@ fn fold(
             step *= LONGEST_STEP / longest;
         }
         let tried = &free + &step;
+        let forecast = gram_now.fall(&step);
+        if forecast < DONE * squares
+            && fit.model.damper(&fit.model.values(tried.as_slice())).is_some()
+        {
+            // So small a step needs no simulation of the others.
+            (free, squares) = (tried, squares - forecast.max(0.0));
+            break;
+        }
         let Some(damper) = fit.model.damper(&fit.model.values(tried.as_slice())) else {
             damping *= 100.0;
             continue;

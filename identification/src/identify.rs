@@ -1,14 +1,17 @@
 //! The whole identification: from records to three models and the findings about them.
 
 use super::budget::MOST_PASSES;
+use super::canonical::with_idle_at_usual;
 use super::cautions;
 use super::control::Control;
+use super::data_rate;
 use super::empirical::{Empirical, FittedMap, empirical};
 use super::error::IdentificationError;
 use super::finding::Findings;
-use super::fit::Fit;
+use super::fit::{Effort, Fit, fit};
 use super::gate::{CheckedOn, Gate, gate};
 use super::grey_box::{GreyBox, vector_of};
+use super::judged::Judged;
 use super::question::Question;
 use super::residual::ResidualAnalysis;
 use super::result::{IdentifyResult, Models, Parts, Simulated};
@@ -61,8 +64,11 @@ pub fn identify(
 ) -> Result<Identification, IdentificationError> {
     let Question { train, holdout, datasheet, empirical: wanted, thorough, notes } = question;
     let (train, holdout) = (TestSet::new(train), TestSet::new(holdout));
-    let findings = search_from_nominal(&train, datasheet.as_ref(), thorough, control)?;
-    let (findings, gate) = gate(findings, (&train, &holdout), control);
+    let (factor, steps_s) = data_rate::enough(&train);
+    let searched = train.thinned(factor, &steps_s);
+    let findings = search_from_nominal(&searched, datasheet.as_ref(), thorough, control)?;
+    let (findings, gate) = gate(findings, (&searched, &holdout), control);
+    let findings = on_all_samples(findings, &train, control)?;
     control.report("residual");
     let damper = damper_of(&findings)?;
     let models = ThreeModels::new(&train, datasheet.as_ref(), &findings);
@@ -144,6 +150,31 @@ fn search_from_nominal(
     let nominal = nominal_fit(train, given.as_deref(), control).ok_or_else(failed)?;
     let most_passes = if thorough { f64::INFINITY } else { MOST_PASSES };
     search(nominal, train, most_passes, control).ok_or_else(failed)
+}
+
+/// The findings with both models fitted to all samples. Where the work is stopped, they are judged
+/// as they are.
+fn on_all_samples(
+    findings: Findings,
+    train: &TestSet,
+    control: Control<'_>,
+) -> Result<Findings, IdentificationError> {
+    control.report("fit to all samples");
+    let whole = |judged: &Judged| -> Result<Judged, IdentificationError> {
+        let Fit { model, values, .. } = judged.fit();
+        let fitted = fit(model, values, train, Effort::FULL, control);
+        let fitted = fitted.or_else(|| Fit::evaluate(model, values, train));
+        let judged = fitted.and_then(|fit| Judged::new(fit, train));
+        let judged = judged.ok_or(IdentificationError::NoFit)?;
+        Ok(with_idle_at_usual(judged, train))
+    };
+    let refitted = whole(&findings.refitted)?;
+    let with_effects = if findings.accepted.is_empty() {
+        refitted.clone()
+    } else {
+        whole(&findings.with_effects)?
+    };
+    Ok(Findings { refitted, with_effects, ..findings })
 }
 
 fn damper_of(findings: &Findings) -> Result<Damper, IdentificationError> {

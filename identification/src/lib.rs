@@ -18,8 +18,9 @@
 //! | `control` | progress, and the flag that ends the work |
 //! | `test_set`, `split` | records cut into pieces to leave out and independent blocks; the hold-out |
 //! | `coordinate`, `grey_box` | a model as a vector of bounded parameters |
-//! | `simulation`, `fit`, `start` | free-run simulation, least squares, start values |
-//! | `gram`, `colour`, `chance`, `batches` | normal equations, coloured noise, significance |
+//! | `simulation`, `data_rate` | free-run simulation; the samples that a search needs |
+//! | `gram`, `descent`, `fit`, `start` | normal equations, least squares, start values |
+//! | `colour`, `chance`, `batches` | coloured noise, significance |
 //! | `residual` | is the residual noise, or has it structure? |
 //! | `linearised`, `folds`, `judged` | a fitted model, and its predictions of left-out pieces |
 //! | `band`, `evidence`, `finding` | the vocabulary: evidence, accepted, rejected, not testable |
@@ -50,6 +51,8 @@ mod chance;
 mod colour;
 mod control;
 mod coordinate;
+mod data_rate;
+mod descent;
 mod empirical;
 mod error;
 mod evidence;

@@ -18,7 +18,7 @@
 use super::acceptance::choose;
 use super::budget::Budget;
 use super::candidate::{Candidate, candidates};
-use super::canonical::canonical;
+use super::canonical::{canonical, with_idle_at_usual};
 use super::control::Control;
 use super::evidence::{LEAST_GAIN, evidence};
 use super::finding::{Accepted, Findings, Outdone, Rejected};
@@ -217,6 +217,7 @@ impl<'a> Search<'a> {
     ) -> Option<()> {
         let settled = settled(fit, candidate, self.tests, self.control)?;
         let standing = Judged::new(canonical(settled, self.tests), self.tests)?;
+        let standing = with_idle_at_usual(standing, self.tests);
         let standing = with_shared_values(standing, self.tests, self.control);
         let accepted = self.accepted.iter().cloned().chain(new).collect();
         let (standing, accepted) = without_idle(standing, accepted, self.tests, self.control);

@@ -75,7 +75,10 @@ mod tests {
         };
         let damper = Damper::new(Nominal::NEW, &[]).unwrap();
         let mut state = DamperState::starting(motion(0));
-        let force_n = (0..3000).map(|n| damper.advance(&mut state, motion(n), 1e-3)).collect();
+        // Some noise: without any, the start of the dashpot is all that is left to fit.
+        let noise_n = |n: usize| 5.0 * libm::sin((n * n) as f64);
+        let force_n =
+            (0..3000).map(|n| damper.advance(&mut state, motion(n), 1e-3) + noise_n(n)).collect();
         let displacement_m = (0..3000).map(|n| motion(n).displacement_m).collect();
         let series = Series::sampled("a", 1e3, displacement_m, force_n);
         TestSet::new(vec![Measurement::from_series(series).unwrap()])

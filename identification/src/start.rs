@@ -11,8 +11,6 @@ use rayon::prelude::*;
 
 /// Part of each test that the search for starts uses, s, after the run-in.
 pub(crate) const BEGINNING_S: f64 = 1.5;
-/// To near the minimum: the rest is done on the whole tests.
-const HALF: Effort = Effort { rounds: 2, patience: 8, gain: 1e-5 };
 /// Other starts that are kept.
 const OTHERS: usize = 5;
 /// Grid points that are fitted.
@@ -55,7 +53,7 @@ pub fn nominal_fit(
         .par_iter()
         .filter_map(|start| {
             let start = Fit::evaluate(&model, start, &beginnings)?;
-            fit_freely(start, &beginnings, HALF, control)
+            fit_freely(start, &beginnings, Effort::TRIAL, control)
         })
         .collect();
     fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));

@@ -178,6 +178,19 @@ impl TestSet {
         self.rmse_n(&none)
     }
 
+    /// The same tests with every `factor`-th sample, and models with longer steps.
+    #[must_use]
+    pub(crate) fn thinned(&self, factor: usize, longest_steps_s: &[f64]) -> Self {
+        debug_assert_eq!(longest_steps_s.len(), self.tests.len(), "one step per test");
+        let records = self.tests.iter().map(|test| test.record.thinned(factor));
+        let steps_made = self.tests.first().map(|test| test.steps_made.clone()).unwrap_or_default();
+        let mut thinned = Self::with_scale(records.collect(), self.scale, &steps_made);
+        for (test, longest_s) in thinned.tests.iter_mut().zip(longest_steps_s) {
+            test.substeps = substeps(test.record.step_s, *longest_s);
+        }
+        thinned
+    }
+
     /// The same tests cut short after their run-in, with fewer samples and longer steps: enough to
     /// search for start values. Their scale stays that of the whole.
     #[must_use]

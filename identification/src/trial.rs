@@ -71,11 +71,13 @@ pub(crate) fn rehearse(
     control: Control<'_>,
 ) -> Option<Fit> {
     let model = base.fit().model.with(candidate.effect, &beginnings.scale);
+    let starts_m = &base.fit().starts_m;
     let fits: Vec<Fit> = groups
         .par_iter()
         .filter(|_| !control.is_stopped())
         .filter_map(|group| {
-            let tried = group.iter().filter_map(|start| Fit::evaluate(&model, start, beginnings));
+            let at = |start: &Vec<f64>| Fit::starting_at(&model, start, starts_m, beginnings);
+            let tried = group.iter().filter_map(at);
             let nearest = tried.min_by(|a, b| a.total_n2().total_cmp(&b.total_n2()))?;
             fit_freely(nearest, beginnings, Effort::SHORT, control)
         })

@@ -27,6 +27,7 @@ use super::test_set::TestSet;
 use firmware_core::damper::{Damper, EmpiricalMap, MapCoordinate, MapKnot};
 use rayon::prelude::*;
 use smooth::{Along, Piece};
+use std::ops::ControlFlow;
 
 /// A map that was asked for, kept or not.
 #[derive(Debug, Clone)]
@@ -134,6 +135,7 @@ fn try_map(coordinate: MapCoordinate, model: &Judged, tests: &TestSet) -> Option
             walk(&silent, test, *start_m, test.record.force_n.len(), |_, state| {
                 along.at.push(coordinate.of(state));
                 along.extends.push(state.extends());
+                ControlFlow::Continue(())
             });
             along
         })

@@ -7,6 +7,7 @@
 use crate::simulation::walk;
 use crate::test_set::Test;
 use firmware_core::damper::{Damper, MapCoordinate};
+use std::ops::ControlFlow;
 
 /// A reversal counts once the motion is faster than this share of its largest speed.
 pub(crate) const UNDER_WAY: f64 = 0.02;
@@ -112,6 +113,7 @@ impl Track {
         walk(damper, test, start_m, samples, |force_n, state| {
             force.push(force_n);
             dashpot.push(state.piston_velocity_m_per_s());
+            ControlFlow::Continue(())
         });
         let largest = record.velocity_m_per_s.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let (mut forward, mut since, mut now, mut reversed) = (vec![], vec![], true, 0);
