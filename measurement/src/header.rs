@@ -235,7 +235,9 @@ pub(crate) fn read(name: &str, units_row: Option<&str>) -> Option<Header> {
     if name.trim().eq_ignore_ascii_case("x_value") {
         return Some(Header { kind: Kind::Time, unit: None, raw: None });
     }
-    let unit_in_row = || units_row.filter(|unit| !unit.trim().is_empty());
+    // A format of the time is no unit: `HH:MM:SS`.
+    let is_unit = |unit: &&str| !unit.trim().is_empty() && !unit.to_lowercase().contains("mm:ss");
+    let unit_in_row = || units_row.filter(is_unit);
     // The unit decides between kinds that the words allow: `temps (s)`, `s (mm)`, `t [degC]`.
     if let Some(said) = in_name.as_deref().or_else(unit_in_row).filter(|_| raw.is_none()) {
         let fits = |kind: &Kind| kind.unit(said).map(|unit| (*kind, unit));

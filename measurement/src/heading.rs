@@ -119,7 +119,8 @@ impl Heading {
 /// Which of several rows is the row of units, if one is.
 pub(crate) fn units_among(rows: &[&StringRecord]) -> Option<usize> {
     let count = |row: &StringRecord| row.iter().filter(|cell| is_unit(cell)).count();
-    let candidates = rows.iter().enumerate().filter(|(_, row)| is_units(row));
+    // `Min` alone is a word and no unit.
+    let candidates = rows.iter().enumerate().filter(|(_, row)| is_units(row) && count(row) >= 2);
     // The first of those with the most units.
     candidates.rev().max_by_key(|(_, row)| count(row)).map(|(at, _)| at)
 }

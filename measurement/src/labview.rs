@@ -1,5 +1,5 @@
-//! What the preamble of a measurement file of `LabVIEW` says: the units of its channels, and the step
-//! of time where the file has no column of it.
+//! What the preamble of a measurement file of `LabVIEW` says: the units of its channels, and the
+//! step of time where the file has no column of it.
 
 use crate::layout::Separator;
 use crate::lines;

@@ -5,6 +5,9 @@ use crate::unit::{Kind, Unit};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+/// The name of a column in the place of an answer that a file does not give.
+pub(crate) const OPEN: &str = "?";
+
 /// The layout of one file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Layout {

@@ -7,8 +7,9 @@
 //! read            files to tests, one line per step; the mapping next to a file (companion)
 //!   text          bytes to text, whatever the encoding
 //!   commas        commas that are decimal marks and separators at once
-//!   recognition   the layout of a file without a mapping (heading, header, labview); proposal
-//!                 writes it as one, question says what is open
+//!   question      the layout of a file without a mapping, or what the file leaves open
+//!     recognition     what a text shows about its layout (heading, header, labview)
+//!     proposal        the same as a mapping
 //!   table         text to rows of cells that know their lines (lines, fault)
 //!   columns       cells to SI values: a Series per test (mapping, layout, unit, number, stamp)
 //!     suspicion       units that the sizes speak against

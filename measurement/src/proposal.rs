@@ -3,16 +3,13 @@
 use crate::commas;
 use crate::companion::MARKER;
 use crate::error::MeasurementError;
-use crate::layout::{Decimal, Separator};
+use crate::layout::{Decimal, OPEN, Separator};
 use crate::recognition::{self, Recognised};
 use crate::text::Text;
 use crate::unit::Kind;
 use files::quoted;
 use std::fmt::Write as _;
 use std::path::Path;
-
-/// What stands for an answer that the file does not give.
-const OPEN: &str = "?";
 
 /// A mapping in TOML for a file: what was understood of it, and a comment `QUESTION` for what was
 /// not. A mapping without open questions can be used as it is.

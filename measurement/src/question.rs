@@ -1,7 +1,10 @@
-//! What a file without a mapping leaves open, in one line with the keys that answer it.
+//! The layout of a file without a mapping, or what the file leaves open: one line with the keys of
+//! a mapping that answer it.
 
-use crate::layout::Separator;
-use crate::recognition::Recognised;
+use crate::header;
+use crate::layout::{Layout, Separator};
+use crate::lines;
+use crate::recognition::{self, Recognised};
 use crate::unit::Kind;
 use files::quoted;
 
@@ -10,6 +13,35 @@ const NAMED_MOST: usize = 4;
 /// The way to a mapping.
 const PROPOSAL: &str =
     "yawbench characterise --propose-mapping FILE writes a mapping to begin with";
+
+/// The layout of a file without a mapping; without a force only where none is needed.
+///
+/// # Errors
+/// What the file leaves open.
+pub(crate) fn layout(text: &str, needs_force: bool) -> Result<Layout, OpenQuestions> {
+    let own = Layout::own();
+    let first = text.lines().find(|line| {
+        !line.trim_start().starts_with(&own.comment) && !lines::is_blank(line, own.separator)
+    });
+    let names = first.map(|line| lines::cells(line, own.separator)).unwrap_or_default();
+    let has = |name: &str| names.iter().any(|other| other == name);
+    if has("time_s") && has("force_n") && (has("displacement_m") || has("velocity_m_per_s")) {
+        return Ok(own);
+    }
+    // A motion without a force is a file of its own kind.
+    if has("time_s") && has("displacement_m") && !names.iter().any(is_force) {
+        return Ok(own);
+    }
+    let Some(found) = recognition::recognised(text) else { return Ok(own) };
+    match OpenQuestions::of(&found, needs_force) {
+        Some(questions) => Err(questions),
+        None => Ok(found.layout().unwrap_or(own)),
+    }
+}
+
+fn is_force(name: &str) -> bool {
+    header::read(name, None).is_some_and(|header| header.kind == Kind::Force)
+}
 
 /// Why a file is not understood.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -8,9 +8,11 @@ use crate::layout::Layout;
 use crate::mapping::Mapping;
 use crate::measurement::Measurement;
 use crate::prepare;
+use crate::question;
 use crate::recognition;
 use crate::table::Table;
 use crate::text::Text;
+use files::quoted;
 use scenario::source::Source;
 use std::path::{Path, PathBuf};
 
@@ -32,7 +34,7 @@ pub fn read_tests(
     for path in paths {
         let text = Text::read(path)?;
         let (layout, wiring) = choice.layout(path, &text, true)?;
-        let advised = |error| choice.advised(error);
+        let advised = |error| choice.advised(error, &text);
         for table in Table::parse(path, &text, &layout).map_err(advised)? {
             for series in columns::tests_of(&table, &layout).map_err(advised)? {
                 let force_column = series.columns[2].clone();
@@ -112,7 +114,7 @@ impl MappingChoice {
         }
         let Some(source) = companion::find(file)? else {
             commas::check(file, &text.content)?;
-            let layout = recognition::layout(&text.content, needs_force).map_err(|open| {
+            let layout = question::layout(&text.content, needs_force).map_err(|open| {
                 // Names in another encoding say nothing.
                 let encoding = match text.repairs.as_slice() {
                     [] => String::new(),
@@ -138,16 +140,20 @@ impl MappingChoice {
 
 impl MappingChoice {
     /// An error about the columns of a file, with the way out where nobody has written a mapping.
-    fn advised(&self, error: MeasurementError) -> MeasurementError {
+    fn advised(&self, error: MeasurementError, text: &Text) -> MeasurementError {
         match (self, error) {
             (Self::Companions, MeasurementError::File { file, found, expected })
                 if expected.starts_with("one called ") && !found.starts_with("several") =>
             {
-                let expected = format!(
-                    "{expected}; yawbench characterise --propose-mapping FILE writes a mapping to \
-                     begin with"
-                );
-                MeasurementError::File { file, found, expected }
+                let way_out = if recognition::recognised(&text.content).is_some() {
+                    "yawbench characterise --propose-mapping FILE writes a mapping to begin with"
+                        .to_owned()
+                } else {
+                    let mut rows = text.content.lines().filter(|line| !line.trim().is_empty());
+                    let second = rows.nth(1).unwrap_or("").trim();
+                    format!("no rows of numbers follow, but \"{}\"", quoted(second))
+                };
+                MeasurementError::File { file, found, expected: format!("{expected}; {way_out}") }
             }
             (_, error) => error,
         }

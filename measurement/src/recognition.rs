@@ -3,8 +3,7 @@
 //! A file with this project's columns is what it says. Else the rows of numbers are looked for,
 //! under each separator and decimal mark; a row above them holds the names, or a comment does, and
 //! one of the rows between may hold units ([`heading`](crate::heading)); the names say what the
-//! columns hold ([`header`](crate::header)). What was understood is said with every test. What is
-//! open is an error ([`question`](crate::question)).
+//! columns hold ([`header`](crate::header)). What was understood is said with every test.
 
 use crate::fault::Fault;
 use crate::header::{self, Header};
@@ -13,7 +12,6 @@ use crate::labview::Preamble;
 use crate::layout::{Decimal, Layout, OptionalReading, Reading, Separator};
 use crate::lines;
 use crate::number::Number;
-use crate::question::OpenQuestions;
 use crate::stamp;
 use crate::unit::Kind;
 use csv::StringRecord;
@@ -59,35 +57,6 @@ pub(crate) struct Recognised {
     pub(crate) comes_again: bool,
     /// What the columns hold, as far as their names say it.
     pub(crate) columns: Vec<Option<Header>>,
-}
-
-/// The layout of a file without a mapping; without a force only where none is needed.
-///
-/// # Errors
-/// What the file leaves open.
-pub(crate) fn layout(text: &str, needs_force: bool) -> Result<Layout, OpenQuestions> {
-    let own = Layout::own();
-    let first = text.lines().find(|line| {
-        !line.trim_start().starts_with(&own.comment) && !lines::is_blank(line, own.separator)
-    });
-    let names = first.map(|line| lines::cells(line, own.separator)).unwrap_or_default();
-    let has = |name: &str| names.iter().any(|other| other == name);
-    if has("time_s") && has("force_n") && (has("displacement_m") || has("velocity_m_per_s")) {
-        return Ok(own);
-    }
-    // A motion without a force is a file of its own kind.
-    if has("time_s") && has("displacement_m") && !names.iter().any(is_force) {
-        return Ok(own);
-    }
-    let Some(found) = recognised(text) else { return Ok(own) };
-    match OpenQuestions::of(&found, needs_force) {
-        Some(questions) => Err(questions),
-        None => Ok(found.layout().unwrap_or(own)),
-    }
-}
-
-fn is_force(name: &str) -> bool {
-    header::read(name, None).is_some_and(|header| header.kind == Kind::Force)
 }
 
 /// What a text shows about its layout, if it holds rows of numbers.
@@ -299,7 +268,7 @@ impl Recognised {
     }
 
     /// The layout, where no question is open.
-    fn layout(&self) -> Option<Layout> {
+    pub(crate) fn layout(&self) -> Option<Layout> {
         let reading = |kind: Kind, at: usize| -> Reading {
             let unit = self.columns.get(at).and_then(|header| header.as_ref()?.unit.as_ref());
             let unit = unit.map(|(_, unit)| *unit);

@@ -3,7 +3,7 @@
 use crate::error::MeasurementError;
 use crate::fault::Fault;
 use crate::heading;
-use crate::layout::{Decimal, Layout, Separator};
+use crate::layout::{Decimal, Layout, OPEN, Separator};
 use crate::lines::{self, Lines};
 use crate::number::Number;
 use crate::text::Text;
@@ -189,6 +189,11 @@ impl Table {
         if self.names.len() < 2 || row.iter().any(number) {
             return String::new();
         }
+        if let [only] = row.iter().collect::<Vec<_>>().as_slice()
+            && only.split([',', ';', '\t']).filter(|cell| number(cell.trim())).count() > 1
+        {
+            return " (another separator in this row, or quotes around all of it?)".to_owned();
+        }
         let text: Vec<&str> = row.iter().collect();
         let text = text.join(" ");
         format!(
@@ -217,10 +222,15 @@ impl Table {
         let mut places = self.names.iter().enumerate().filter(named).map(|(place, _)| place);
         let Some(place) = places.next() else {
             let (names, hint) = (self.names.join(", "), self.separator_hint());
+            let expected = if name == OPEN {
+                format!("the name of one of them in the place of \"{name}\" in the mapping")
+            } else {
+                format!("one called {}", quoted(name))
+            };
             return Err(MeasurementError::File {
                 file: self.file.clone(),
                 found: format!("the columns {}{hint}", quoted(&names)),
-                expected: format!("one called {}", quoted(name)),
+                expected,
             });
         };
         // A program may write the same clock next to every channel.

@@ -57,7 +57,7 @@ impl Place {
         read_tests(std::slice::from_ref(&self.1), None).map_err(|error| error.to_string())
     }
 
-    /// What is said about a file that is refused: the message, and the mapping proposed or why none.
+    /// The message about a file that is refused, and the mapping proposed for it or why none.
     fn refused(&self) -> (String, String) {
         let message = self.read().map(|tests| tests.len()).expect_err("a refusal");
         assert!(!message.contains('\n') && message.len() < 1000, "{message}");
@@ -96,7 +96,7 @@ fn understood(what: &str, content: impl AsRef<[u8]>) -> Vec<Measurement> {
     tests
 }
 
-/// The beginning of a measurement file of LabVIEW, up to its names.
+/// The beginning of a measurement file of `LabVIEW`, up to its names.
 fn labview(x_columns: &str, units: &str) -> String {
     format!(
         "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t,\n\
@@ -169,8 +169,9 @@ fn rows_between_the_names_and_the_numbers_were_taken_for_numbers() {
     ];
     for (what, head) in heads {
         let file = with_commas(head, ";");
-        understood(what, &file);
-        understood(what, file.replace(';', "\t").replace('\n', "\r\n"));
+        // catman and MGC write tabs.
+        let is_tabbed = what.starts_with(['c', 'M']);
+        understood(what, if is_tabbed { file.replace(';', "\t") } else { file });
     }
 }
 
@@ -274,11 +275,8 @@ fn a_cell_without_a_reading_is_named_with_the_way_out() {
         assert!(message.contains("delete line 702 (up to three missing samples"), "{message}");
     }
     let without = with_cell("-");
-    let without: String = without
-        .lines()
-        .filter(|line| !line.ends_with('-'))
-        .map(|line| format!("{line}\n"))
-        .collect();
+    let rows = without.lines().filter(|line| !line.ends_with('-'));
+    let without = rows.collect::<Vec<_>>().join("\n");
     let test = &Place::new(without).read().unwrap()[0];
     assert!(test.len() == COUNT && test.repairs.iter().any(|line| line.contains("filled in")));
     let (message, _) = Place::new(with_cell("(751.6)")).refused();
