@@ -263,6 +263,10 @@ fn raw_unit(name: &str, units_row: Option<&str>) -> Option<(String, String)> {
         let small = text.trim().trim_matches(['[', ']', '(', ')', '{', '}', '<', '>']);
         RAW.contains(&small.to_lowercase().replace(['\u{b5}', '\u{3bc}'], "u").as_str())
     };
+    // A unit below the name is that of the values.
+    if units_row.is_some_and(is_unit) {
+        return None;
+    }
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')] {
         let (Some(from), Some(to)) = (name.rfind(open), name.rfind(close)) else { continue };
         let Some((before, inside)) = name.get(..from).zip(name.get(from + 1..to)) else { continue };
@@ -270,10 +274,9 @@ fn raw_unit(name: &str, units_row: Option<&str>) -> Option<(String, String)> {
             return Some((before.to_owned(), inside.trim().to_owned()));
         }
     }
-    for volts in ["V", "mV"] {
-        let before = name.trim().strip_suffix(volts).and_then(|name| name.strip_suffix(['_', ' ']));
-        if let Some(before) = before {
-            return Some((before.to_owned(), volts.to_owned()));
+    for volts in ["_V", "_mV"] {
+        if let Some(before) = name.trim().strip_suffix(volts) {
+            return Some((before.to_owned(), volts.replace('_', "")));
         }
     }
     let unit = units_row.filter(|unit| is_raw(unit) && split(name).1.is_none())?;
@@ -381,6 +384,19 @@ mod tests {
         }
         assert_eq!(said("Axial Force"), Some((Force, None)));
         assert_eq!(said("Timestamp"), Some((Time, None)));
+        for (name, row, raw) in [
+            ("Force [V]", None, Some("V")),
+            ("Load cell (mV/V)", None, Some("mV/V")),
+            ("Kraft_V", None, Some("V")),
+            ("Kraft", Some("counts"), Some("counts")),
+            ("Force (raw)", Some("kN"), None),
+            ("Force V", Some("kN"), None),
+        ] {
+            let header = read(name, row).unwrap();
+            assert_eq!((header.kind, header.raw.as_deref()), (Force, raw), "{name}");
+        }
+        assert_eq!(read("[s]", None).map(|header| header.kind), Some(Time));
+        assert_eq!(read("Time", Some("HH:MM:SS")).map(|header| header.kind), Some(Time));
         let row = read("Axial Displacement", Some("mm")).unwrap();
         assert_eq!((row.kind, row.unit.unwrap().1.factor()), (Displacement, 1e-3));
     }

@@ -54,7 +54,7 @@ pub(crate) struct OpenQuestions {
 
 /// One question.
 struct Question {
-    /// What was found; `None` where no name says what the kind is.
+    /// What was found; `None` where no name means the kind.
     found: Option<String>,
     /// The key that decides.
     key: String,
@@ -95,10 +95,13 @@ impl OpenQuestions {
             });
         }
         let is_unnamed = |(_, question): &&(Kind, Question)| question.found.is_none();
-        let unnamed: Vec<&str> =
-            questions.iter().filter(is_unnamed).map(|(kind, _)| kind.name()).collect();
-        let unnamed =
-            (!unnamed.is_empty()).then(|| format!("no name that says {}", unnamed.join(" or ")));
+        let unnamed = || questions.iter().filter(is_unnamed).map(|(kind, _)| *kind);
+        let names: Vec<&str> = unnamed().map(Kind::name).collect();
+        let own: Vec<&str> = unnamed().map(own_name).collect();
+        let unnamed = (!names.is_empty()).then(|| {
+            let (names, own) = (names.join(" or "), own.join(", "));
+            format!("no column name that means {names} (such as {own})")
+        });
         let found: Vec<String> = unnamed
             .into_iter()
             .chain(questions.iter().filter_map(|(_, question)| question.found.clone()))
@@ -116,6 +119,15 @@ impl OpenQuestions {
     }
 }
 
+/// The name of this project's column.
+const fn own_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Time => "time_s",
+        Kind::Displacement => "displacement_m",
+        _ => "force_n",
+    }
+}
+
 /// How the rows are written.
 fn shape(recognised: &Recognised) -> String {
     let separator = match recognised.separator {
@@ -126,7 +138,7 @@ fn shape(recognised: &Recognised) -> String {
     };
     let decimal = if recognised.has_decimal_commas() { ", decimal commas" } else { "" };
     format!(
-        "rows of {} cells from line {} on, {separator} between them{decimal}",
+        "rows of {} cells from line {} on, separated by {separator}{decimal}",
         recognised.first.len(),
         recognised.first_line
     )
@@ -140,7 +152,11 @@ fn about(recognised: &Recognised, kind: Kind) -> Option<Question> {
         Ok(at) => match (recognised.named(at), recognised.raw(at)) {
             ((_, Some(_)), _) => return None,
             (_, Some(raw)) => (
-                Some(format!("the {name} {} in {}, no unit of {name}", key(at), quoted(raw))),
+                Some(format!(
+                    "the {name} {} in {}, which is not a unit of {name}",
+                    key(at),
+                    quoted(raw)
+                )),
                 format!(
                     "{name} = {{ column = {}, unit = \"{si}\", scale = ({si} per {}) }}",
                     key(at),
@@ -168,7 +184,7 @@ fn about(recognised: &Recognised, kind: Kind) -> Option<Question> {
             };
             (
                 Some(format!(
-                    "{} columns that may be the {name}, {}",
+                    "{} columns that could be the {name}, {}",
                     several.len(),
                     names.join(" and ")
                 )),

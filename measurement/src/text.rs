@@ -84,8 +84,8 @@ fn no_table(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
         return None;
     }
     match bare_wide(bytes) {
-        Some(true) => return Some(("UTF-16 text without its mark", SAVE_LITTLE)),
-        Some(false) => return Some(("UTF-16 text without its mark", SAVE_BIG)),
+        Some(true) => return Some(("UTF-16 text without a byte-order mark", SAVE_LITTLE)),
+        Some(false) => return Some(("UTF-16 text without a byte-order mark", SAVE_BIG)),
         None => {}
     }
     // Text with NUL bytes has no other control characters.

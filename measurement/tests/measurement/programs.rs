@@ -136,7 +136,7 @@ fn a_labview_file_without_a_time_column_has_its_rate_in_delta_x() {
     understood("a time for each", labview("Multi", "kN\tmm") + names + &multi);
     let unnamed = labview("No", "kN\tmm") + "X_Value\tUntitled\tUntitled 1\tComment\n" + &without;
     let (message, proposal) = Place::new(unnamed).refused();
-    assert!(message.contains("no name that says displacement or force"), "{message}");
+    assert!(message.contains("no column name that means displacement or force"), "{message}");
     assert!(
         message.contains("X_Value, Untitled, Untitled 1") && message.contains("decimal commas")
     );
@@ -205,7 +205,7 @@ fn row_numbers_of_r_have_no_name() {
     understood("write.csv", numbered("\"\",\"time_s\",\"disp_mm\",\"force_kN\"", ","));
     understood("write.table", numbered("\"time_s\" \"disp_mm\" \"force_kN\"", " "));
     let (message, _) = Place::new(table("time_s,disp_mm", ",")).refused();
-    assert!(message.contains("no name that says force"), "{message}");
+    assert!(message.contains("no column name that means force"), "{message}");
 }
 
 #[test]
@@ -232,7 +232,7 @@ fn two_columns_that_may_be_one_are_named_with_the_key() {
         let place = Place::new(doubled(head, again));
         let (message, proposal) = place.refused();
         assert!(
-            message.contains(&format!("2 columns that may be the {kind}, \"{first}")),
+            message.contains(&format!("2 columns that could be the {kind}, \"{first}")),
             "{message}"
         );
         assert!(message.contains(&format!("and \"{second}\"")), "{message}");
@@ -254,7 +254,9 @@ fn a_force_in_volts_needs_a_scale() {
         let column = head.lines().next().unwrap().rsplit(',').next().unwrap();
         let way_out =
             format!("force = {{ column = \"{column}\", unit = \"N\", scale = (N per V) }}");
-        assert!(message.contains(&format!("the force \"{column}\" in V, no unit of force")));
+        assert!(
+            message.contains(&format!("the force \"{column}\" in V, which is not a unit of force"))
+        );
         assert!(message.contains(&way_out), "{message}");
         assert!(proposal.contains("how many kN is one V?"), "{proposal}");
         let unanswered = place.read_with(&proposal).unwrap_err();
@@ -263,7 +265,7 @@ fn a_force_in_volts_needs_a_scale() {
         check(&place.read_with(&answered).unwrap()[0], head);
     }
     let (message, _) = Place::new(table("Time [s],Disp [mm],Force [counts]", ",")).refused();
-    assert!(message.contains("in counts, no unit of force"), "{message}");
+    assert!(message.contains("in counts, which is not a unit of force"), "{message}");
 }
 
 #[test]
