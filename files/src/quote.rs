@@ -13,6 +13,9 @@ pub const LONGEST: usize = 200;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Quoted<'a>(&'a str);
 
+/// Equal characters that act, one after the other, that are counted and not repeated.
+const RUN_LEAST: usize = 4;
+
 /// Quotes text of a file.
 ///
 /// ```
@@ -26,11 +29,21 @@ pub const fn quoted(text: &str) -> Quoted<'_> {
 
 impl fmt::Display for Quoted<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for shown in self.0.chars().take(LONGEST) {
-            if acts(shown) {
-                write!(f, "{}", shown.escape_default())?;
-            } else {
+        let mut left = self.0.chars().take(LONGEST).peekable();
+        while let Some(shown) = left.next() {
+            if !acts(shown) {
                 f.write_char(shown)?;
+                continue;
+            }
+            // A run of one such character says nothing by its length on the screen.
+            let mut run = 1;
+            while left.next_if_eq(&shown).is_some() {
+                run += 1;
+            }
+            let escaped = shown.escape_default();
+            match run {
+                1..RUN_LEAST => (0..run).try_for_each(|_| write!(f, "{escaped}"))?,
+                _ => write!(f, "{escaped}×{run}")?,
             }
         }
         let length = self.0.chars().count();
@@ -89,6 +102,7 @@ mod tests {
     #[test]
     fn control_characters_are_shown_and_letters_of_any_language_stay() {
         assert_eq!(quoted("Kräfte 力\t\0\u{9b}").to_string(), "Kräfte 力\\t\\u{0}\\u{9b}");
+        assert_eq!(quoted(&format!("a{}b", "\0".repeat(50))).to_string(), "a\\u{0}×50b");
         assert_eq!(quoted("a\u{202e}b").to_string(), "a\\u{202e}b");
         assert_eq!(message("no `a\u{7}` in\nline"), "no `a\\u{7}` in line");
         assert_eq!(message("open `quote"), "open `quote");

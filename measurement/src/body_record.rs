@@ -89,7 +89,7 @@ pub fn read_body_records(
     let mut records: Vec<BodyRecord> = Vec::new();
     for path in paths {
         let text = Text::read(path)?;
-        let (mut layout, _) = choice.layout(path, &text)?;
+        let (mut layout, _) = choice.layout(path, &text, true)?;
         let mut output = Output::Displacement;
         if let Some(acceleration) = layout.acceleration.take() {
             output = Output::Acceleration;

@@ -13,7 +13,15 @@ pub(crate) struct Header {
     pub(crate) kind: Kind,
     /// The unit in the name, as it is written there.
     pub(crate) unit: Option<(String, Unit)>,
+    /// A unit of the signal and not of what was measured: volts, counts.
+    pub(crate) raw: Option<String>,
 }
+
+/// Units of signals, in small letters.
+const RAW: [&str; 22] = [
+    "v", "mv", "uv", "volt", "volts", "mv/v", "v/v", "ma", "pc", "count", "counts", "cts", "digit",
+    "digits", "bit", "bits", "lsb", "raw", "adc", "inc", "ticks", "%",
+];
 
 /// Words of a kind, in small letters; a word matches whole, or as a part of a longer word where it
 /// has at least five letters.
@@ -23,6 +31,7 @@ const WORDS: [(Kind, &[&str]); 5] = [
         &[
             "time",
             "t",
+            "x",
             "zeit",
             "temps",
             "tempo",
@@ -43,6 +52,14 @@ const WORDS: [(Kind, &[&str]); 5] = [
             "secs",
             "heure",
             "horodatage",
+            "čas",
+            "czas",
+            "tid",
+            "tijd",
+            "aika",
+            "время",
+            "时间",
+            "時間",
         ],
     ),
     (
@@ -78,6 +95,15 @@ const WORDS: [(Kind, &[&str]); 5] = [
             "corsa",
             "desplazamiento",
             "carrera",
+            "dráha",
+            "zdvih",
+            "przemieszczenie",
+            "slag",
+            "verplaatsing",
+            "перемещение",
+            "位移",
+            "行程",
+            "変位",
             "length",
         ],
     ),
@@ -98,6 +124,16 @@ const WORDS: [(Kind, &[&str]); 5] = [
             "fuerza",
             "carga",
             "frc",
+            "síla",
+            "siła",
+            "kracht",
+            "voima",
+            "усилие",
+            "сила",
+            "力",
+            "阻尼力",
+            "载荷",
+            "荷重",
         ],
     ),
     (
@@ -113,6 +149,11 @@ const WORDS: [(Kind, &[&str]); 5] = [
             "velocita",
             "velocidad",
             "geschw",
+            "rychlost",
+            "prędkość",
+            "snelheid",
+            "скорость",
+            "速度",
         ],
     ),
     (
@@ -124,11 +165,17 @@ const WORDS: [(Kind, &[&str]); 5] = [
             "température",
             "temperatura",
             "thermocouple",
+            "teplota",
+            "температура",
+            "温度",
             "tc",
             "t",
         ],
     ),
 ];
+
+/// Words that end a compound: `Prüfzeit`, `Standardweg`.
+const ENDS: [&str; 3] = ["zeit", "weg", "hub"];
 
 /// Words of columns that hold something else than the measured signal.
 const OTHER: [&str; 34] = [
@@ -170,7 +217,11 @@ const OTHER: [&str; 34] = [
 
 /// What a name says, with the unit of a row of units if there is one.
 pub(crate) fn read(name: &str, units_row: Option<&str>) -> Option<Header> {
-    let (words, in_name) = split(name);
+    let raw = raw_unit(name, units_row);
+    let (words, in_name) = match &raw {
+        Some((words, _)) => (words.clone(), None),
+        None => split(name),
+    };
     let words: Vec<String> = words
         .to_lowercase()
         .split(|c: char| !c.is_alphabetic() && c != '\'')
@@ -180,22 +231,56 @@ pub(crate) fn read(name: &str, units_row: Option<&str>) -> Option<Header> {
     if words.iter().any(|word| OTHER.contains(&word.as_str())) {
         return None;
     }
-    let said = in_name.as_deref().or(units_row.filter(|unit| !unit.trim().is_empty()));
     // The column of time in measurement files of LabVIEW.
     if name.trim().eq_ignore_ascii_case("x_value") {
-        return Some(Header { kind: Kind::Time, unit: None });
+        return Some(Header { kind: Kind::Time, unit: None, raw: None });
     }
+    // A format of the time is no unit: `HH:MM:SS`.
+    let is_unit = |unit: &&str| !unit.trim().is_empty() && !unit.to_lowercase().contains("mm:ss");
+    let unit_in_row = || units_row.filter(is_unit);
     // The unit decides between kinds that the words allow: `temps (s)`, `s (mm)`, `t [degC]`.
-    if let Some(said) = said {
+    if let Some(said) = in_name.as_deref().or_else(unit_in_row).filter(|_| raw.is_none()) {
         let fits = |kind: &Kind| kind.unit(said).map(|unit| (*kind, unit));
-        if let Some((kind, unit)) = kinds(&words).iter().find_map(fits) {
-            return Some(Header { kind, unit: Some((said.trim().to_owned(), unit)) });
-        }
+        // A unit in brackets alone is a name too.
+        let allowed = if words.is_empty() && in_name.is_some() {
+            vec![Kind::Time, Kind::Displacement, Kind::Velocity, Kind::Force]
+        } else {
+            kinds(&words)
+        };
+        let (kind, unit) = allowed.iter().find_map(fits)?;
+        return Some(Header { kind, unit: Some((said.trim().to_owned(), unit)), raw: None });
+    }
+    // Letters alone say too little, but for signs that are words.
+    let is_word = |word: &String| word.chars().count() > 1 || !word.is_ascii();
+    let long: Vec<String> = words.into_iter().filter(is_word).collect();
+    let raw = raw.map(|(_, unit)| unit);
+    kinds(&long).first().map(|kind| Header { kind: *kind, unit: None, raw })
+}
+
+/// A name without the unit of the signal, and that unit: `Force [V]`, `load_mV`, or `V` below it.
+fn raw_unit(name: &str, units_row: Option<&str>) -> Option<(String, String)> {
+    let is_raw = |text: &str| {
+        let small = text.trim().trim_matches(['[', ']', '(', ')', '{', '}', '<', '>']);
+        RAW.contains(&small.to_lowercase().replace(['\u{b5}', '\u{3bc}'], "u").as_str())
+    };
+    // A unit below the name is that of the values.
+    if units_row.is_some_and(is_unit) {
         return None;
     }
-    // Letters alone say too little.
-    let long: Vec<String> = words.into_iter().filter(|word| word.chars().count() > 1).collect();
-    kinds(&long).first().map(|kind| Header { kind: *kind, unit: None })
+    for (open, close) in [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')] {
+        let (Some(from), Some(to)) = (name.rfind(open), name.rfind(close)) else { continue };
+        let Some((before, inside)) = name.get(..from).zip(name.get(from + 1..to)) else { continue };
+        if is_raw(inside) {
+            return Some((before.to_owned(), inside.trim().to_owned()));
+        }
+    }
+    for volts in ["_V", "_mV"] {
+        if let Some(before) = name.trim().strip_suffix(volts) {
+            return Some((before.to_owned(), volts.replace('_', "")));
+        }
+    }
+    let unit = units_row.filter(|unit| is_raw(unit) && split(name).1.is_none())?;
+    Some((name.to_owned(), unit.trim().to_owned()))
 }
 
 /// The kinds that words allow, the likeliest first.
@@ -206,7 +291,8 @@ fn kinds(words: &[String]) -> Vec<Kind> {
             let fits = |word: &String| {
                 known.iter().any(|one| {
                     let inside = one.chars().count() >= 5 && word.contains(one);
-                    word == one || (!whole && inside)
+                    let at_end = ENDS.contains(one) && word.ends_with(one);
+                    word == one || (!whole && (inside || at_end))
                 })
             };
             if words.iter().any(fits) && !kinds.contains(&kind) {
@@ -298,6 +384,19 @@ mod tests {
         }
         assert_eq!(said("Axial Force"), Some((Force, None)));
         assert_eq!(said("Timestamp"), Some((Time, None)));
+        for (name, row, raw) in [
+            ("Force [V]", None, Some("V")),
+            ("Load cell (mV/V)", None, Some("mV/V")),
+            ("Kraft_V", None, Some("V")),
+            ("Kraft", Some("counts"), Some("counts")),
+            ("Force (raw)", Some("kN"), None),
+            ("Force V", Some("kN"), None),
+        ] {
+            let header = read(name, row).unwrap();
+            assert_eq!((header.kind, header.raw.as_deref()), (Force, raw), "{name}");
+        }
+        assert_eq!(read("[s]", None).map(|header| header.kind), Some(Time));
+        assert_eq!(read("Time", Some("HH:MM:SS")).map(|header| header.kind), Some(Time));
         let row = read("Axial Displacement", Some("mm")).unwrap();
         assert_eq!((row.kind, row.unit.unwrap().1.factor()), (Displacement, 1e-3));
     }

@@ -5,6 +5,9 @@ use crate::unit::{Kind, Unit};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+/// The name of a column in the place of an answer that a file does not give.
+pub(crate) const OPEN: &str = "?";
+
 /// The layout of one file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Layout {
@@ -20,6 +23,10 @@ pub(crate) struct Layout {
     pub(crate) header: bool,
     /// There is a row of units below the names.
     pub(crate) units_row: bool,
+    /// Rows below the names that hold neither units nor numbers.
+    pub(crate) skip_below_names: usize,
+    /// Names of the columns where they stand in a comment and in no row of their own.
+    pub(crate) names: Vec<String>,
     /// Which sign of the file means extension; `None` leaves it to the file.
     pub(crate) extension: Option<Extension>,
     /// The columns are this project's own, which has a convention of signs.
@@ -134,6 +141,8 @@ impl Layout {
             skip_lines: 0,
             header: true,
             units_row: false,
+            skip_below_names: 0,
+            names: Vec::new(),
             extension: None,
             own_columns: true,
             split_by: Vec::new(),
@@ -150,6 +159,13 @@ impl Layout {
             specimen: None,
             understood: None,
         }
+    }
+}
+
+impl Layout {
+    /// Rows between the names and the first row of numbers.
+    pub(crate) fn rows_below_names(&self) -> usize {
+        usize::from(self.units_row) + self.skip_below_names
     }
 }
 

@@ -6,8 +6,11 @@
 //! ```text
 //! read            files to tests, one line per step; the mapping next to a file (companion)
 //!   text          bytes to text, whatever the encoding
-//!   recognition   the layout of a file without a mapping (header); proposal writes it as one
-//!   table         text to rows of cells that know their lines (lines)
+//!   commas        commas that are decimal marks and separators at once
+//!   question      the layout of a file without a mapping, or what the file leaves open
+//!     recognition     what a text shows about its layout (heading, header, labview)
+//!     proposal        the same as a mapping
+//!   table         text to rows of cells that know their lines (lines, fault)
 //!   columns       cells to SI values: a Series per test (mapping, layout, unit, number, stamp)
 //!     suspicion       units that the sizes speak against
 //!   prepare       a Series to a Measurement, one line per step
@@ -32,14 +35,18 @@
 pub mod body_record;
 mod clock;
 mod columns;
+mod commas;
 mod companion;
 mod cycles;
 mod drive;
 mod error;
+mod fault;
 mod force_faults;
 mod header;
+mod heading;
 mod integral;
 pub mod interpolant;
+mod labview;
 mod layout;
 mod lines;
 pub mod mapping;
@@ -49,6 +56,7 @@ mod number;
 mod plausibility;
 mod prepare;
 mod proposal;
+mod question;
 mod read;
 mod recognition;
 mod series;

@@ -5,6 +5,11 @@ use crate::number::Number;
 use crate::stamp;
 use csv::StringRecord;
 
+/// Lines of text below the last row of numbers that are left out.
+const FOOTER_MOST: usize = 5;
+/// What a column without a name is called that counts the rows.
+pub(crate) const ROW_NUMBER: &str = "row number";
+
 /// Lines with cells.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Lines {
@@ -14,6 +19,8 @@ pub(crate) struct Lines {
     pub(crate) numbers: Vec<usize>,
     /// What a comment line says about the direction: line, text.
     pub(crate) extension: Option<(usize, String)>,
+    /// Text below the last row of numbers: the first line of it, its text.
+    pub(crate) footer: Option<(usize, String)>,
 }
 
 impl Lines {
@@ -38,7 +45,40 @@ impl Lines {
             }
             lines.push(at + 1, line, layout.separator);
         }
+        lines.cut_footer(layout);
         lines
+    }
+
+    /// Takes off a few lines without any number below the last row of numbers.
+    fn cut_footer(&mut self, layout: &Layout) {
+        let plain =
+            |cell: &str| Number::of(cell, layout.decimal.unwrap_or_default(), true).is_some();
+        // A date in a sentence is no row.
+        let is_text = |line: &str| {
+            let cells = cells(line, layout.separator);
+            let is_one = cells.len() < 2;
+            cells.iter().all(|cell| !plain(cell) && (is_one || !stamp::is_stamp(cell)))
+        };
+        let names = self.text.lines().next().unwrap_or("").trim().to_owned();
+        let below: Vec<&str> = self
+            .text
+            .lines()
+            .rev()
+            .take(FOOTER_MOST + 1)
+            .take_while(|line| is_text(line) && line.trim() != names)
+            .collect();
+        let count = below.len();
+        let is_below_numbers =
+            self.text.lines().rev().nth(count).is_some_and(|line| !is_text(line));
+        if !(1..=FOOTER_MOST).contains(&count) || !is_below_numbers {
+            return;
+        }
+        let bytes: usize = below.iter().map(|line| line.len() + 1).sum();
+        let text = below.last().map(|line| line.trim().to_owned()).unwrap_or_default();
+        self.text.truncate(self.text.len() - bytes);
+        let line = self.numbers.get(self.numbers.len() - count).copied().unwrap_or(0);
+        self.numbers.truncate(self.numbers.len() - count);
+        self.footer = Some((line, text));
     }
 
     fn push(&mut self, number: usize, line: &str, separator: Separator) {
@@ -67,14 +107,23 @@ impl Lines {
         if starts.len() < 2 {
             return vec![self];
         }
-        let first = lines.get(if layout.units_row { 2 } else { 1 }).copied().unwrap_or("");
+        let first = lines.get(1 + layout.rows_below_names()).copied().unwrap_or("");
+        let is_blank_first = cells(first, layout.separator).get(0).is_some_and(str::is_empty);
         let pattern = pattern(first, layout);
         let ends = starts.iter().skip(1).copied().chain([lines.len()]);
         let mut blocks = Vec::with_capacity(starts.len());
         for (start, end) in starts.iter().copied().zip(ends) {
             let is_last = end == lines.len();
             let above =
-                |at: &usize| lines.get(*at).is_some_and(|line| is_data(line, layout, &pattern));
+                // A tag in front of numbers, where rows have nothing, is LabVIEW's.
+                |at: &usize| {
+                    let is_tagged = |line: &str| {
+                        cells(line, layout.separator).get(0).is_some_and(|cell| !cell.is_empty())
+                    };
+                    lines.get(*at).is_some_and(|line| {
+                        is_data(line, layout, &pattern) && !(is_blank_first && is_tagged(line))
+                    })
+                };
             let last = (start..end).rev().find(|at| is_last || above(at)).unwrap_or(start);
             let mut block = Self::default();
             for at in start..=last {
@@ -115,6 +164,24 @@ fn is_data(line: &str, layout: &Layout, pattern: &[bool]) -> bool {
         numbers += usize::from(!cell.is_empty());
     }
     numbers > 0 && cells.len() >= pattern.len()
+}
+
+/// True for cells that count 1, 2, 3 or 0, 1, 2.
+pub(crate) fn counts(cells: &[&str]) -> bool {
+    let number = |cell: &str| cell.parse::<u64>().ok();
+    let Some(first) = cells.first().and_then(|cell| number(cell)).filter(|first| *first <= 1)
+    else {
+        return false;
+    };
+    cells.iter().zip(first..).all(|(cell, expected)| number(cell) == Some(expected))
+}
+
+/// The cells of a line, blanks taken as one where they separate.
+pub(crate) fn row(line: &str, separator: Separator) -> StringRecord {
+    if separator == Separator::Whitespace {
+        return cells(&line.split_whitespace().collect::<Vec<_>>().join("\t"), separator);
+    }
+    cells(line, separator)
 }
 
 /// The cells of one line.

@@ -6,7 +6,8 @@
 //! comment = "#"                  # lines that begin with it are skipped
 //! skip_lines = 12                # lines before the row of names
 //! header = true                  # false: columns are called "1", "2", ...
-//! units_row = true               # the row below the names holds units
+//! units_row = true               # a row below the names holds units
+//! skip_below_names = 1           # rows below the names that hold neither units nor numbers
 //! extension = "negative"         # which sign means extension: positive | negative | unknown
 //! split_by = ["test"]            # one test per value, in order of appearance
 //! where = { voltage_V = 0.871 }  # only these rows; a list means any of them
@@ -85,6 +86,8 @@ pub(crate) struct Mapping {
     header: Option<bool>,
     /// There is a row of units below the names.
     units_row: Option<bool>,
+    /// Rows below the names that hold neither units nor numbers.
+    skip_below_names: Option<usize>,
     /// Which sign of the file means extension.
     extension: Option<Extension>,
     /// Columns whose values separate the tests of a file.
@@ -193,6 +196,7 @@ impl Mapping {
             skip_lines: own.skip_lines.or(base.skip_lines),
             header: own.header.or(base.header),
             units_row: own.units_row.or(base.units_row),
+            skip_below_names: own.skip_below_names.or(base.skip_below_names),
             extension: own.extension.or(base.extension),
             split_by: own.split_by.or(base.split_by),
             only: own.only.or(base.only),
@@ -251,6 +255,8 @@ impl Mapping {
             skip_lines: self.skip_lines.unwrap_or(0),
             header,
             units_row: self.units_row.unwrap_or(false),
+            skip_below_names: self.skip_below_names.unwrap_or(0),
+            names: Vec::new(),
             extension: self.extension,
             own_columns,
             split_by: self.split_by.as_ref().map(|by| by.get_ref().clone()).unwrap_or_default(),

@@ -1,17 +1,15 @@
 //! A mapping for a file, as far as the file explains itself, with the open questions.
 
+use crate::commas;
 use crate::companion::MARKER;
 use crate::error::MeasurementError;
-use crate::layout::{Decimal, Separator};
+use crate::layout::{Decimal, OPEN, Separator};
 use crate::recognition::{self, Recognised};
 use crate::text::Text;
 use crate::unit::Kind;
 use files::quoted;
 use std::fmt::Write as _;
 use std::path::Path;
-
-/// What stands for an answer that the file does not give.
-const OPEN: &str = "?";
 
 /// A mapping in TOML for a file: what was understood of it, and a comment `QUESTION` for what was
 /// not. A mapping without open questions can be used as it is.
@@ -20,6 +18,7 @@ const OPEN: &str = "?";
 /// The file cannot be read, or holds no rows of numbers.
 pub fn propose_mapping(path: &Path) -> Result<String, MeasurementError> {
     let text = Text::read(path)?;
+    commas::check(path, &text.content)?;
     let found = recognition::recognised(&text.content).ok_or_else(|| MeasurementError::File {
         file: path.to_owned(),
         found: "no rows of numbers under any separator".to_owned(),
@@ -50,13 +49,19 @@ fn proposal(found: &Recognised, file: &str) -> String {
     if found.skip_lines > 0 {
         lines.push(format!("skip_lines = {}", found.skip_lines));
     }
-    if found.names.is_empty() {
+    if found.names.is_empty() || found.is_named_in_comment {
         lines.push(
             "header = false                   # columns are called \"1\", \"2\", ...".to_owned(),
         );
     }
-    if found.units.is_some() {
+    if has_units_row(found) {
         lines.push("units_row = true".to_owned());
+    }
+    if found.skip_below_names > 0 {
+        lines.push(format!("skip_below_names = {}", found.skip_below_names));
+    }
+    if let Some(rate_hz) = rate_hz(found) {
+        lines.push(format!("sample_rate_hz = {rate_hz:?}           # 1/Delta_X of the preamble"));
     }
     if found.comes_again {
         lines.push("# The row of names comes again: every block becomes a test.".to_owned());
@@ -69,6 +74,16 @@ fn proposal(found: &Recognised, file: &str) -> String {
         lines.extend(table(found, kind));
     }
     lines.join("\n") + "\n"
+}
+
+/// The units stand in a row of their own.
+fn has_units_row(found: &Recognised) -> bool {
+    found.units.is_some() && !found.is_named_in_comment
+}
+
+/// The rate, where it takes the place of a column of time.
+fn rate_hz(found: &Recognised) -> Option<f64> {
+    found.rate_hz.filter(|_| found.column(Kind::Time) == Err(Vec::new()))
 }
 
 /// The columns of a file with their first cells.
@@ -86,15 +101,28 @@ fn columns(found: &Recognised) -> String {
 /// The table of a kind.
 fn table(found: &Recognised, kind: Kind) -> Vec<String> {
     let mut lines = Vec::new();
+    if kind == Kind::Time && rate_hz(found).is_some() {
+        return lines;
+    }
     let has_velocity = found.column(Kind::Velocity).is_ok();
     match found.column(kind) {
         Ok(at) => {
-            let (name, unit) = found.named(at);
+            let unit = found.named(at).1;
             lines.push(format!("[{}]", kind.name()));
-            lines.push(format!("column = {}", string(name)));
+            lines.push(format!("column = {}", string(&found.key(at))));
+            if let Some(raw) = found.raw(at) {
+                let usual = usual(kind);
+                lines.push(format!("unit = \"{usual}\""));
+                lines.push(format!(
+                    "# QUESTION: how many {usual} is one {}? value = scale * (reading - offset)",
+                    quoted(raw)
+                ));
+                lines.push("scale = nan\noffset = 0.0".to_owned());
+                return lines;
+            }
             lines.extend(match unit {
                 // The row of units says it.
-                Some(_) if found.units.is_some() => None,
+                Some(_) if has_units_row(found) => None,
                 Some(unit) => Some(format!("unit = {}", string(unit))),
                 None if found.is_stamped(at) => None,
                 None => Some(format!(
@@ -123,7 +151,8 @@ fn table(found: &Recognised, kind: Kind) -> Vec<String> {
                     "which column is the time? Without one: sample_rate_hz = ... at the top, \
                      and no [time]"
                 }
-                _ => "which column is it?",
+                Kind::Displacement => "which column is the displacement?",
+                _ => "which column is the force?",
             };
             lines.push(format!("# QUESTION: {question}"));
             lines.push(format!("[{}]", kind.name()));
@@ -131,8 +160,9 @@ fn table(found: &Recognised, kind: Kind) -> Vec<String> {
             lines.push(format!("unit = \"{}\"", usual(kind)));
         }
         Err(several) => {
-            let names: Vec<String> = several.iter().map(|at| string(found.named(*at).0)).collect();
-            lines.push(format!("# QUESTION: which one of {}?", quoted(&names.join(", "))));
+            let names: Vec<String> = several.iter().map(|at| string(&found.key(*at))).collect();
+            let question = format!("which one of {} is the {}?", names.join(", "), kind.name());
+            lines.push(format!("# QUESTION: {}", quoted(&question)));
             if kind == Kind::Force {
                 lines
                     .push("# A list in force_column, at the top, makes a test of each.".to_owned());

@@ -1,15 +1,18 @@
 //! From files to tests.
 
 use crate::columns;
+use crate::commas;
 use crate::companion;
 use crate::error::MeasurementError;
 use crate::layout::Layout;
 use crate::mapping::Mapping;
 use crate::measurement::Measurement;
 use crate::prepare;
+use crate::question;
 use crate::recognition;
 use crate::table::Table;
 use crate::text::Text;
+use files::quoted;
 use scenario::source::Source;
 use std::path::{Path, PathBuf};
 
@@ -30,8 +33,8 @@ pub fn read_tests(
     let mut visits = Visits::default();
     for path in paths {
         let text = Text::read(path)?;
-        let (layout, wiring) = choice.layout(path, &text)?;
-        let advised = |error| choice.advised(error);
+        let (layout, wiring) = choice.layout(path, &text, true)?;
+        let advised = |error| choice.advised(error, &text);
         for table in Table::parse(path, &text, &layout).map_err(advised)? {
             for series in columns::tests_of(&table, &layout).map_err(advised)? {
                 let force_column = series.columns[2].clone();
@@ -60,7 +63,7 @@ pub fn read_motions(
     mapping: Option<&Path>,
 ) -> Result<Option<Vec<Measurement>>, MeasurementError> {
     let text = Text::read(path)?;
-    let (mut layout, _) = MappingChoice::load(mapping)?.layout(path, &text)?;
+    let (mut layout, _) = MappingChoice::load(mapping)?.layout(path, &text, false)?;
     let tables = Table::parse(path, &text, &layout)?;
     let has_force = |name: &String| name != "force_n" || tables.iter().any(|table| table.has(name));
     if layout.force.iter().any(|force| has_force(&force.column)) {
@@ -98,17 +101,31 @@ impl MappingChoice {
 
     /// The layout of a file, and the layout by which its wiring is compared with that of others:
     /// what a companion says about one file does not separate it from the others of its visit.
+    /// Without a mapping a file that states no force is understood only where none is needed.
     pub(crate) fn layout(
         &self,
         file: &Path,
         text: &Text,
+        needs_force: bool,
     ) -> Result<(Layout, Layout), MeasurementError> {
         if let Self::Named(mapping, source) = self {
             let layout = mapping.layout(source, file)?;
             return Ok((layout.clone(), layout));
         }
         let Some(source) = companion::find(file)? else {
-            let layout = recognition::layout(&text.content);
+            commas::check(file, &text.content)?;
+            let layout = question::layout(&text.content, needs_force).map_err(|open| {
+                // Names in another encoding say nothing.
+                let encoding = match text.repairs.as_slice() {
+                    [] => String::new(),
+                    said => format!("; {}, save it as UTF-8", said.join("; ")),
+                };
+                MeasurementError::File {
+                    file: file.to_owned(),
+                    found: open.found,
+                    expected: open.expected + &encoding,
+                }
+            })?;
             // What is said about one file does not separate it from others of its visit.
             let wiring = Layout { skip_lines: 0, understood: None, ..layout.clone() };
             return Ok((layout, wiring));
@@ -123,16 +140,20 @@ impl MappingChoice {
 
 impl MappingChoice {
     /// An error about the columns of a file, with the way out where nobody has written a mapping.
-    fn advised(&self, error: MeasurementError) -> MeasurementError {
+    fn advised(&self, error: MeasurementError, text: &Text) -> MeasurementError {
         match (self, error) {
             (Self::Companions, MeasurementError::File { file, found, expected })
                 if expected.starts_with("one called ") && !found.starts_with("several") =>
             {
-                let expected = format!(
-                    "{expected}; yawbench characterise --propose-mapping FILE writes a mapping to \
-                     begin with"
-                );
-                MeasurementError::File { file, found, expected }
+                let way_out = if recognition::recognised(&text.content).is_some() {
+                    "yawbench characterise --propose-mapping FILE writes a mapping to begin with"
+                        .to_owned()
+                } else {
+                    let mut rows = text.content.lines().filter(|line| !line.trim().is_empty());
+                    let second = rows.nth(1).unwrap_or("").trim();
+                    format!("no rows of numbers follow, but \"{}\"", quoted(second))
+                };
+                MeasurementError::File { file, found, expected: format!("{expected}; {way_out}") }
             }
             (_, error) => error,
         }

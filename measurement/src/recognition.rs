@@ -1,12 +1,14 @@
 //! The layout of a file that has no mapping, from its own text.
 //!
 //! A file with this project's columns is what it says. Else the rows of numbers are looked for,
-//! under each separator and decimal mark; the row above them holds the names, or the two rows above
-//! them names and units; the names say what the columns hold ([`header`](crate::header)). What was
-//! understood is said with every test. Where a question is open, the file is read as if it had this
-//! project's columns, which says what is missing.
+//! under each separator and decimal mark; a row above them holds the names, or a comment does, and
+//! one of the rows between may hold units ([`heading`](crate::heading)); the names say what the
+//! columns hold ([`header`](crate::header)). What was understood is said with every test.
 
+use crate::fault::Fault;
 use crate::header::{self, Header};
+use crate::heading::Heading;
+use crate::labview::Preamble;
 use crate::layout::{Decimal, Layout, OptionalReading, Reading, Separator};
 use crate::lines;
 use crate::number::Number;
@@ -37,39 +39,24 @@ pub(crate) struct Recognised {
     pub(crate) skip_lines: usize,
     /// Names of the columns; empty where there is no row of names.
     pub(crate) names: Vec<String>,
+    /// The names stand in a comment.
+    pub(crate) is_named_in_comment: bool,
+    /// Rows between the names and the numbers that hold no units.
+    pub(crate) skip_below_names: usize,
     /// There is a row of units.
     pub(crate) units: Option<Vec<String>>,
     /// Cells of the first row of numbers.
     pub(crate) first: Vec<String>,
+    /// Columns with a number or a time in some row.
+    pub(crate) filled: Vec<bool>,
+    /// Line of the first row of numbers, from one.
+    pub(crate) first_line: usize,
+    /// Samples a second, where the file states them and has no time.
+    pub(crate) rate_hz: Option<f64>,
     /// The names come again further down.
     pub(crate) comes_again: bool,
     /// What the columns hold, as far as their names say it.
     pub(crate) columns: Vec<Option<Header>>,
-}
-
-/// The layout of a file without a mapping.
-pub(crate) fn layout(text: &str) -> Layout {
-    let own = Layout::own();
-    let first = text.lines().find(|line| {
-        !line.trim_start().starts_with(&own.comment) && !lines::is_blank(line, own.separator)
-    });
-    let names = first.map(|line| lines::cells(line, own.separator)).unwrap_or_default();
-    let has = |name: &str| names.iter().any(|other| other == name);
-    if has("time_s") && has("force_n") && (has("displacement_m") || has("velocity_m_per_s")) {
-        return own;
-    }
-    // A motion without a force is a file of its own kind.
-    if has("time_s") && has("displacement_m") && !names.iter().any(is_force) {
-        return own;
-    }
-    match recognised(text).and_then(|found| found.layout()) {
-        Some(layout) => layout,
-        None => own,
-    }
-}
-
-fn is_force(name: &str) -> bool {
-    header::read(name, None).is_some_and(|header| header.kind == Kind::Force)
 }
 
 /// What a text shows about its layout, if it holds rows of numbers.
@@ -81,10 +68,10 @@ pub(crate) fn recognised(text: &str) -> Option<Recognised> {
     for separator in ways {
         for (decimal, declared) in marks {
             let Some(body) = Body::find(&all, separator, decimal, declared) else { continue };
-            // The first way with the most numbers in a row.
-            if best.as_ref().is_none_or(|(width, _)| body.width > *width) {
-                let width = body.width;
-                best = Some((width, body.recognised(&all, separator, decimal)));
+            // The first way with the most columns of numbers.
+            if best.as_ref().is_none_or(|(most, _)| body.number_columns > *most) {
+                let most = body.number_columns;
+                best = Some((most, body.recognised(&all, separator, decimal)));
             }
         }
     }
@@ -97,6 +84,8 @@ struct Body {
     start: usize,
     /// Cells of a row.
     width: usize,
+    /// Columns of numbers among them.
+    number_columns: usize,
     /// Their cells.
     rows: Vec<StringRecord>,
 }
@@ -110,7 +99,7 @@ impl Body {
             if lines::is_blank(line, separator) || line.trim_start().starts_with('#') {
                 continue;
             }
-            let cells = row(line, separator);
+            let cells = lines::row(line, separator);
             let numbers = cells.iter().filter(|cell| number(cell)).count();
             let filled = cells.iter().filter(|cell| !cell.is_empty()).count();
             // Text columns are allowed, but not half of them.
@@ -124,7 +113,12 @@ impl Body {
                     found = Some(body);
                     break;
                 }
-                _ if is_row => Some(Self { start: at, width: cells.len(), rows: vec![cells] }),
+                _ if is_row => Some(Self {
+                    start: at,
+                    width: cells.len(),
+                    number_columns: 0,
+                    rows: vec![cells],
+                }),
                 _ => None,
             };
             let rows = found.as_ref().map_or(0, |body| body.rows.len());
@@ -132,70 +126,75 @@ impl Body {
                 break;
             }
         }
-        let body = found.filter(|body| body.rows.len() >= ROWS_LEAST)?;
+        let mut body = found.filter(|body| body.rows.len() >= ROWS_LEAST)?;
         // Every column of numbers is one in nearly every row: an overflow or a gap that a program
         // has marked with a word is for the reader of the cells to refuse.
         let marked = (body.rows.len() / MARKED_SHARE).max(1);
-        let is_mixed = (0..body.width).any(|column| {
+        let is_marked = |cell: &str| Fault::of(cell, number, false) != Fault::Other;
+        for column in 0..body.width {
             let cells = body.rows.iter().filter_map(|row| row.get(column));
             let numbers = cells.clone().filter(|cell| number(cell)).count();
-            let others = cells.filter(|cell| !cell.is_empty() && !number(cell)).count();
-            2 * numbers > body.rows.len() && others > marked
-        });
-        (!is_mixed).then_some(body)
+            let others = cells.filter(|cell| !number(cell) && !is_marked(cell)).count();
+            let is_numbers = 2 * numbers > body.rows.len();
+            if is_numbers && others > marked {
+                return None;
+            }
+            body.number_columns += usize::from(is_numbers);
+        }
+        Some(body)
     }
 
     fn recognised(&self, all: &[&str], separator: Separator, decimal: Decimal) -> Recognised {
-        let above: Vec<(usize, StringRecord)> = all
-            .iter()
-            .enumerate()
-            .take(self.start)
-            .rev()
-            .filter(|(_, line)| !lines::is_blank(line, separator))
-            .filter(|(_, line)| !line.trim_start().starts_with('#'))
-            .map(|(at, line)| (at, row(line, separator)))
-            .take(2)
-            .collect();
-        let filled = |cells: &StringRecord| cells.iter().filter(|cell| !cell.is_empty()).count();
-        // A row of names has a text for nearly every column.
-        let is_head = |cells: &StringRecord| {
-            cells.len() >= 2 && cells.len() <= self.width + 1 && 2 * filled(cells) > self.width
-        };
-        let is_units = |cells: &StringRecord| {
-            let units = cells.iter().filter(|cell| is_unit(cell)).count();
-            units >= 1 && 2 * units >= filled(cells) && !cells.iter().any(names_kind)
-        };
-        let texts = |cells: &StringRecord| cells.iter().map(str::to_owned).collect::<Vec<_>>();
-        let (names, units) = match above.as_slice() {
-            [(_, units), (at, names), ..] if is_units(units) && is_head(names) => {
-                (Some((*at, texts(names))), Some(texts(units)))
-            }
-            [(at, names), ..] if is_head(names) => (Some((*at, texts(names))), None),
-            _ => (None, None),
-        };
-        let (start, mut names) = names.unwrap_or((self.start, Vec::new()));
-        while names.last().is_some_and(String::is_empty) {
-            names.pop();
-        }
+        let above = all.get(..self.start).unwrap_or_default();
+        let first: Vec<&str> = self.rows.iter().filter_map(|row| row.get(0)).collect();
+        let heading = Heading::find(above, separator, self.width, lines::counts(&first));
+        let preamble = Preamble::of(above, separator).unwrap_or_default();
+        let Heading { at, names, units, .. } = &heading;
         let columns = names.iter().enumerate().map(|(at, name)| {
             let unit = units.as_ref().and_then(|units| units.get(at)).map(String::as_str);
-            header::read(name, unit)
+            let header = header::read(name, unit.or(preamble.unit(at)));
+            header.filter(|_| !self.repeats(names, at))
         });
-        let head = all.get(start).map_or("", |line| line.trim());
+        let head = all.get(*at).map_or("", |line| line.trim());
         let again = |line: &str| line.trim() == head;
         let comes_again = !names.is_empty()
             && all.get(self.start..).is_some_and(|below| below.iter().any(|line| again(line)));
+        let skip_lines = if heading.is_comment {
+            self.start
+        } else {
+            all.get(..*at).map_or(0, |above| skipped(above, separator))
+        };
         Recognised {
             separator,
             decimal,
             decimal_is_certain: decimal == Decimal::Point || self.shows_decimal_commas(),
-            skip_lines: all.get(..start).map_or(0, |above| skipped(above, separator)),
+            skip_lines,
             columns: columns.collect(),
             first: self.rows.first().map(texts).unwrap_or_default(),
-            names,
-            units,
+            filled: (0..self.width).map(|column| self.is_filled(column, decimal)).collect(),
+            first_line: self.start + 1,
+            rate_hz: preamble.step_s.map(|step_s| 1.0 / step_s),
+            is_named_in_comment: heading.is_comment,
+            skip_below_names: heading.skip_below_names,
+            names: heading.names,
+            units: heading.units,
             comes_again,
         }
+    }
+
+    /// True for a column with a value in some row.
+    fn is_filled(&self, column: usize, decimal: Decimal) -> bool {
+        let is_value =
+            |cell: &str| Number::of(cell, decimal, true).is_some() || stamp::is_stamp(cell);
+        self.rows.iter().any(|row| row.get(column).is_some_and(is_value))
+    }
+
+    /// True for a column that an earlier one repeats, name and cells.
+    fn repeats(&self, names: &[String], column: usize) -> bool {
+        (0..column).any(|earlier| {
+            let same = |row: &StringRecord| row.get(earlier) == row.get(column);
+            names.get(earlier) == names.get(column) && self.rows.iter().all(same)
+        })
     }
 
     /// A comma that cannot stand between thousands.
@@ -212,21 +211,8 @@ fn skipped(above: &[&str], separator: Separator) -> usize {
     if above.iter().any(is_text) { above.len() } else { 0 }
 }
 
-/// The cells of a line.
-fn row(line: &str, separator: Separator) -> StringRecord {
-    if separator == Separator::Whitespace {
-        return line.split_whitespace().collect::<Vec<_>>().into();
-    }
-    lines::cells(line, separator)
-}
-
-fn is_unit(cell: &str) -> bool {
-    Kind::ALL.iter().any(|kind| kind.unit(cell).is_some())
-}
-
-/// True for a name that says what its column holds, and is no unit itself.
-fn names_kind(cell: &str) -> bool {
-    !is_unit(cell) && header::read(cell, None).is_some()
+fn texts(cells: &StringRecord) -> Vec<String> {
+    cells.iter().map(str::to_owned).collect()
 }
 
 impl Recognised {
@@ -240,7 +226,7 @@ impl Recognised {
                 .get(*at)
                 .is_some_and(|header| header.as_ref().is_some_and(|header| header.kind == kind))
         };
-        let is_filled = |at: &usize| self.first.get(*at).is_some_and(|cell| self.is_value(cell));
+        let is_filled = |at: &usize| self.filled.get(*at) == Some(&true);
         let candidates: Vec<usize> =
             (0..self.columns.len()).filter(holds).filter(is_filled).collect();
         let with_unit: Vec<usize> =
@@ -258,9 +244,22 @@ impl Recognised {
         (name, unit.map(|(unit, _)| unit.as_str()))
     }
 
-    /// A cell is a number or a time.
-    fn is_value(&self, cell: &str) -> bool {
-        Number::of(cell, self.decimal, true).is_some() || stamp::is_stamp(cell)
+    /// The unit of the signal, where a column holds volts or counts.
+    pub(crate) fn raw(&self, at: usize) -> Option<&str> {
+        self.columns.get(at)?.as_ref()?.raw.as_deref()
+    }
+
+    /// What a mapping calls a column.
+    pub(crate) fn key(&self, at: usize) -> String {
+        match self.names.get(at) {
+            Some(name) if !self.is_named_in_comment => name.clone(),
+            _ => (at + 1).to_string(),
+        }
+    }
+
+    /// True where the decimal mark is a comma.
+    pub(crate) fn has_decimal_commas(&self) -> bool {
+        self.decimal == Decimal::Comma
     }
 
     /// The first cell of a column is a date or a time of day.
@@ -269,7 +268,7 @@ impl Recognised {
     }
 
     /// The layout, where no question is open.
-    fn layout(&self) -> Option<Layout> {
+    pub(crate) fn layout(&self) -> Option<Layout> {
         let reading = |kind: Kind, at: usize| -> Reading {
             let unit = self.columns.get(at).and_then(|header| header.as_ref()?.unit.as_ref());
             let unit = unit.map(|(_, unit)| *unit);
@@ -277,9 +276,21 @@ impl Recognised {
         };
         let with_unit =
             |kind: Kind, at: usize| Some(reading(kind, at)).filter(|r| r.unit.is_some());
-        let time_at = self.column(Kind::Time).ok()?;
-        let time = reading(Kind::Time, time_at);
-        let force = with_unit(Kind::Force, self.column(Kind::Force).ok()?)?;
+        let time_at = self.column(Kind::Time).ok();
+        let rate_hz = self.rate_hz.filter(|_| time_at.is_none());
+        let own = Layout::own();
+        let time = match time_at {
+            Some(at) => reading(Kind::Time, at),
+            None => own.time.clone(),
+        };
+        if time_at.is_none() && rate_hz.is_none() {
+            return None;
+        }
+        let stated_force = match self.column(Kind::Force) {
+            Ok(at) => Some(with_unit(Kind::Force, at)?),
+            Err(_) => None,
+        };
+        let force = stated_force.clone().or_else(|| own.force.first().cloned())?;
         let displacement = match self.column(Kind::Displacement) {
             Ok(at) => Some(with_unit(Kind::Displacement, at)?),
             Err(several) if several.is_empty() => None,
@@ -292,7 +303,6 @@ impl Recognised {
             },
             Err(_) => plain.clone(),
         };
-        let own = Layout::own();
         let velocity = optional(Kind::Velocity, &own.velocity);
         let temperature = optional(Kind::Temperature, &own.temperature);
         if !self.decimal_is_certain || (displacement.is_none() && !velocity.required) {
@@ -304,18 +314,19 @@ impl Recognised {
                 && is_own(&force, "force_n")
                 && is_own(&time, "time_s")
         });
-        let mut said = Vec::new();
+        let rate = rate_hz.map(|rate| format!("{} samples a second", files::number(rate)));
+        let mut said: Vec<String> = rate.into_iter().collect();
         for (kind, reading) in [
-            (Kind::Time, Some(&time)),
+            (Kind::Time, Some(&time).filter(|_| rate_hz.is_none())),
             (Kind::Displacement, displacement.as_ref()),
             (Kind::Velocity, velocity.required.then_some(&velocity.reading)),
-            (Kind::Force, Some(&force)),
+            (Kind::Force, stated_force.as_ref()),
             (Kind::Temperature, temperature.required.then_some(&temperature.reading)),
         ] {
             let Some(reading) = reading else { continue };
             let at = self.names.iter().position(|name| *name == reading.column).unwrap_or(0);
-            let unit = match reading.unit {
-                Some(unit) => format!(" in {}", unit.name()),
+            let unit = match self.named(at).1 {
+                Some(unit) => format!(" in {}", quoted(kind.symbol(unit).unwrap_or(unit))),
                 None if kind == Kind::Time && !self.is_stamped(at) => {
                     " in s, not stated".to_owned()
                 }
@@ -329,7 +340,11 @@ impl Recognised {
             separator: self.separator,
             decimal: Some(self.decimal),
             skip_lines: self.skip_lines,
-            units_row: self.units.is_some(),
+            header: !self.is_named_in_comment,
+            names: if self.is_named_in_comment { self.names.clone() } else { Vec::new() },
+            units_row: self.units.is_some() && !self.is_named_in_comment,
+            skip_below_names: self.skip_below_names,
+            sample_rate_hz: rate_hz,
             own_columns,
             displacement: match displacement {
                 Some(reading) => OptionalReading { reading, required: true },

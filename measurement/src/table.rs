@@ -1,13 +1,18 @@
 //! The text of a file as rows of cells that know their lines.
 
 use crate::error::MeasurementError;
-use crate::layout::{Decimal, Layout, Separator};
-use crate::lines::Lines;
+use crate::fault::Fault;
+use crate::heading;
+use crate::layout::{Decimal, Layout, OPEN, Separator};
+use crate::lines::{self, Lines};
 use crate::number::Number;
 use crate::text::Text;
 use csv::StringRecord;
 use files::{quote, quoted};
 use std::path::{Path, PathBuf};
+
+/// Rows at the end that may be a footer.
+const FOOTER_MOST: usize = 5;
 
 /// Rows of a file, or of one block of it, with the names of their columns.
 #[derive(Debug, Clone)]
@@ -29,6 +34,7 @@ pub(crate) struct Table {
     rows: Vec<StringRecord>,
     decimal: Decimal,
     decimal_declared: bool,
+    has_clock: bool,
 }
 
 impl Table {
@@ -43,7 +49,7 @@ impl Table {
     ) -> Result<Vec<Self>, MeasurementError> {
         let lines = Lines::of(&text.content, layout);
         check_decimal_commas(path, &lines, layout)?;
-        let extension = lines.extension.clone();
+        let (extension, footer) = (lines.extension.clone(), lines.footer.clone());
         let blocks = lines.blocks(layout);
         let several = blocks.len() > 1;
         let begins: Vec<String> =
@@ -64,6 +70,12 @@ impl Table {
             }
             tables.push(table);
         }
+        if let (Some((line, text)), Some(last)) = (footer, tables.last_mut()) {
+            last.repairs.push(format!(
+                "left out: text below the last row of numbers, from line {line} on: \"{}\"",
+                quoted(&text)
+            ));
+        }
         Ok(tables)
     }
 
@@ -75,14 +87,23 @@ impl Table {
             expected: "a row of names and rows of numbers".to_owned(),
         };
         let mut numbered = rows.into_iter().zip(lines.numbers.iter().copied());
-        let mut head = |is_there: bool| -> Result<Option<Vec<String>>, MeasurementError> {
-            if !is_there {
-                return Ok(None);
-            }
-            let (row, _) = numbered.next().ok_or_else(empty)?;
-            Ok(Some(row.iter().map(str::to_owned).collect()))
+        let texts = |row: &StringRecord| row.iter().map(str::to_owned).collect::<Vec<_>>();
+        let names = if layout.header {
+            Some(texts(&numbered.next().ok_or_else(empty)?.0))
+        } else {
+            Some(layout.names.clone()).filter(|names| !names.is_empty())
         };
-        let (names, units) = (head(layout.header)?, head(layout.units_row)?);
+        let below: Vec<StringRecord> =
+            numbered.by_ref().take(layout.rows_below_names()).map(|(row, _)| row).collect();
+        if below.len() < layout.rows_below_names() {
+            return Err(empty());
+        }
+        let units = if layout.units_row {
+            let at = heading::units_among(&below.iter().collect::<Vec<_>>()).unwrap_or(0);
+            below.get(at).map(texts)
+        } else {
+            None
+        };
         let (rows, numbers): (Vec<_>, Vec<_>) = numbered.unzip();
         let width = rows.first().map(StringRecord::len).ok_or_else(empty)?;
         let names = names.unwrap_or_else(|| (1..=width).map(|n| n.to_string()).collect());
@@ -97,10 +118,38 @@ impl Table {
             rows,
             decimal: layout.decimal.unwrap_or_default(),
             decimal_declared: layout.decimal.is_some(),
+            has_clock: layout.sample_rate_hz.is_none(),
         };
+        table.name_row_numbers();
+        table.drop_comment_column();
         table.check_widths()?;
         debug_assert_eq!(table.rows.len(), table.lines.len(), "every row has its line");
         Ok(table)
+    }
+
+    /// A column without a name that counts the rows, as R writes it.
+    fn name_row_numbers(&mut self) {
+        let width = self.names.len() + 1;
+        let is_wide = |row: &StringRecord| {
+            row.len() == width && row.iter().next_back().is_some_and(|cell| !cell.is_empty())
+        };
+        if !self.rows.iter().all(is_wide) {
+            return;
+        }
+        let first: Vec<&str> = self.rows.iter().filter_map(|row| row.get(0)).collect();
+        if lines::counts(&first) {
+            self.names.insert(0, lines::ROW_NUMBER.to_owned());
+            self.units.iter_mut().for_each(|units| units.insert(0, String::new()));
+        }
+    }
+
+    /// A column of comments at the end that no row has, as `LabVIEW` writes it.
+    fn drop_comment_column(&mut self) {
+        let is_comment = |name: &String| name.eq_ignore_ascii_case("comment");
+        let is_absent = |row: &StringRecord| row.len() + 1 == self.names.len();
+        if self.names.last().is_some_and(is_comment) && self.rows.iter().all(is_absent) {
+            self.names.pop();
+        }
     }
 
     /// Every row must have as many cells as there are names; a separator at the end of every line
@@ -114,8 +163,10 @@ impl Table {
             let spare = row.iter().skip(expected).any(|cell| !cell.is_empty());
             if row.len() < expected || spare {
                 let found = format!("{} cells", row.len());
-                let expected =
-                    format!("{expected}{}{}", self.separator_hint(), self.block_hint(row));
+                let is_last = self.lines.last() == Some(line) && row.len() < expected;
+                let hint = if is_last { " (the file ends within this row: delete it)" } else { "" };
+                let hints = (self.separator_hint(), self.block_hint(row));
+                let expected = format!("{expected}{}{}{hint}", hints.0, hints.1);
                 return Err(self.cell_error(*line, "row", found, expected));
             }
         }
@@ -138,11 +189,16 @@ impl Table {
         if self.names.len() < 2 || row.iter().any(number) {
             return String::new();
         }
+        if let [only] = row.iter().collect::<Vec<_>>().as_slice()
+            && only.split([',', ';', '\t']).filter(|cell| number(cell.trim())).count() > 1
+        {
+            return " (another separator in this row, or quotes around all of it?)".to_owned();
+        }
         let text: Vec<&str> = row.iter().collect();
         let text = text.join(" ");
         format!(
             " (\"{}\": a new block with other columns? only a block with the same row of names \
-             starts a new test)",
+             starts a new test; delete a line of text, or cut the file there)",
             quoted(&text)
         )
     }
@@ -162,20 +218,30 @@ impl Table {
     /// # Errors
     /// Names the columns that there are.
     pub(crate) fn column(&self, name: &str) -> Result<usize, MeasurementError> {
-        let mut places = self.names.iter().enumerate().filter(|(_, other)| *other == name);
-        let Some((place, _)) = places.next() else {
+        let named = |(_, other): &(usize, &String)| *other == name;
+        let mut places = self.names.iter().enumerate().filter(named).map(|(place, _)| place);
+        let Some(place) = places.next() else {
             let (names, hint) = (self.names.join(", "), self.separator_hint());
+            let expected = if name == OPEN {
+                format!("the name of one of them in the place of \"{name}\" in the mapping")
+            } else {
+                format!("one called {}", quoted(name))
+            };
             return Err(MeasurementError::File {
                 file: self.file.clone(),
                 found: format!("the columns {}{hint}", quoted(&names)),
-                expected: format!("one called {}", quoted(name)),
+                expected,
             });
         };
-        if places.next().is_some() {
+        // A program may write the same clock next to every channel.
+        let is_same = |other: usize| self.rows.iter().all(|row| row.get(place) == row.get(other));
+        if !places.all(is_same) {
             return Err(MeasurementError::File {
                 file: self.file.clone(),
                 found: format!("several columns called {}", quoted(name)),
-                expected: "one".to_owned(),
+                expected: "one; a mapping with header = false and skip_lines calls them \"1\", \
+                           \"2\", ..."
+                    .to_owned(),
             });
         }
         Ok(place)
@@ -224,7 +290,22 @@ impl Table {
         };
         let name = self.names.get(column).map_or("column", String::as_str);
         let line = self.lines.get(row).copied().unwrap_or(0);
-        self.cell_error(line, name, found, format!("a finite number{hint}"))
+        let fault = Fault::of(cell, |cell| self.is_finite(cell), self.is_footer(row, column));
+        let way_out = fault.way_out(line, self.has_clock);
+        self.cell_error(line, name, found, format!("a finite number{hint}{way_out}"))
+    }
+
+    fn is_finite(&self, cell: &str) -> bool {
+        let number = Number::of(cell, self.decimal, self.decimal_declared);
+        number.is_some_and(|number| number.value.is_finite())
+    }
+
+    /// True for a row near the end below which no row has a number in the column.
+    fn is_footer(&self, row: usize, column: usize) -> bool {
+        let rows = row..self.rows.len();
+        rows.len() <= FOOTER_MOST
+            && row > 0
+            && rows.into_iter().all(|row| self.number(row, column).is_none())
     }
 
     /// An error at a line.

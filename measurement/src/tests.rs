@@ -80,12 +80,12 @@ fn every_bad_file_has_its_line() {
         (
             "cell",
             file(2000, cut("1.400,0.001,")),
-            "a.csv:702: force_n: found an empty cell, expected a finite number",
+            "a.csv:702: force_n: found an empty cell, expected a finite number; the reading is missing: delete line 702 (up to three missing samples in a row are filled in), or cut the file there",
         ),
         (
             "nan",
             file(2000, cut("1.400,NaN,10")),
-            "a.csv:702: displacement_m: found \"NaN\", expected a finite number",
+            "a.csv:702: displacement_m: found \"NaN\", expected a finite number; the reading is missing: delete line 702 (up to three missing samples in a row are filled in), or cut the file there",
         ),
         (
             "text",

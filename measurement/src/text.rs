@@ -1,5 +1,6 @@
 //! The text of a file, in whatever encoding a laboratory writes it.
 
+use crate::error::MeasurementError;
 use files::input::{self, InputError, Limit};
 use std::path::Path;
 
@@ -14,12 +15,22 @@ pub(crate) struct Text {
 
 impl Text {
     /// Reads a regular file.
-    pub(crate) fn read(path: &Path) -> Result<Self, InputError> {
+    pub(crate) fn read(path: &Path) -> Result<Self, MeasurementError> {
         let bytes = input::read_bytes(path, Limit::Table)?;
-        match no_table(&bytes) {
-            Some((what, advice)) => Err(InputError::OtherKind(path.to_owned(), what, advice)),
-            None => Ok(Self::decoded(bytes).with_line_feeds()),
+        if let Some((what, advice)) = no_table(&bytes) {
+            return Err(InputError::OtherKind(path.to_owned(), what, advice).into());
         }
+        if let Some(line) = line_of_nul(&bytes) {
+            return Err(MeasurementError::File {
+                file: path.to_owned(),
+                found: format!("NUL bytes in a text, from line {line} on"),
+                expected:
+                    "none: the file is damaged, or was not written to its end; cut it there, \
+                           or delete them (tr -d '\\000' < FILE > NEW)"
+                        .to_owned(),
+            });
+        }
+        Ok(Self::decoded(bytes).with_line_feeds())
     }
 
     /// Lines that end as they did on old computers end as they do now.
@@ -69,11 +80,54 @@ fn no_table(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     if is_json {
         return Some(("JSON", "write it as CSV, with pandas.read_json(..).to_csv(..) for example"));
     }
-    let is_wide = start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff");
-    if !is_wide && start.contains(&0) {
+    if is_marked_wide(bytes) {
+        return None;
+    }
+    match bare_wide(bytes) {
+        Some(true) => return Some(("UTF-16 text without a byte-order mark", SAVE_LITTLE)),
+        Some(false) => return Some(("UTF-16 text without a byte-order mark", SAVE_BIG)),
+        None => {}
+    }
+    // Text with NUL bytes has no other control characters.
+    let controls = bytes.iter().any(|byte| matches!(byte, 1..=8 | 14..=25 | 28..=31));
+    if controls && bytes.contains(&0) {
         return Some(("a binary file of a kind that is not known", "export it as CSV"));
     }
     None
+}
+
+const SAVE_LITTLE: &str =
+    "save it as UTF-8 in an editor, or with iconv -f UTF-16LE -t UTF-8 FILE > NEW";
+const SAVE_BIG: &str =
+    "save it as UTF-8 in an editor, or with iconv -f UTF-16BE -t UTF-8 FILE > NEW";
+
+/// True for UTF-16 text that begins with its mark.
+fn is_marked_wide(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff")
+}
+
+/// Whether a text looks like UTF-16 without its mark: every second byte is mostly zero, and the
+/// others never are. True where the low byte comes first.
+fn bare_wide(bytes: &[u8]) -> Option<bool> {
+    let start = bytes.get(..4096.min(bytes.len())).unwrap_or_default();
+    let pairs = start.as_chunks::<2>().0;
+    let zeros = |at: usize| pairs.iter().filter(|pair| pair.get(at) == Some(&0)).count();
+    let (first, second) = (zeros(0), zeros(1));
+    let is_text = |high: usize, low: usize| pairs.len() >= 8 && low == 0 && 2 * high > pairs.len();
+    match () {
+        () if is_text(second, first) => Some(true),
+        () if is_text(first, second) => Some(false),
+        () => None,
+    }
+}
+
+/// The line of the first NUL byte.
+fn line_of_nul(bytes: &[u8]) -> Option<usize> {
+    if is_marked_wide(bytes) {
+        return None;
+    }
+    let at = bytes.iter().position(|byte| *byte == 0)?;
+    Some(1 + bytes.iter().take(at).filter(|byte| **byte == b'\n').count())
 }
 
 #[cfg(test)]

@@ -26,7 +26,6 @@ pub(crate) enum Kind {
 pub(crate) struct Unit {
     factor: f64,
     shift: f64,
-    name: &'static str,
 }
 
 type Named = (&'static str, f64);
@@ -234,6 +233,18 @@ impl Kind {
         }
     }
 
+    /// Its unit in this project.
+    pub(crate) const fn si_name(self) -> &'static str {
+        match self {
+            Self::Time => "s",
+            Self::Displacement => "m",
+            Self::Velocity => "m/s",
+            Self::Force => "N",
+            Self::Temperature => "degC",
+            Self::Acceleration => "m/s2",
+        }
+    }
+
     const fn table(self) -> &'static [Named] {
         match self {
             Self::Time => TIME,
@@ -262,12 +273,20 @@ impl Kind {
         names.join(", ")
     }
 
+    /// The symbol of a unit, if it has one here.
+    pub(crate) fn symbol(self, name: &str) -> Option<&'static str> {
+        let plain = plain(name);
+        let alike = |(symbol, _): &&Named| symbol.eq_ignore_ascii_case(&plain);
+        let exact = self.table().iter().find(|(symbol, _)| *symbol == plain);
+        exact.or_else(|| self.table().iter().find(alike)).map(|(symbol, _)| *symbol)
+    }
+
     /// The unit of this name, as programs spell it.
     pub(crate) fn unit(self, name: &str) -> Option<Unit> {
         let plain = plain(name);
-        let (name, factor) = match self.simple(&plain) {
-            Some(found) => found,
-            None if self == Self::Velocity => ("a length per time", quotient(&plain)?),
+        let factor = match self.simple(&plain) {
+            Some((_, factor)) => factor,
+            None if self == Self::Velocity => quotient(&plain)?,
             None => return None,
         };
         let small = plain.to_lowercase();
@@ -276,7 +295,7 @@ impl Kind {
             (Self::Temperature, "k" | "kelvin") => -273.15,
             _ => 0.0,
         };
-        Some(Unit { factor, shift, name })
+        Some(Unit { factor, shift })
     }
 
     /// A unit that is one name.
@@ -326,16 +345,11 @@ fn quotient(plain: &str) -> Option<f64> {
 
 impl Unit {
     /// The unit that this project uses.
-    pub(crate) const SI: Self = Self { factor: 1.0, shift: 0.0, name: "" };
+    pub(crate) const SI: Self = Self { factor: 1.0, shift: 0.0 };
 
     /// A reading in the project's unit.
     pub(crate) fn si(self, reading: f64) -> f64 {
         self.factor * (reading + self.shift)
-    }
-
-    /// Its name.
-    pub(crate) fn name(self) -> &'static str {
-        self.name
     }
 
     /// Size of a difference of one in the project's unit.

@@ -6,4 +6,5 @@ mod cases;
 mod companions;
 mod exports;
 mod inputs;
+mod programs;
 mod support;
