@@ -4,8 +4,8 @@
 //! The position of the dashpot at the first sample is not in the record: a joint rests anywhere in
 //! its clearance. It is one number per test, and the only one that a held-out test gives to a
 //! model: the deflection of the attachment for which the model follows the measured force best over
-//! the run-in and twice as long again. (The run-in alone may pass inside the clearance and show
-//! nothing.)
+//! the run-in and twice as long again, and at least until one run-in after the first load: before
+//! it, the joint may pass inside its clearance and show nothing.
 
 use super::test_set::Test;
 use firmware_core::damper::{Damper, DamperState, Motion};
@@ -13,6 +13,8 @@ use std::ops::ControlFlow;
 
 /// Length of the stretch from which the start is found, in run-ins.
 const WINDOW: usize = 3;
+/// Force that counts as load, as a share of the largest of the record.
+const LOADED: f64 = 0.1;
 /// Half clearance that counts as none, as a share of the deflection under the largest force.
 const NO_CLEARANCE: f64 = 1e-3;
 /// Points of the first, coarse search for the start of the dashpot.
@@ -129,7 +131,8 @@ struct Search<'a> {
 impl<'a> Start<'a> {
     fn of(damper: &'a Damper, test: &'a Test) -> Self {
         let record = &test.record;
-        let window = (WINDOW * record.run_in).min(record.force_n.len());
+        let window = (WINDOW * record.run_in).max(test.loaded(LOADED) + record.run_in);
+        let window = window.min(record.force_n.len());
         if window < 2 {
             return Self::Known(0.0);
         }

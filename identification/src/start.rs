@@ -15,6 +15,8 @@ pub(crate) const BEGINNING_S: f64 = 1.5;
 const OTHERS: usize = 5;
 /// Grid points that are fitted.
 const FITTED: usize = 8;
+/// Of these, fitted to the whole tests.
+const CONTINUED: usize = 6;
 
 /// The nominal damper fitted from many starts.
 #[derive(Debug, Clone)]
@@ -59,7 +61,7 @@ pub fn nominal_fit(
     fitted.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));
     let mut whole: Vec<Fit> = fitted
         .iter()
-        .take(3)
+        .take(CONTINUED)
         .filter_map(|start| fit(&model, &start.values, tests, Effort::FULL, control))
         .collect();
     whole.sort_by(|a, b| a.total_n2().total_cmp(&b.total_n2()));

@@ -19,6 +19,8 @@ const LONGEST_STEP_S: f64 = 1e-3;
 const LONGEST_ROUGH_STEP_S: f64 = 5e-3;
 /// Sampling period that is enough where only a start is searched, s.
 const ROUGH_SAMPLING_S: f64 = 2e-3;
+/// Share of the largest force from which a test is under way.
+const UNDER_WAY: f64 = 0.5;
 /// Shortest block, s.
 const SHORTEST_BLOCK_S: f64 = 0.25;
 /// Fewest tests that are left out one by one.
@@ -191,7 +193,7 @@ impl TestSet {
         thinned
     }
 
-    /// The same tests cut short after their run-in, with fewer samples and longer steps: enough to
+    /// The same tests cut short once they are under way, with fewer samples and longer steps: enough to
     /// search for start values. Their scale stays that of the whole.
     #[must_use]
     pub fn beginnings(&self, longest_s: f64) -> Self {
@@ -199,7 +201,9 @@ impl TestSet {
             let record = &test.record;
             let samples = (longest_s / record.step_s) as usize;
             let thinner = (ROUGH_SAMPLING_S / record.step_s + 1e-6) as usize;
-            record.until(record.run_in.saturating_add(samples.max(20))).thinned(thinner)
+            // A test that begins gently shows little before it is under way.
+            let begin = record.run_in.max(test.loaded(UNDER_WAY));
+            record.until(begin.saturating_add(samples.max(20))).thinned(thinner)
         });
         let steps_made = self.tests.first().map(|test| test.steps_made.clone()).unwrap_or_default();
         let mut beginnings = Self::with_scale(records.collect(), self.scale, &steps_made);
@@ -220,6 +224,14 @@ impl Test {
     /// The same test with another displacement.
     pub(crate) fn with_displacement(&self, displacement_m: Vec<f64>) -> Self {
         Self { record: self.record.with_displacement(displacement_m), ..self.clone() }
+    }
+
+    /// The first sample under load, at which the force passes this share of its largest: before it,
+    /// a joint may pass inside its clearance.
+    pub(crate) fn loaded(&self, share: f64) -> usize {
+        let force_n = &self.record.force_n;
+        let largest = force_n.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+        force_n.iter().position(|force| force.abs() > share * largest).unwrap_or(0)
     }
 
     /// Counts a simulation over so many samples.
