@@ -1,24 +1,26 @@
 //! The strength at which an effect has the wanted size.
 //!
 //! ```text
-//! size = rms of (force without noise - nominal damper refitted to it) / rms of the noise
-//! over all training tests
+//! size = sqrt(rms(with)^2 - rms(without)^2) / rms of the noise        over all training tests
+//! rms = that of (force without noise - nominal damper refitted to it)
 //! ```
 //!
-//! What the nominal damper can absorb does not count, and neither does a triangle whose force
+//! What the nominal damper can absorb does not count, nor does what the recorder's filter makes of a
+//! damper without the effect, and neither does a triangle whose force
 //! without noise is flat but for rounding. The search over strengths fits from the true numbers and
 //! simulates in longer steps; the size that is stated is that in steps as short as they should be,
 //! after the same many-start fit with which `identify` begins.
 
 use super::case::Case;
+use super::noise::silent;
 use crate::error::EvidenceError;
 use identification::{Control, Effort, GreyBox, TestSet, fit, nominal_fit, vector_of};
 use measurement::Measurement;
 use std::sync::atomic::AtomicBool;
 use virtual_bench::bench_visit::protocol::Test;
-use virtual_bench::bench_visit::sensors::{Channel, Sensors};
+use virtual_bench::bench_visit::sensors::Sensors;
 use virtual_bench::bench_visit::specimen::{Load, Response};
-use virtual_bench::bench_visit::{RawRecord, Specimen, measurements, visit_until};
+use virtual_bench::bench_visit::{NullGenerator, RawRecord, Specimen, measurements, visit_until};
 
 /// Strengths that are tried, at most.
 const TRIES: usize = 14;
@@ -56,9 +58,15 @@ pub(super) fn sized(
 ) -> Option<Sized> {
     debug_assert!(0.0 < weakest && weakest < strongest, "{weakest} to {strongest}");
     let noise_n = case.noise_n();
-    let wanted = case.size();
-    let quick = |k: f64| Some(rms_n(case, &*make(k)?, false, control)? / noise_n);
-    let thorough = |k: f64| Some(rms_n(case, &*make(k)?, true, control)? / noise_n);
+    let wanted = case.of.size;
+    let plain = NullGenerator { model: case.series_model(), outside: Vec::new() };
+    let without_n = [false, true].map(|thorough| rms_n(case, &plain, thorough, control));
+    let [Some(quick_n), Some(thorough_n)] = without_n else { return None };
+    let over = |with_n: f64, without_n: f64| {
+        (with_n * with_n - without_n * without_n).max(0.0).sqrt() / noise_n
+    };
+    let quick = |k: f64| Some(over(rms_n(case, &*make(k)?, false, control)?, quick_n));
+    let thorough = |k: f64| Some(over(rms_n(case, &*make(k)?, true, control)?, thorough_n));
     let mut target = wanted;
     let mut from = weakest;
     let mut best: Option<Sized> = None;
@@ -142,8 +150,8 @@ fn rms_n(
 ) -> Option<f64> {
     let rough = Rough { specimen };
     let specimen = if thorough { specimen } else { &rough };
-    let fitted: Vec<_> = case.tests.iter().filter(|test| !test.test_only).cloned().collect();
-    let mut visited = visited(control.stop, specimen, &fitted, &silent(&case.sensors), case.seed)?;
+    let (fitted, sensors) = (&case.tests.train, silent(&case.sensors));
+    let mut visited = visited(control.stop, specimen, fitted, &sensors, case.seed)?;
     visited.retain(|record| !record.is_flat_but_for_rounding() && record.measurement().is_ok());
     let tests = TestSet::new(measurements(&visited).ok()?);
     let truth = vector_of(&case.nominal);
@@ -185,7 +193,7 @@ fn visited(
     (visited.len() == tests.len()).then_some(visited)
 }
 
-/// The records of a case: the training tests and the hold-out.
+/// The records of a visit to a case's specimen.
 ///
 /// # Errors
 /// What makes a record unfit; the work is stopped.
@@ -193,26 +201,10 @@ pub(super) fn records(
     case: &Case,
     specimen: &dyn Specimen,
     sensors: &Sensors,
+    tests: &[Test],
     stop: &AtomicBool,
-) -> Result<(Vec<Measurement>, Vec<Measurement>), EvidenceError> {
+) -> Result<Vec<Measurement>, EvidenceError> {
     let visited =
-        visited(stop, specimen, &case.tests, sensors, case.seed).ok_or(EvidenceError::Stopped)?;
-    let (mut train, mut holdout) = (Vec::new(), Vec::new());
-    for (record, test) in visited.iter().zip(measurements(&visited)?) {
-        let to = if record.test_only { &mut holdout } else { &mut train };
-        to.push(test);
-    }
-    Ok((train, holdout))
-}
-
-/// The same chain without noise.
-fn silent(sensors: &Sensors) -> Sensors {
-    let exact = Channel { range: f64::INFINITY, noise: 0.0, bits: 0 };
-    Sensors {
-        displacement: exact,
-        force: exact,
-        coloured: None,
-        temperature_noise_k: sensors.temperature_noise_k.map(|_| 0.0),
-        ..*sensors
-    }
+        visited(stop, specimen, tests, sensors, case.seed).ok_or(EvidenceError::Stopped)?;
+    Ok(measurements(&visited)?)
 }
