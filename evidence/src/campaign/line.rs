@@ -137,7 +137,8 @@ pub struct NextTestResult {
     pub named: Vec<Named>,
     /// Why there is no identification with that test.
     pub failure: Option<String>,
-    /// The true one remains without the other; none where no test was run, or neither is true.
+    /// The true one is named without the other as an alternative; none where no test was run, or
+    /// neither is true.
     pub separated: Option<bool>,
 }
 

@@ -21,7 +21,7 @@ const STEP_S: f64 = 2e-3;
 const TONES: usize = 32;
 /// Length of a random test and of a sweep, s.
 const RANDOM_S: f64 = 4.8;
-/// Most tests to fit of a brief case.
+/// Tests to fit of a brief case.
 const BRIEF_TESTS: usize = 5;
 
 /// The tests of a case in the order of the visit.
@@ -87,8 +87,11 @@ impl Tests {
             Motion::ALL.into_iter().filter(|other| *other != motion).collect();
         let other = (random.uniform() * others.len() as f64) as usize;
         let other = others[other.min(others.len() - 1)];
-        let [train, mut holdout, mut third] = lists(motion, sizes);
-        let train = if brief { train.into_iter().take(BRIEF_TESTS).collect() } else { train };
+        let [mut train, mut holdout, mut third] = lists(motion, sizes);
+        if brief {
+            // The first one and those at the end, of which one is away from mid-stroke.
+            train.drain(1..train.len() - BRIEF_TESTS + 1);
+        }
         for test in &mut holdout {
             test.test_only = true;
         }

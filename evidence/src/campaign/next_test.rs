@@ -105,9 +105,12 @@ fn with_one_more(
     Ok(named(&identify(question, control)?.result))
 }
 
-/// One rival is named, first or as an alternative, and the other one no longer is.
+/// The true one is named and the other one is not among its alternatives, or it is the only one of
+/// the two that may be.
 fn remains(named: &[Named], own: &str, other: &str) -> bool {
-    named.iter().any(|one| one.may_be(own)) && !named.iter().any(|one| one.may_be(other))
+    let alone = |one: &Named| one.name == own && !one.may_be(other);
+    let may_be = |name: &str| named.iter().any(|one| one.may_be(name));
+    named.iter().any(alone) || (may_be(own) && !may_be(other))
 }
 
 #[cfg(test)]
@@ -124,6 +127,7 @@ mod tests {
         };
         assert!(remains(&[one("a", &[])], "a", "b"));
         assert!(remains(&[one("c", &["a"])], "a", "b"));
+        assert!(remains(&[one("a", &[]), one("b", &[])], "a", "b"));
         assert!(!remains(&[one("a", &["b"])], "a", "b"));
         assert!(!remains(&[one("b", &[])], "a", "b"));
         assert!(!remains(&[], "a", "b"));

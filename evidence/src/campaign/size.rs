@@ -30,6 +30,10 @@ const CORRECTIONS: usize = 4;
 const CLIMB: f64 = 4.0;
 /// How near is near enough.
 const NEAR: f64 = 0.04;
+/// Size below which a search sees no difference.
+const LEAST_SIZE: f64 = 0.02;
+/// Share of the range of the load cell that a force may use, in rough steps and in fine ones.
+const RANGE_SHARES: [f64; 2] = [0.8, 0.85];
 /// Steps of a specimen while its strength is looked for, in those that it needs.
 const ROUGH: f64 = 5.0;
 
@@ -71,13 +75,13 @@ pub(super) fn sized(
     let mut from = weakest;
     let mut best: Option<Sized> = None;
     for _ in 0..CORRECTIONS {
-        let at = climb(&quick, target, from, strongest)?;
+        let (at, found) = climb(&quick, target, from, strongest)?;
         let size = thorough(at)?;
         let off = |size: f64| (libm::log(size.max(1e-300) / wanted)).abs();
         if best.is_none_or(|best| off(size) < off(best.size)) {
             best = Some(Sized { strength: at, size, reached: off(size) < 2.0 * NEAR });
         }
-        if off(size) < NEAR || (at == strongest && size < wanted) {
+        if off(size) < NEAR || (!found && size < wanted) {
             break;
         }
         // The many-start fit leaves less: aim higher by as much.
@@ -87,26 +91,31 @@ pub(super) fn sized(
     best
 }
 
-/// Climbs to the first strength that is too strong, and searches below it.
+/// Climbs to the first strength that is too strong, and searches below it. Where none is, the
+/// strength of the largest size that was met, and false.
 fn climb(
     quick: &dyn Fn(f64) -> Option<f64>,
     target: f64,
     from: f64,
     strongest: f64,
-) -> Option<f64> {
+) -> Option<(f64, bool)> {
     let mut low = (from, quick(from)?);
+    let mut largest = low;
     while low.1 < target {
+        if low.1 > largest.1 {
+            largest = low;
+        }
         if low.0 >= strongest {
-            return Some(strongest);
+            return Some((largest.0, false));
         }
         let next = (CLIMB * low.0).min(strongest);
         match quick(next) {
             Some(size) if size < target => low = (next, size),
             // A damper that cannot be is stronger than any.
-            high => return Some(between(quick, target, low, (next, high))),
+            high => return Some((between(quick, target, low, (next, high)), true)),
         }
     }
-    Some(from)
+    Some((from, true))
 }
 
 /// False position in logarithms, halving the weight of an end that stays (Illinois).
@@ -116,7 +125,7 @@ fn between(
     mut low: (f64, f64),
     mut high: (f64, Option<f64>),
 ) -> f64 {
-    let off = |size: f64| libm::log(size.max(1e-12) / target);
+    let off = |size: f64| libm::log(size.max(LEAST_SIZE) / target);
     let (mut below, mut above) = (off(low.1), high.1.map(off));
     for _ in 0..TRIES {
         let (from, to) = (libm::log(low.0), libm::log(high.0));
@@ -141,7 +150,8 @@ fn between(
     low.0
 }
 
-/// Residual of the nominal damper on the force without noise, N; none once the work is stopped.
+/// Residual of the nominal damper on the force without noise, N; none where the force leaves the
+/// range of the load cell, and once the work is stopped.
 fn rms_n(
     case: &Case,
     specimen: &dyn Specimen,
@@ -152,6 +162,11 @@ fn rms_n(
     let specimen = if thorough { specimen } else { &rough };
     let (fitted, sensors) = (&case.tests.train, silent(&case.sensors));
     let mut visited = visited(control.stop, specimen, fitted, &sensors, case.seed)?;
+    let forces = visited.iter().flat_map(|record| &record.force_n);
+    let peak_n = forces.fold(0.0, |most: f64, force| most.max(force.abs()));
+    if peak_n > RANGE_SHARES[usize::from(thorough)] * case.sensors.force.range {
+        return None;
+    }
     visited.retain(|record| !record.is_flat_but_for_rounding() && record.measurement().is_ok());
     let tests = TestSet::new(measurements(&visited).ok()?);
     let truth = vector_of(&case.nominal);
