@@ -18,8 +18,8 @@ const COMMAND: &str = "campaign";
 
 #[derive(Debug, Args)]
 pub(crate) struct CampaignArgs {
-    /// Number of cases, required except with --merge; 1254 are the whole design. Cases that the folder
-    /// already holds are not computed again.
+    /// Number of cases, required except with --merge; 1254 are the whole design. Cases that the
+    /// folder already holds are not computed again.
     #[arg(long, value_name = "N", required_unless_present = "merge",
         value_parser = whole::<usize>(1, 1_000_000))]
     cases: Option<usize>,

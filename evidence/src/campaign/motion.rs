@@ -90,7 +90,7 @@ impl Tests {
         let [mut train, mut holdout, mut third] = lists(motion, sizes);
         if brief {
             // The first one and those at the end, of which one is away from mid-stroke.
-            train.drain(1..train.len() - BRIEF_TESTS + 1);
+            train.drain(1..=train.len() - BRIEF_TESTS);
         }
         for test in &mut holdout {
             test.test_only = true;
@@ -365,7 +365,7 @@ mod tests {
             let tests = Tests::draw(motion, 1.0, false, &mut Random::new(3, 0));
             let Extent { speed_m_per_s, stroke_m, .. } = Extent::of(&tests.train);
             println!("{motion:?}: {speed_m_per_s} m/s, {stroke_m} m");
-            assert!((0.08..0.5).contains(&speed_m_per_s), "{motion:?}: {speed_m_per_s}");
+            assert!((0.06..0.5).contains(&speed_m_per_s), "{motion:?}: {speed_m_per_s}");
             assert!((5e-3..30e-3).contains(&stroke_m), "{motion:?}: {stroke_m}");
         }
     }

@@ -1,9 +1,10 @@
 //! The measuring chain of a case: sensors of a laboratory and a noise of the design.
 //!
-//! Force 0.02 to 0.1 % of the range (0.1 to 0.25 % where the recorder filters or averages), 14 to 18 bit, displacement 0.3 to 2 µm, 500 or 1000 samples
-//! per second, a thermometer in three of ten. The recorder that filters or averages does so to
-//! both channels. That rounds the corners of the force, which no damper model explains: its noise is
-//! larger, so that the rounding (5 to 40 N rms of a yaw damper) stays below it.
+//! Force 0.02 to 0.1 % of the range (0.1 to 0.25 % where the recorder filters or averages), 14 to
+//! 18 bit, displacement 0.3 to 2 µm, 500 or 1000 samples per second, a thermometer in three of ten.
+//! The recorder that filters or averages does so to both channels. That rounds the corners of the
+//! force, which no damper model explains: its noise is larger, so that the rounding (5 to 40 N rms
+//! of a yaw damper) stays below it.
 //!
 //! | noise | force |
 //! | --- | --- |

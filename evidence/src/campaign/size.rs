@@ -5,11 +5,11 @@
 //! rms = that of (force without noise - nominal damper refitted to it)
 //! ```
 //!
-//! What the nominal damper can absorb does not count, nor does what the recorder's filter makes of a
-//! damper without the effect, and neither does a triangle whose force
-//! without noise is flat but for rounding. The search over strengths fits from the true numbers and
-//! simulates in longer steps; the size that is stated is that in steps as short as they should be,
-//! after the same many-start fit with which `identify` begins.
+//! What the nominal damper can absorb does not count, nor does what the recorder's filter makes of
+//! a damper without the effect, and neither does a triangle whose force without noise is flat but
+//! for rounding. The search over strengths fits from the true numbers and simulates in longer
+//! steps; the size that is stated is that in steps as short as they should be, after the same
+//! many-start fit with which `identify` begins.
 
 use super::case::Case;
 use super::noise::silent;

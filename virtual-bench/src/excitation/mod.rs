@@ -3,7 +3,7 @@
 //! ```text
 //! sine        x = x0 + A w(t) sin(2 pi f t)
 //! multisine   x = x0 + w(t) sum_i A_i sin(2 pi f_i t + phi_i)
-//! enveloped   x = e(t) sum_i A_i sin(2 pi f_i t + phi_i)     tapered tests, short tests, earthquakes
+//! enveloped   x = e(t) sum_i A_i sin(2 pi f_i t + phi_i)    tapered, short, earthquake
 //! sweep       a sine whose frequency rises exponentially
 //! path        moves at constant speed between rests, each speeding up and down over half of tau:
 //!             v = V sin(pi s/tau) for s < tau/2,  V in between;  length = V (D - tau) + 2 V tau/pi
@@ -178,8 +178,8 @@ impl Excitation {
         }
     }
 
-    /// The characteristic frequency of the test (Hz): that of the strongest tone, that in the middle
-    /// of a sweep, or one over the mean time of two moves.
+    /// The characteristic frequency of the test (Hz): that of the strongest tone, that in the
+    /// middle of a sweep, or one over the mean time of two moves.
     pub fn frequency_hz(&self) -> f64 {
         match self {
             Self::Tones { tones, .. } | Self::Enveloped { tones, .. } => tones
