@@ -1,6 +1,6 @@
 //! The result of one case: one line of JSON.
 
-use identification::result::Verdict;
+use identification::result::{IdentifyResult, Verdict};
 use serde::{Deserialize, Serialize};
 
 /// The result of a case, as its file holds it.
@@ -87,6 +87,17 @@ pub struct Named {
 }
 
 impl Named {
+    /// What a result names.
+    pub(super) fn all_of(result: &IdentifyResult) -> Vec<Self> {
+        let each = result.effects.iter().map(|effect| Self {
+            name: effect.name.to_owned(),
+            alternatives: effect.alternatives.iter().map(|name| (*name).to_owned()).collect(),
+            p_value: effect.evidence.p_value,
+            holdout_gain: effect.evidence.holdout_gain,
+        });
+        each.collect()
+    }
+
     /// True when it is this effect or says that it may be.
     pub fn may_be(&self, truth: &str) -> bool {
         self.name == truth || self.alternatives.iter().any(|other| other == truth)

@@ -3,7 +3,6 @@
 
 use super::case::Case;
 use super::line::{Named, NextTestResult};
-use super::score::named;
 use super::size::records;
 use crate::error::EvidenceError;
 use identification::{Control, Identification, Motion, Question, identify, next_tests};
@@ -102,7 +101,7 @@ fn with_one_more(
         thorough: false,
         notes: Vec::new(),
     };
-    Ok(named(&identify(question, control)?.result))
+    Ok(Named::all_of(&identify(question, control)?.result))
 }
 
 /// The true one is named and the other one is not among its alternatives, or it is the only one of

@@ -150,7 +150,7 @@ impl CaseResult {
         self.noise_at_least_n = result.noise_at_least_n;
         result.noise_floor_method.clone_into(&mut self.noise_floor_method);
         self.not_judged.clone_from(&result.not_judged);
-        self.named = named(result);
+        self.named = Named::all_of(result);
         self.resembles = result.resembles.iter().map(|name| (*name).to_owned()).collect();
         self.unexplained = result.unexplained.as_ref().map(|part| part.coordinate.to_owned());
         let missed = |name: &str| {
@@ -165,17 +165,6 @@ impl CaseResult {
             .map(|(name, why)| format!("{name}: {why}"))
             .collect();
     }
-}
-
-/// What a result names.
-pub(super) fn named(result: &IdentifyResult) -> Vec<Named> {
-    let each = result.effects.iter().map(|effect| Named {
-        name: effect.name.to_owned(),
-        alternatives: effect.alternatives.iter().map(|name| (*name).to_owned()).collect(),
-        p_value: effect.evidence.p_value,
-        holdout_gain: effect.evidence.holdout_gain,
-    });
-    each.collect()
 }
 
 /// rms of the noise in the force of the training tests, N, over the samples that errors count: the
