@@ -18,8 +18,8 @@ const COMMAND: &str = "campaign";
 
 #[derive(Debug, Args)]
 pub(crate) struct CampaignArgs {
-    /// Number of cases, required except with --merge; 773 cover every kind. Cases that the folder
-    /// already holds are not computed again.
+    /// Number of cases, required except with --merge; 1254 are the whole design. Cases that the
+    /// folder already holds are not computed again.
     #[arg(long, value_name = "N", required_unless_present = "merge",
         value_parser = whole::<usize>(1, 1_000_000))]
     cases: Option<usize>,
@@ -29,7 +29,7 @@ pub(crate) struct CampaignArgs {
     /// The part of the campaign to compute, such as 1/4.
     #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
     shard: Option<Shard>,
-    /// Fewer and shorter tests per case: a quick check of the campaign itself.
+    /// Fewer tests per case: a quick check of the campaign itself.
     #[arg(long)]
     brief: bool,
     /// Print the table of cases that shards have computed, and compute nothing.
@@ -79,8 +79,9 @@ pub(crate) fn command(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
         return Ok(ExitCode::from(INTERRUPTED));
     }
     // A file of more cases than this campaign asks for keeps them.
-    let table = Table::new(&merge(&[computed.path], Some(&identity))?);
-    show(args, &table, Some(&folder))
+    let lines: Vec<CaseResult> = merge(&[computed.path], Some(&identity))?;
+    eprint!("{}", campaign::times(&lines));
+    show(args, &Table::new(&lines), Some(&folder))
 }
 
 /// The table of the cases that shards have run.

@@ -65,7 +65,7 @@ enum Command {
     Identify(identify::IdentifyArgs),
     /// Measure how often `identify` is right: it runs on simulated records of known dampers.
     #[command(
-        after_help = "Examples: yawbench campaign --cases 773 --seed 1 --shard 1/2 --out campaign
+        after_help = "Examples: yawbench campaign --cases 1254 --seed 1 --shard 1/2 --out campaign
           yawbench campaign --merge campaign/cases-1-of-2.jsonl campaign/cases-2-of-2.jsonl"
     )]
     Campaign(campaign::CampaignArgs),

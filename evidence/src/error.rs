@@ -2,6 +2,7 @@
 
 use files::quoted;
 use firmware_core::damper::DamperError;
+use identification::IdentificationError;
 use measurement::MeasurementError;
 use scenario::equilibrium::NoEquilibrium;
 use scenario::source::ScenarioError;
@@ -21,6 +22,8 @@ pub enum EvidenceError {
     Scenario(ScenarioError),
     /// Records that cannot be evaluated.
     Measurement(MeasurementError),
+    /// An identification without a result.
+    Identification(IdentificationError),
     /// A vehicle without a yaw damper to vary: scenario.
     NoYawDamper(PathBuf),
     /// The content of files changed while the figures were computed: scenario.
@@ -75,6 +78,7 @@ impl EvidenceError {
             Self::Scenario(why) => why.is_bad_input(),
             Self::NoYawDamper(_) => true,
             Self::Measurement(_)
+            | Self::Identification(_)
             | Self::Changed(_)
             | Self::OffTheTrack
             | Self::NotSimulated(_)
@@ -96,6 +100,7 @@ impl fmt::Display for EvidenceError {
             Self::Study(why) => why.fmt(f),
             Self::Scenario(why) => why.fmt(f),
             Self::Measurement(why) => why.fmt(f),
+            Self::Identification(why) => why.fmt(f),
             Self::NoYawDamper(path) => write!(
                 f,
                 "{}: the vehicle has no yaw damper to vary",
@@ -142,6 +147,15 @@ impl From<ScenarioError> for EvidenceError {
 impl From<MeasurementError> for EvidenceError {
     fn from(why: MeasurementError) -> Self {
         Self::Measurement(why)
+    }
+}
+
+impl From<IdentificationError> for EvidenceError {
+    fn from(why: IdentificationError) -> Self {
+        match why {
+            IdentificationError::Interrupted => Self::Stopped,
+            why => Self::Identification(why),
+        }
     }
 }
 

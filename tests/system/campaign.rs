@@ -39,15 +39,15 @@ fn a_seed_gives_the_same_table_whole_in_shards_and_after_a_stop() {
 }
 
 /// Damping that depends on the position and an asymmetry: alone each of them improves some tests
-/// and worsens others.
+/// and worsens others. (Case 582 of the former design had this pair.)
 #[test]
 fn case_582_was_left_unexplained_as_neither_of_its_two_effects_helps_alone() {
     let place = folder("campaign-pair");
-    let args = ["campaign", "--cases", "773", "--seed", "2016", "--shard", "583/773"];
+    let args = ["campaign", "--cases", "1254", "--seed", "4", "--shard", "1034/1254"];
     let result = output(yawbench().args(args).args(["--out", "pair"]).current_dir(&place));
     assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
     let case: serde_json::Value =
-        serde_json::from_str(read(&place.join("pair/cases-583-of-773.jsonl")).trim()).unwrap();
+        serde_json::from_str(read(&place.join("pair/cases-1034-of-1254.jsonl")).trim()).unwrap();
     let names = case["named"].as_array().unwrap().iter().map(|named| named["name"].as_str());
     let mut names: Vec<&str> = names.map(Option::unwrap).collect();
     names.sort_unstable();

@@ -1,123 +1,31 @@
-//! One case, run and scored: one line of JSON.
+//! One case, run and scored.
+//!
+//! `identify` gets the training tests and the hold-out, and in some cases a datasheet that is
+//! wrong. Errors are those on the third set, which neither the search nor the gate has seen.
 
 use super::case::Case;
-use super::plan::{HYDRAULIC, Kind};
+use super::design::{HYDRAULIC, Truth};
+use super::line::{CaseErrors, CaseResult, Interval, Named, verdict_name};
+use super::next_test::separate;
+use super::noise::silent;
 use super::size::records;
 use super::specimen::{Mounted, mount};
+use crate::error::EvidenceError;
 use firmware_core::damper::Damper;
-use identification::result::{Errors, IdentifyResult, Verdict};
-use identification::{Control, Question, TestSet, identify, simulate, start_deflection_m};
+use identification::result::IdentifyResult;
+use identification::{
+    Control, Fit, Identification, Question, TestSet, identify, simulate, start_deflection_m,
+};
 use measurement::Measurement;
-use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+use virtual_bench::series_model::neighbour::NEIGHBOURS;
 
 /// Standard deviations of half a 95 % interval.
 const HALF_INTERVAL: f64 = 1.96;
 /// A datasheet may move a parameter by this share of its standard deviation, or of itself.
 const UNMOVED: f64 = 0.5;
 const UNMOVED_SHARE: f64 = 0.01;
-
-/// The result of a case, as its file holds it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CaseResult {
-    /// Number of the case.
-    pub index: usize,
-    /// Seed of the campaign.
-    pub campaign_seed: u64,
-    /// Fewer and shorter tests than usual.
-    pub brief: bool,
-    /// What kind of case it is.
-    pub kind: String,
-    /// `yaw` or `small` or the type of a hydraulic damper.
-    pub damper: String,
-    /// The force has coloured noise.
-    pub coloured: bool,
-    /// What is missing in truth; the disturbance for cases outside the catalogue.
-    pub truth: Vec<String>,
-    /// The wanted size, in multiples of the noise.
-    pub size: f64,
-    /// The sizes of the true effects.
-    pub sizes: Vec<f64>,
-    /// All sizes are the wanted ones.
-    pub reached: bool,
-    /// True parameters, where there is a true damper.
-    pub parameters: Vec<(String, f64)>,
-    /// rms of the noise, N.
-    pub noise_n: f64,
-    /// The verdict; empty where there is none.
-    pub verdict: String,
-    /// What was named, in the order of acceptance.
-    pub named: Vec<Named>,
-    /// The coordinate of what is unexplained.
-    pub unexplained: Option<String>,
-    /// Why true effects were not named.
-    pub missed_because: Vec<String>,
-    /// Errors, where there is an identification.
-    pub errors: Option<CaseErrors>,
-    /// Stated intervals, where the model has the right form.
-    pub intervals: Vec<Interval>,
-    /// The result with the wrong datasheet differs from that without one.
-    pub datasheet_moved: Option<bool>,
-    /// Why there is no identification.
-    pub failure: Option<String>,
-    /// Time that the identification took, s.
-    pub seconds: f64,
-}
-
-/// An effect that was named.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Named {
-    /// Its name.
-    pub name: String,
-    /// Effects that the records cannot distinguish from it.
-    pub alternatives: Vec<String>,
-    /// Probability of such a finding by chance.
-    pub p_value: f64,
-    /// Share of the squared error that it removes on the pieces held out.
-    pub holdout_gain: f64,
-}
-
-impl Named {
-    /// True when it is this effect or says that it may be.
-    pub fn may_be(&self, truth: &str) -> bool {
-        self.name == truth || self.alternatives.iter().any(|other| other == truth)
-    }
-}
-
-/// Errors of a case, N rms.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct CaseErrors {
-    /// Noise floor as it was found.
-    pub floor_n: f64,
-    /// Refitted nominal damper on the training tests.
-    pub train_before_n: f64,
-    /// With effects.
-    pub train_after_n: f64,
-    /// Refitted nominal damper on the hold-out.
-    pub before_n: f64,
-    /// With effects.
-    pub after_n: f64,
-    /// The true damper on the same tests; none where no damper of the core is true.
-    pub truth_n: Option<f64>,
-    /// The true damper on the training tests: more than the noise where the bench itself,
-    /// its filters and its sampling rate bend the record.
-    #[serde(default)]
-    pub train_truth_n: Option<f64>,
-    /// rms of the measured force of the hold-out.
-    pub force_n: f64,
-}
-
-/// A stated 95 % interval against the truth.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Interval {
-    /// The parameter, with its effect before it.
-    pub parameter: String,
-    /// The truth lies within.
-    pub covers: bool,
-    /// Identified less true value, in standard deviations.
-    pub off: f64,
-}
 
 /// Runs a case and scores it; none once `stop` is set, which every step of it reads.
 pub(super) fn score(
@@ -131,51 +39,81 @@ pub(super) fn score(
         index: case.index,
         campaign_seed,
         brief,
-        kind: case.kind.name().to_owned(),
-        damper: match case.kind {
-            Kind::Hydraulic { which } => HYDRAULIC[which].to_owned(),
+        kind: case.of.truth.kind().to_owned(),
+        motion: case.of.motion.name().to_owned(),
+        noise: case.of.noise.name().to_owned(),
+        damper: match case.of.truth {
+            Truth::Hydraulic(which) => HYDRAULIC[which].to_owned(),
             _ => case.class.to_owned(),
         },
-        coloured: case.sensors.coloured.is_some(),
         truth: Vec::new(),
-        size: case.size(),
+        near: match case.of.truth {
+            Truth::Neighbour(which) => NEIGHBOURS[which].near.map(str::to_owned),
+            _ => None,
+        },
+        size: case.of.size,
         sizes: Vec::new(),
         reached: true,
         parameters: Vec::new(),
         noise_n: case.noise_n(),
+        true_noise_n: None,
+        noise_floor_n: None,
+        noise_at_least_n: None,
+        noise_floor_method: String::new(),
         verdict: String::new(),
+        not_judged: None,
         named: Vec::new(),
+        resembles: Vec::new(),
         unexplained: None,
         missed_because: Vec::new(),
         errors: None,
         intervals: Vec::new(),
         datasheet_moved: None,
+        next_test: None,
         failure: None,
+        sizing_seconds: 0.0,
         seconds: 0.0,
+        next_test_seconds: 0.0,
     };
-    match mount(case, control) {
-        Ok(mounted) => line.fill(case, &mounted, control),
-        Err(why) => line.failure = Some(why.to_string()),
-    }
+    let begin = Instant::now();
+    let mounted = mount(case, control);
+    line.sizing_seconds = begin.elapsed().as_secs_f64();
+    let filled = mounted.and_then(|mounted| line.fill(case, &mounted, control));
+    line.failure = filled.err().map(|why| why.to_string());
     // What a stopped step returns is no result.
     (!stop.load(Ordering::Relaxed)).then_some(line)
 }
 
+/// The records of the three sets.
+struct Sets {
+    train: Vec<Measurement>,
+    holdout: Vec<Measurement>,
+    third: Vec<Measurement>,
+}
+
+impl Sets {
+    fn record(case: &Case, mounted: &Mounted, control: Control<'_>) -> Result<Self, EvidenceError> {
+        let tests = case.tests.all();
+        let mut train = records(case, &*mounted.specimen, &case.sensors, &tests, control.stop)?;
+        let mut holdout = train.split_off(case.tests.train.len());
+        let third = holdout.split_off(case.tests.holdout.len());
+        Ok(Self { train, holdout, third })
+    }
+}
+
 impl CaseResult {
-    fn fill(&mut self, case: &Case, mounted: &Mounted, control: Control<'_>) {
+    fn fill(
+        &mut self,
+        case: &Case,
+        mounted: &Mounted,
+        control: Control<'_>,
+    ) -> Result<(), EvidenceError> {
         self.truth = mounted.truth.iter().map(|name| (*name).to_owned()).collect();
         self.sizes = mounted.sizes.iter().map(|sized| sized.size).collect();
         self.reached = mounted.sizes.iter().all(|sized| sized.reached);
         self.parameters = mounted.damper.as_ref().map(true_parameters).unwrap_or_default();
-        let (train, holdout) = match records(case, &*mounted.specimen, &case.sensors, control.stop)
-        {
-            Ok(records) => records,
-            Err(why) => {
-                self.failure = Some(why.to_string());
-                return;
-            }
-        };
-        let (fitted, judged) = (TestSet::new(train.clone()), TestSet::new(holdout.clone()));
+        let Sets { train, holdout, third } = Sets::record(case, mounted, control)?;
+        self.true_noise_n = Some(true_noise_n(case, mounted, &train, control)?);
         let question = Question {
             train,
             holdout,
@@ -189,95 +127,79 @@ impl CaseResult {
             identify(question, control).map(|found| found.result)
         });
         let begin = Instant::now();
-        let found = identify(question, control);
+        let found = identify(question, control)?;
         self.seconds = begin.elapsed().as_secs_f64();
-        let result = match found {
-            Ok(found) => found.result,
-            Err(why) => {
-                self.failure = Some(why.to_string());
-                return;
-            }
-        };
         self.datasheet_moved =
-            without.map(|without| without.map_or(true, |without| differ(&result, &without)));
-        self.take(&result);
-        self.errors = errors(&result, mounted.damper.as_ref(), [&fitted, &judged]);
-        let named: Vec<&str> = result.effects.iter().map(|effect| effect.name).collect();
-        if mounted.damper.is_some() && named == mounted.truth {
-            self.intervals = intervals(&result, &self.parameters);
+            without.map(|without| without.map_or(true, |without| differ(&found.result, &without)));
+        self.take(&found.result);
+        self.errors = errors(&found, mounted.damper.as_ref(), &TestSet::new(third));
+        let names: Vec<&str> = found.result.effects.iter().map(|effect| effect.name).collect();
+        if mounted.damper.is_some() && names == mounted.truth {
+            self.intervals = intervals(&found.result, &self.parameters);
         }
+        let begin = Instant::now();
+        let right: Vec<&str> = self.right_names().collect();
+        self.next_test = separate(case, &*mounted.specimen, &found, &right, control)?;
+        self.next_test_seconds = begin.elapsed().as_secs_f64();
+        Ok(())
     }
 
     fn take(&mut self, result: &IdentifyResult) {
         verdict_name(result.verdict).clone_into(&mut self.verdict);
-        self.named = result
-            .effects
-            .iter()
-            .map(|effect| Named {
-                name: effect.name.to_owned(),
-                alternatives: effect.alternatives.iter().map(|name| (*name).to_owned()).collect(),
-                p_value: effect.evidence.p_value,
-                holdout_gain: effect.evidence.holdout_gain,
-            })
-            .collect();
+        self.noise_floor_n = result.noise_floor_n;
+        self.noise_at_least_n = result.noise_at_least_n;
+        result.noise_floor_method.clone_into(&mut self.noise_floor_method);
+        self.not_judged.clone_from(&result.not_judged);
+        self.named = Named::all_of(result);
+        self.resembles = result.resembles.iter().map(|name| (*name).to_owned()).collect();
         self.unexplained = result.unexplained.as_ref().map(|part| part.coordinate.to_owned());
-        let unnamed = |name: &str| self.truth.iter().any(|truth| truth == name);
+        let missed = |name: &str| {
+            let named = self.named.iter().any(|one| one.may_be(name));
+            !named && self.right_names().any(|truth| truth == name)
+        };
         let rejected = result.rejected.iter().map(|one| (one.name, &one.why));
         let not_testable = result.not_testable.iter().map(|one| (one.name, &one.why));
         self.missed_because = rejected
             .chain(not_testable)
-            .filter(|(name, _)| unnamed(name))
+            .filter(|(name, _)| missed(name))
             .map(|(name, why)| format!("{name}: {why}"))
             .collect();
     }
-
-    /// The first name is right, or says that it may be what is true.
-    pub fn first_is_right(&self) -> bool {
-        self.named.first().is_some_and(|first| self.truth.iter().any(|truth| first.may_be(truth)))
-    }
-
-    /// An unexplained residual was found.
-    pub fn says_unexplained(&self) -> bool {
-        self.unexplained.is_some()
-    }
-
-    /// Error on the hold-out over that of the true damper.
-    pub fn over_truth(&self) -> Option<f64> {
-        let errors = self.errors?;
-        errors.truth_n.filter(|truth| *truth > 0.0).map(|truth| errors.after_n / truth)
-    }
 }
 
-const fn verdict_name(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::NoMissingEffect => "no_missing_effect",
-        Verdict::EffectsFound => "effects_found",
-        Verdict::Unexplained => "unexplained",
-        Verdict::EffectsFoundAndUnexplained => "effects_found_and_unexplained",
-        Verdict::NotJudged => "not_judged",
+/// rms of the noise in the force of the training tests, N, over the samples that errors count: the
+/// record less that of the same visit without noise.
+fn true_noise_n(
+    case: &Case,
+    mounted: &Mounted,
+    train: &[Measurement],
+    control: Control<'_>,
+) -> Result<f64, EvidenceError> {
+    let sensors = silent(&case.sensors);
+    let exact = records(case, &*mounted.specimen, &sensors, &case.tests.train, control.stop)?;
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for (record, exact) in train.iter().zip(&exact) {
+        let pairs = record.force_n.iter().zip(&exact.force_n).skip(record.run_in);
+        for (with, without) in pairs {
+            sum += (with - without) * (with - without);
+            count += 1;
+        }
     }
+    Ok((sum / f64::from(count.max(1))).sqrt())
 }
 
-fn errors(
-    result: &IdentifyResult,
-    truth: Option<&Damper>,
-    [fitted, judged]: [&TestSet; 2],
-) -> Option<CaseErrors> {
-    let held = |errors: &Option<Errors>| {
-        let errors = errors.as_ref()?;
-        Some((errors.train_rmse_n, errors.holdout_rmse_n?))
-    };
-    let (train_before_n, before_n) = held(&result.errors.refitted)?;
-    let (train_after_n, after_n) = held(&result.errors.with_effects)?;
+fn errors(found: &Identification, truth: Option<&Damper>, third: &TestSet) -> Option<CaseErrors> {
+    let of_train = |fit: &Option<Fit>| Some(fit.as_ref()?.rms_n(&found.train));
+    let refitted = found.on_train.refitted.as_ref()?;
+    let refitted = refitted.model.damper(&refitted.values)?;
     Some(CaseErrors {
-        floor_n: result.noise_floor_n.unwrap_or(0.0),
-        train_before_n,
-        train_after_n,
-        before_n,
-        after_n,
-        truth_n: truth.map(|damper| rmse_of(damper, judged)),
-        train_truth_n: truth.map(|damper| rmse_of(damper, fitted)),
-        force_n: judged.rms_force_n(),
+        train_before_n: of_train(&found.on_train.refitted)?,
+        train_after_n: of_train(&found.on_train.with_effects)?,
+        train_truth_n: truth.map(|damper| rmse_of(damper, &found.train)),
+        before_n: rmse_of(&refitted, third),
+        after_n: rmse_of(&found.damper, third),
+        truth_n: truth.map(|damper| rmse_of(damper, third)),
+        force_n: third.measured_rms_n()?,
     })
 }
 

@@ -1,7 +1,9 @@
 //! Many cases, in shards that can be stopped and continued ([`signal::shards`]).
 
 use super::case::Case;
-use super::score::{CaseResult, score};
+use super::design::deck;
+use super::line::CaseResult;
+use super::score::score;
 use crate::error::EvidenceError;
 use files::{Identity, ResultFolder};
 use serde::Serialize;
@@ -20,7 +22,7 @@ pub struct Campaign {
     pub cases: usize,
     /// Seed.
     pub seed: u64,
-    /// Fewer and shorter tests per case, to try the campaign itself.
+    /// Fewer tests per case, to try the campaign itself.
     pub brief: bool,
 }
 
@@ -43,6 +45,17 @@ impl Campaign {
             .map_err(|why| EvidenceError::NotSerialised(why.to_string()))
     }
 
+    /// Runs one case; none once `stop` is set.
+    pub fn case(&self, index: usize, stop: &AtomicBool) -> Option<CaseResult> {
+        let Self { seed, brief, .. } = *self;
+        score(&Case::draw(seed, index, brief), seed, brief, stop)
+    }
+
+    /// Number of cases of one whole campaign, in which every combination of the design is there.
+    pub fn whole() -> usize {
+        deck().len()
+    }
+
     /// Runs the cases of a shard that its file in `folder` does not hold yet. `progress` gets each
     /// case when it is done, the number of cases done now and the number to do. Once `stop` is set
     /// no further case begins, and those at work end without a result.
@@ -58,9 +71,8 @@ impl Campaign {
     ) -> Result<Computed, EvidenceError> {
         let Self { cases, seed, brief } = *self;
         let work = Work { items: cases, name: name(seed, brief), identity: &self.identity()? };
-        let case = |index| -> Result<Option<CaseResult>, SignalError> {
-            Ok(score(&Case::draw(seed, index, brief), seed, brief, stop))
-        };
+        let case =
+            |index| -> Result<Option<CaseResult>, SignalError> { Ok(self.case(index, stop)) };
         Ok(shards::run(&work, shard, folder, stop, &case, progress)?)
     }
 }
@@ -78,7 +90,7 @@ impl Item for CaseResult {
     }
 
     fn lasting(&self) -> Self {
-        Self { seconds: 0.0, ..self.clone() }
+        Self { sizing_seconds: 0.0, seconds: 0.0, next_test_seconds: 0.0, ..self.clone() }
     }
 }
 
@@ -93,7 +105,7 @@ mod tests {
     #[test]
     fn the_identity_holds_seed_and_length_of_tests_and_not_the_number_of_cases() {
         let of = |cases, seed, brief| Campaign { cases, seed, brief }.identity().unwrap().name();
-        assert_eq!(of(3, 1, true), of(773, 1, true));
+        assert_eq!(of(3, 1, true), of(1254, 1, true));
         assert_ne!(of(3, 1, true), of(3, 2, true));
         assert_ne!(of(3, 1, true), of(3, 1, false));
     }

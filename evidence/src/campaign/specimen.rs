@@ -1,7 +1,7 @@
 //! What is mounted in the bench for a case, with its effects at the wanted size.
 
 use super::case::Case;
-use super::plan::{HYDRAULIC, Kind};
+use super::design::{HYDRAULIC, Truth};
 use super::size::{Sized, sized};
 use super::strength::Strength;
 use crate::error::EvidenceError;
@@ -14,6 +14,7 @@ use virtual_bench::bench_visit::excitation::Excitation;
 use virtual_bench::bench_visit::random::Random;
 use virtual_bench::bench_visit::{Modelled, NullGenerator, Specimen};
 use virtual_bench::hydraulic::HydraulicDamper;
+use virtual_bench::series_model::neighbour::{Draw, NEIGHBOURS, NeighbourDamper, Reach};
 use virtual_bench::series_model::outside::Outside;
 
 /// Strength at which a search begins, as a share of the strongest.
@@ -39,12 +40,13 @@ pub(super) struct Mounted {
 /// There is no such damper, or the work is stopped.
 pub(super) fn mount(case: &Case, control: Control<'_>) -> Result<Mounted, EvidenceError> {
     let mut random = Random::new(case.seed, 7);
-    match case.kind {
-        Kind::Hydraulic { which } => {
+    match case.of.truth {
+        Truth::Hydraulic(which) => {
             let specimen = Box::new(hydraulic(which, &mut random)?);
             Ok(Mounted { specimen, truth: Vec::new(), damper: None, sizes: Vec::new() })
         }
-        Kind::Outside { which, .. } => outside(case, which, &mut random, control),
+        Truth::Outside(which) => outside(case, which, &mut random, control),
+        Truth::Neighbour(which) => neighbour(case, which, &mut random, control),
         _ if case.effects.is_empty() => Ok(Mounted {
             specimen: Box::new(NullGenerator { model: case.series_model(), outside: Vec::new() }),
             truth: Vec::new(),
@@ -62,7 +64,7 @@ fn catalogue(
 ) -> Result<Mounted, EvidenceError> {
     let (mut effects, mut sizes): (Vec<Effect>, Vec<Sized>) = (Vec::new(), Vec::new());
     for &effect in &case.effects {
-        let strength = Strength::draw(effect, case.nominal, case.scale, random);
+        let strength = Strength::draw(effect, case.nominal, &case.extent, random);
         let strongest = strength.strongest();
         let make = |k: f64| -> Option<Box<dyn Specimen>> {
             let damper = Damper::new(case.nominal, &[strength.at(k)?]).ok()?;
@@ -125,6 +127,30 @@ fn outside(
     })
 }
 
+fn neighbour(
+    case: &Case,
+    which: usize,
+    random: &mut Random,
+    control: Control<'_>,
+) -> Result<Mounted, EvidenceError> {
+    let model = case.series_model();
+    let reach = Reach {
+        speed_m_per_s: case.extent.speed_m_per_s,
+        stroke_m: case.extent.stroke_m,
+        extension_m: case.extent.extension_m,
+        compression_m: case.extent.compression_m,
+    };
+    let draw = Draw::new(which, model, reach, random);
+    let make = |strength: f64| -> Option<Box<dyn Specimen>> {
+        Some(Box::new(NeighbourDamper { model, neighbour: Some(draw.at(strength)) }))
+    };
+    let name = NEIGHBOURS[which].name;
+    let found = sized(case, &make, [WEAKEST * Draw::STRONGEST, Draw::STRONGEST], control)
+        .ok_or(EvidenceError::NotSimulated(name))?;
+    let specimen = make(found.strength).ok_or(EvidenceError::NotSimulated(name))?;
+    Ok(Mounted { specimen, truth: vec![name], damper: None, sizes: vec![found] })
+}
+
 /// One of the hydraulic dampers that come with the project, its numbers moved.
 fn hydraulic(which: usize, random: &mut Random) -> Result<HydraulicDamper, EvidenceError> {
     let texts = [
@@ -145,20 +171,30 @@ fn hydraulic(which: usize, random: &mut Random) -> Result<HydraulicDamper, Evide
 
 #[cfg(test)]
 mod tests {
+    use super::super::design::{Combination, Motion, Noise};
     use super::super::size::records;
     use super::*;
     use firmware_core::damper::effects::CATALOGUE;
     use identification::{TestSet, nominal_fit};
 
+    fn case(name: &str, motion: Motion, size: f64) -> Case {
+        let effect = CATALOGUE.iter().position(|info| info.name == name).unwrap();
+        let truth = Truth::Effect(effect);
+        Case::of(Combination { motion, noise: Noise::White, truth, size }, 5, 0, true)
+    }
+
     #[test]
     fn sizes_reach_their_multiple() {
-        for (name, size) in [("seal_friction", 3.0), ("asymmetric_damping", 10.0)] {
-            let effect = CATALOGUE.iter().position(|info| info.name == name).unwrap();
-            let case = Case::of_kind(Kind::Effect { effect, size }, 5, 0, true);
+        for (name, motion, size) in [
+            ("seal_friction", Motion::Sines, 3.0),
+            ("asymmetric_damping", Motion::Earthquake, 10.0),
+        ] {
+            let case = case(name, motion, size);
             let mounted = mount(&case, Control::QUIET).unwrap();
             // By a way of its own: noisy records, of which the noise is removed in squares.
             let stop = Control::QUIET.stop;
-            let (train, _) = records(&case, &*mounted.specimen, &case.sensors, stop).unwrap();
+            let train =
+                records(&case, &*mounted.specimen, &case.sensors, &case.tests.train, stop).unwrap();
             let tests = TestSet::new(train);
             let fit = nominal_fit(&tests, None, Control::QUIET).unwrap().fit;
             let square = fit.total_n2() / tests.counted_samples() as f64;
@@ -172,10 +208,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_reached_is_said() {
-        // A spring in series is a lower Ke: nothing is ever left of it.
-        let effect = CATALOGUE.iter().position(|info| info.name == "fixture_compliance").unwrap();
-        let case = Case::of_kind(Kind::Effect { effect, size: 10.0 }, 5, 1, true);
-        let sizes = mount(&case, Control::QUIET).unwrap().sizes;
+        // A spring in series is a lower Ke: no residual remains.
+        let sizes =
+            mount(&case("fixture_compliance", Motion::Sines, 10.0), Control::QUIET).unwrap().sizes;
         assert!(!sizes[0].reached && sizes[0].size < 1.0, "{sizes:?}");
     }
 }

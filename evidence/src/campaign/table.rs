@@ -1,68 +1,53 @@
 //! The merged table of a campaign: how often `identify` is right, where, and how far off it is.
 //!
-//! A name is right if it is the truth or has it among the alternatives that `identify` computed
-//! from the records. Effects whose size could not be reached are counted apart and by no target;
-//! cases that failed count as wrong. The table has no times in it, so the same cases give the same
+//! Cases that failed count as wrong. The table has no times in it, so the same cases give the same
 //! bytes.
 
-use super::plan::HIDDEN;
-use super::score::CaseResult;
+use super::aims::{Aim, aims, floor_is_right, has_to_be_right};
+use super::line::CaseResult;
+use super::verdict::{counts, is_right};
 use super::wilson::Rate;
-use firmware_core::damper::effects::CATALOGUE;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Error on the hold-out over that of the true damper that is good enough.
-pub(super) const LARGEST_RATIO: f64 = 1.15;
-
-/// A rate that has a target.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Aim {
-    /// What is counted.
-    pub what: String,
-    /// The rate.
-    pub rate: Rate,
-    /// Where it should lie, both ends included.
-    pub target: (f64, f64),
-    /// It does; none without cases.
-    pub met: Option<bool>,
-    /// The target lies inside the interval of the rate: more cases might turn it.
-    pub open: bool,
-}
+/// Rates by the levels of two factors.
+pub type Grid = BTreeMap<String, BTreeMap<String, Rate>>;
 
 /// How one truth fared at one size.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// Kind of case.
+    /// Kind of truth.
     pub kind: String,
     /// What was missing.
     pub truth: String,
     /// Wanted size, in multiples of the noise.
     pub size: f64,
-    /// The first name is right; outside the catalogue: it is said to be unexplained.
+    /// Cases that are right.
     pub right: Rate,
     /// Cases whose size could not be reached, not in the rate.
     pub not_reached: usize,
-    /// Median of the error on the hold-out over that of the true damper.
+    /// Median size of those, in multiples of the noise.
+    pub size_not_reached: Option<f64>,
+    /// Median of the error on the third set over that of the true damper.
     pub over_truth: Option<f64>,
     /// Numbers of the cases that are wrong.
     pub wrong: Vec<usize>,
 }
 
-/// Median errors of a kind of case, in multiples of the noise floor that was found.
+/// Median errors of a kind of truth, in multiples of the noise of the records.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Medians {
-    /// Kind of case.
+    /// Kind of truth.
     pub kind: String,
     /// Number of cases.
     pub cases: usize,
-    /// Error on the hold-out of the refitted nominal damper.
+    /// Error on the third set of the refitted nominal damper.
     pub before: Option<f64>,
     /// With effects.
     pub after: Option<f64>,
     /// Of the true damper.
     pub truth: Option<f64>,
-    /// Noise floor over the rms of the noise.
+    /// Noise floor, where it is known.
     pub floor: Option<f64>,
 }
 
@@ -77,12 +62,18 @@ pub struct Table {
     pub cases: usize,
     /// Cases without an identification: number and reason.
     pub failures: Vec<(usize, String)>,
-    /// Rates with targets.
+    /// Rates with targets, and those next to them.
     pub aims: Vec<Aim>,
     /// Truth by truth and size by size, the worst first.
     pub rows: Vec<Row>,
-    /// What was said (the first name, `(nothing)` or `(unexplained)`) for each truth of at least
-    /// three times the noise.
+    /// Right cases by motion and kind of truth, without small effects.
+    pub by_motion: Grid,
+    /// The same by noise.
+    pub by_noise: Grid,
+    /// Known noise floors that are right, by motion and noise.
+    pub floors: Grid,
+    /// What was said (the first name, `(nothing)`, `(unexplained)` or `(not judged)`) for each
+    /// truth of at least three times the noise.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
     /// Names that cases gave together, and how often: computed groups.
     pub groups: BTreeMap<String, usize>,
@@ -90,12 +81,17 @@ pub struct Table {
     pub coverage: BTreeMap<String, Rate>,
     /// Errors by kind.
     pub medians: Vec<Medians>,
+    /// Cases whose named model is worse than the refit on the third set: number and ratio.
+    pub worse_than_refit: Vec<(usize, f64)>,
+    /// Cases whose next test did not separate the rivals: number, rivals and test.
+    pub not_separated: Vec<(usize, String)>,
 }
 
 impl Table {
     /// Makes the table of merged lines.
     pub fn new(lines: &[CaseResult]) -> Self {
         let failures = lines.iter().filter_map(|line| Some((line.index, line.failure.clone()?)));
+        let right = |line: &CaseResult| has_to_be_right(line).then(|| is_right(line));
         Self {
             seed: lines.first().map_or(0, |line| line.campaign_seed),
             brief: lines.first().is_some_and(|line| line.brief),
@@ -103,10 +99,15 @@ impl Table {
             failures: failures.collect(),
             aims: aims(lines),
             rows: rows(lines),
+            by_motion: grid(lines, |line| [&line.motion, &line.kind], right),
+            by_noise: grid(lines, |line| [&line.noise, &line.kind], right),
+            floors: grid(lines, |line| [&line.motion, &line.noise], floor_is_right),
             confusion: confusion(lines),
             groups: groups(lines),
             coverage: coverage(lines),
             medians: medians(lines),
+            worse_than_refit: worse_than_refit(lines),
+            not_separated: not_separated(lines),
         }
     }
 
@@ -116,104 +117,30 @@ impl Table {
     }
 }
 
-/// The case is as it should be, as far as names go.
-pub fn is_right(line: &CaseResult) -> bool {
-    if line.failure.is_some() {
-        return false;
+/// Rates by two levels; cases without a vote are not in them.
+fn grid<'a>(
+    lines: &'a [CaseResult],
+    levels: impl Fn(&'a CaseResult) -> [&'a String; 2],
+    vote: impl Fn(&'a CaseResult) -> Option<bool>,
+) -> Grid {
+    let mut votes: BTreeMap<String, BTreeMap<String, Vec<bool>>> = BTreeMap::new();
+    for line in lines {
+        if let Some(vote) = vote(line) {
+            let [row, column] = levels(line);
+            votes.entry(row.clone()).or_default().entry(column.clone()).or_default().push(vote);
+        }
     }
-    match line.kind.as_str() {
-        "nothing" => line.named.is_empty(),
-        "outside" => line.says_unexplained() && line.named.is_empty(),
-        "hydraulic" => !line.named.iter().any(|name| is_foreign(&name.name)),
-        "wrong_datasheet" => line.datasheet_moved == Some(false),
-        "pair" => line.truth.iter().all(|truth| line.named.iter().any(|name| name.may_be(truth))),
-        _ if line.truth.iter().any(|truth| truth == HIDDEN) => line.named.is_empty(),
-        _ => line.first_is_right(),
-    }
-}
-
-/// The hydraulic dampers do not have this effect.
-fn is_foreign(effect: &str) -> bool {
-    CATALOGUE.iter().any(|info| info.name == effect && !info.in_hydraulic_model)
-}
-
-fn aims(lines: &[CaseResult]) -> Vec<Aim> {
-    let of = |kind: &'static str| lines.iter().filter(move |line| line.kind == kind);
-    let shown = |line: &&CaseResult| line.reached && !line.truth.iter().any(|name| name == HIDDEN);
-    let effects = || of("effect").filter(shown);
-    let no_name = |line: &CaseResult| line.failure.is_none() && line.named.is_empty();
-    let aim = |what: &str, rate: Rate, target: (f64, f64)| Aim {
-        what: what.to_owned(),
-        met: rate.rate.map(|rate| (target.0..=target.1).contains(&rate)),
-        open: [target.0, target.1]
-            .iter()
-            .any(|end| *end < 1.0 && rate.lower < *end && *end < rate.upper),
-        rate,
-        target,
+    let rates = |row: BTreeMap<String, Vec<bool>>| {
+        row.into_iter().map(|(name, votes)| (name, Rate::of(votes.into_iter()))).collect()
     };
-    let mut aims = Vec::new();
-    for (colour, coloured) in [("white", false), ("coloured", true)] {
-        let cases = of("nothing").filter(|line| line.coloured == coloured);
-        let what = format!("nothing missing, {colour} noise: nothing named");
-        aims.push(aim(&what, Rate::of(cases.map(no_name)), (0.99, 1.0)));
-    }
-    aims.push(aim(
-        "nothing missing: nothing said to be unexplained",
-        Rate::of(of("nothing").map(|line| line.verdict == "no_missing_effect")),
-        (0.95, 1.0),
-    ));
-    aims.push(aim(
-        "an effect of 3 times the noise and more: named first or in its group",
-        Rate::of(effects().filter(|line| line.size >= 3.0).map(is_right)),
-        (0.95, 1.0),
-    ));
-    for size in [3.0, 10.0] {
-        let cases = effects().filter(|line| line.size == size);
-        let what = format!("an effect of {size} times the noise: named first or in its group");
-        aims.push(aim(&what, Rate::of(cases.map(is_right)), (0.95, 1.0)));
-    }
-    let outside = || of("outside").filter(|line| line.reached);
-    aims.push(aim(
-        "outside the catalogue: said to be unexplained",
-        Rate::of(outside().map(CaseResult::says_unexplained)),
-        (0.95, 1.0),
-    ));
-    aims.push(aim(
-        "outside the catalogue: never a clean fit",
-        Rate::of(outside().map(|line| line.failure.is_none() && line.says_unexplained())),
-        (1.0, 1.0),
-    ));
-    let ratios = lines.iter().filter_map(CaseResult::over_truth);
-    aims.push(aim(
-        "held-out error at most 1.15 times that of the true damper",
-        Rate::of(ratios.map(|ratio| ratio <= LARGEST_RATIO)),
-        (0.95, 1.0),
-    ));
-    let intervals = lines.iter().flat_map(|line| &line.intervals);
-    aims.push(aim(
-        "stated 95 % intervals hold the truth",
-        Rate::of(intervals.map(|interval| interval.covers)),
-        (0.90, 0.98),
-    ));
-    aims.push(aim(
-        "a wrong datasheet changes nothing",
-        Rate::of(lines.iter().filter_map(|line| line.datasheet_moved).map(|moved| !moved)),
-        (1.0, 1.0),
-    ));
-    aims.push(aim(
-        "hydraulic damper: nothing named that it does not have",
-        Rate::of(of("hydraulic").map(is_right)),
-        (0.95, 1.0),
-    ));
-    aims
+    votes.into_iter().map(|(name, row)| (name, rates(row))).collect()
 }
 
 fn rows(lines: &[CaseResult]) -> Vec<Row> {
     let mut by: BTreeMap<(String, String, u64), Vec<&CaseResult>> = BTreeMap::new();
     for line in lines {
         let truth = match line.kind.as_str() {
-            "nothing" if line.coloured => "coloured noise".to_owned(),
-            "nothing" => "white noise".to_owned(),
+            "nothing" => format!("{} noise", line.noise),
             "pair" => "two effects, both named".to_owned(),
             "hydraulic" => line.damper.clone(),
             "wrong_datasheet" if line.truth.is_empty() => "nothing missing".to_owned(),
@@ -226,13 +153,13 @@ fn rows(lines: &[CaseResult]) -> Vec<Row> {
     let mut rows: Vec<Row> = by
         .into_iter()
         .map(|((kind, truth, tenths), lines)| {
-            let apart = |line: &&&CaseResult| !line.reached && truth != HIDDEN;
-            let counted: Vec<&CaseResult> =
-                lines.iter().filter(|line| !apart(line)).copied().collect();
+            let (counted, apart): (Vec<&CaseResult>, Vec<&CaseResult>) =
+                lines.into_iter().partition(|line| counts(line));
             Row {
                 size: tenths as f64 / 10.0,
                 right: Rate::of(counted.iter().map(|line| is_right(line))),
-                not_reached: lines.len() - counted.len(),
+                not_reached: apart.len(),
+                size_not_reached: median(apart.iter().flat_map(|line| line.sizes.iter().copied())),
                 over_truth: median(counted.iter().filter_map(|line| line.over_truth())),
                 wrong: counted.iter().filter(|l| !is_right(l)).map(|l| l.index).collect(),
                 kind,
@@ -251,20 +178,24 @@ fn rows(lines: &[CaseResult]) -> Vec<Row> {
 
 fn confusion(lines: &[CaseResult]) -> BTreeMap<String, BTreeMap<String, usize>> {
     let mut table: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
-    for line in lines.iter().filter(|line| line.reached && !(0.1..3.0).contains(&line.size)) {
+    for line in lines.iter().filter(|line| has_to_be_right(line)) {
         let truth = match line.kind.as_str() {
             "nothing" => "(nothing)".to_owned(),
-            "effect" | "outside" => line.truth.join(" "),
+            "effect" | "outside" | "hidden" => line.truth.join(" "),
+            "neighbour" => {
+                format!("{} near {}", line.truth.join(" "), line.near.as_deref().unwrap_or("-"))
+            }
             "hydraulic" => "(hydraulic)".to_owned(),
             _ => continue,
         };
         let said = match line.named.first() {
-            Some(name) if line.truth.contains(&name.name) => name.name.clone(),
+            Some(name) if line.right_names().any(|right| right == name.name) => name.name.clone(),
             Some(name) if line.first_is_right() => format!("{} or the truth", name.name),
             Some(name) => name.name.clone(),
             None if line.failure.is_some() => "(failed)".to_owned(),
             None if line.says_unexplained() => "(unexplained)".to_owned(),
-            None => "(nothing)".to_owned(),
+            None if line.is_clean() => "(nothing)".to_owned(),
+            None => "(not judged)".to_owned(),
         };
         *table.entry(truth).or_default().entry(said).or_default() += 1;
     }
@@ -300,17 +231,35 @@ fn medians(lines: &[CaseResult]) -> Vec<Medians> {
     by.into_iter()
         .map(|(kind, lines)| {
             let errors =
-                || lines.iter().filter_map(|line| line.errors.map(|errors| (line.noise_n, errors)));
+                || lines.iter().filter_map(|line| Some((line.true_noise_n?, line.errors?)));
+            let floors = lines.iter().filter_map(|line| {
+                Some(line.noise_floor_n? / line.true_noise_n.filter(|noise| *noise > 0.0)?)
+            });
             Medians {
                 kind: kind.to_owned(),
                 cases: lines.len(),
-                before: median(errors().map(|(_, e)| e.before_n / e.floor_n)),
-                after: median(errors().map(|(_, e)| e.after_n / e.floor_n)),
-                truth: median(errors().filter_map(|(_, e)| Some(e.truth_n? / e.floor_n))),
-                floor: median(errors().map(|(noise_n, e)| e.floor_n / noise_n)),
+                before: median(errors().map(|(noise_n, e)| e.before_n / noise_n)),
+                after: median(errors().map(|(noise_n, e)| e.after_n / noise_n)),
+                truth: median(errors().filter_map(|(noise_n, e)| Some(e.truth_n? / noise_n))),
+                floor: median(floors),
             }
         })
         .collect()
+}
+
+fn worse_than_refit(lines: &[CaseResult]) -> Vec<(usize, f64)> {
+    let worse = |line: &CaseResult| Some((line.index, line.over_refit()?));
+    lines.iter().filter_map(worse).filter(|(_, ratio)| *ratio > 1.0).collect()
+}
+
+fn not_separated(lines: &[CaseResult]) -> Vec<(usize, String)> {
+    let of = |line: &CaseResult| {
+        let next = line.next_test.as_ref().filter(|next| next.separated == Some(false))?;
+        let [one, other] = &next.rivals;
+        let test = next.proposed.as_deref().unwrap_or("-");
+        Some((line.index, format!("{one} or {other} by {test}")))
+    };
+    lines.iter().filter_map(of).collect()
 }
 
 /// The middle value; the mean of two.

@@ -1,17 +1,18 @@
 //! Rates with their uncertainty.
 //!
 //! ```text
-//! ( p + z^2/2n -+ z sqrt(p(1-p)/n + z^2/4n^2) ) / (1 + z^2/n)        z = 1.96
+//! ( p + z^2/2n -+ z sqrt(p(1-p)/n + z^2/4n^2) ) / (1 + z^2/n)        z = 1.645
 //! ```
 //!
-//! Source: Wilson 1927. It holds near 0 and 1, where rates of a campaign are.
+//! Source: Wilson 1927. It holds near 0 and 1, where rates of a campaign are. Each end is a
+//! one-sided bound of 95 %: the rate is above the lower one with that confidence.
 
 use serde::Serialize;
 
-/// Quantile of a two-sided interval of 95 %.
-const Z: f64 = 1.959_964;
+/// Quantile of a one-sided bound of 95 %.
+const ONE_SIDED: f64 = 1.644_854;
 
-/// A count out of many, with the 95 % interval of its rate.
+/// A count out of many, with the one-sided 95 % bounds of its rate (Wilson).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rate {
     /// How many.
@@ -20,9 +21,9 @@ pub struct Rate {
     pub of: usize,
     /// Their ratio; none where there is no case.
     pub rate: Option<f64>,
-    /// Lower end of its 95 % interval.
+    /// Its lower bound, one-sided 95 %.
     pub lower: f64,
-    /// Upper end of its 95 % interval.
+    /// Its upper bound, one-sided 95 %.
     pub upper: f64,
 }
 
@@ -31,21 +32,16 @@ impl Rate {
     ///
     /// ```
     /// use evidence::campaign::Rate;
-    /// // None wrong in 300: up to 1.3 % are still possible.
-    /// assert!((Rate::new(0, 300).upper - 0.0126).abs() < 1e-4);
+    /// // None wrong in 300: up to 0.9 % are still possible.
+    /// assert!((Rate::new(0, 300).upper - 0.0089).abs() < 1e-4);
     /// ```
     pub fn new(count: usize, of: usize) -> Self {
         debug_assert!(count <= of, "{count} of {of}");
         if of == 0 {
             return Self { count, of, rate: None, lower: 0.0, upper: 1.0 };
         }
-        let n = of as f64;
-        let p = count as f64 / n;
-        let middle = p + Z * Z / (2.0 * n);
-        let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
-        let whole = 1.0 + Z * Z / n;
-        let lower = ((middle - half) / whole).max(0.0);
-        Self { count, of, rate: Some(p), lower, upper: ((middle + half) / whole).min(1.0) }
+        let (lower, upper) = score_interval(count, of, ONE_SIDED);
+        Self { count, of, rate: Some(count as f64 / of as f64), lower, upper }
     }
 
     /// Counts what holds.
@@ -54,6 +50,16 @@ impl Rate {
             each.fold((0, 0), |(count, of), holds| (count + usize::from(holds), of + 1));
         Self::new(count, of)
     }
+}
+
+/// Both ends of Wilson's score interval at a quantile.
+fn score_interval(count: usize, of: usize, z: f64) -> (f64, f64) {
+    let n = of as f64;
+    let p = count as f64 / n;
+    let middle = p + z * z / (2.0 * n);
+    let half = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
+    let whole = 1.0 + z * z / n;
+    (((middle - half) / whole).max(0.0), ((middle + half) / whole).min(1.0))
 }
 
 #[cfg(test)]
@@ -69,9 +75,10 @@ mod tests {
             (0, 20, 0.0, 0.1611),
             (1, 29, 0.0061, 0.1718),
         ] {
-            let rate = Rate::new(count, of);
-            assert!((rate.lower - lower).abs() < 6e-5, "{rate:?}");
-            assert!((rate.upper - upper).abs() < 6e-5, "{rate:?}");
+            // Two-sided ones of 95 %.
+            let (low, high) = score_interval(count, of, 1.959_964);
+            assert!((low - lower).abs() < 6e-5, "{low}");
+            assert!((high - upper).abs() < 6e-5, "{high}");
         }
     }
 }

@@ -1,5 +1,5 @@
-//! The evidence that is kept in the repository.
+//! Twelve fixed cases of the campaign.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
-mod kept_campaign;
+mod fixed_cases;

@@ -1,8 +1,10 @@
 //! What sensors and amplifier read of displacement and force.
 //!
 //! ```text
-//! reading = quantised( low-pass(value) at the sampling instants + white noise + coloured noise )
-//! coloured: n_k = rho^(dt/1 ms) n_(k-1) + sqrt(1 - rho^(2 dt/1 ms)) sigma w_k
+//! reading  = quantised( processed( low-pass(value) at the sampling instants + noises ) )
+//! noises   = white + coloured + drift, the last two on the force alone
+//! coloured : n_k = rho^(dt/1 ms) n_(k-1) + sqrt(1 - rho^(2 dt/1 ms)) sigma w_k
+//! drift    : the same with a correlation that falls to 1/e over 1/(2 pi corner)
 //! ```
 //!
 //! Both channels pass the same anti-alias filter (four poles, Butterworth) before the same sampling
@@ -11,7 +13,7 @@
 //! of its range rms and 16 bit, displacement with 1 µm rms and 24 bit, 1 kHz.
 
 use crate::random::Random;
-use signal::guiding_force::low_pass;
+use signal::guiding_force::{low_pass, sliding_mean};
 
 /// Coloured noise on the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +35,32 @@ pub struct Channel {
     pub bits: u32,
 }
 
+/// A slow drift of the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Its standard deviation, N.
+    pub level_n: f64,
+    /// Frequency above which its spectrum falls, Hz.
+    pub corner_hz: f64,
+}
+
+/// What a recorder does to both channels, noise included, before it stores them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Processing {
+    /// Nothing.
+    AsSampled,
+    /// A low-pass of four poles (Butterworth).
+    LowPass {
+        /// Its corner, Hz.
+        corner_hz: f64,
+    },
+    /// The mean of the last samples.
+    Mean {
+        /// How many.
+        samples: usize,
+    },
+}
+
 /// The measuring chain of a bench.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensors {
@@ -44,6 +72,10 @@ pub struct Sensors {
     pub force: Channel,
     /// Coloured noise on the force.
     pub coloured: Option<Coloured>,
+    /// Drift of the force.
+    pub drift: Option<Drift>,
+    /// What the recorder does before it stores.
+    pub processing: Processing,
     /// Corner of the anti-alias filter of both channels, Hz; `None` for none.
     pub anti_alias_hz: Option<f64>,
     /// Noise of the oil temperature, K; `None` where it is not measured.
@@ -64,6 +96,8 @@ impl Sensors {
             displacement: Channel { range: displacement_m, noise: 1e-6, bits: 24 },
             force: Channel { range: force_n, noise: 1e-3 * force_n, bits: 16 },
             coloured: None,
+            drift: None,
+            processing: Processing::AsSampled,
             anti_alias_hz: Some(400.0),
             temperature_noise_k: None,
         }
@@ -89,6 +123,8 @@ impl Sensors {
             displacement: exact,
             force: exact,
             coloured: None,
+            drift: None,
+            processing: Processing::AsSampled,
             anti_alias_hz: None,
             temperature_noise_k: None,
         }
@@ -104,30 +140,46 @@ impl Sensors {
     }
 
     /// Adds the noise of the displacement and quantises.
-    pub(super) fn read_displacement(&self, values_m: &mut [f64], seed: u64) {
-        self.displacement.read(values_m, &mut Random::new(seed, 1));
+    pub(super) fn read_displacement(&self, values_m: &mut Vec<f64>, seed: u64) {
+        self.displacement.add_noise(values_m, &mut Random::new(seed, 1));
+        self.process(values_m);
+        self.displacement.quantise(values_m);
     }
 
     /// Adds the noises of the force and quantises.
-    pub(super) fn read_force(&self, values_n: &mut [f64], seed: u64) {
+    pub(super) fn read_force(&self, values_n: &mut Vec<f64>, seed: u64) {
         if let Some(Coloured { level_n, rho_per_ms }) = self.coloured {
             let keep = libm::pow(rho_per_ms, 1e3 / self.rate_hz);
-            let fresh = (1.0 - keep * keep).sqrt();
-            let mut random = Random::new(seed, 3);
-            let mut noise = random.gaussian();
-            for value in values_n.iter_mut() {
-                *value += level_n * noise;
-                noise = keep * noise + fresh * random.gaussian();
-            }
+            add_correlated(values_n, level_n, keep, &mut Random::new(seed, 3));
         }
-        self.force.read(values_n, &mut Random::new(seed, 2));
+        if let Some(Drift { level_n, corner_hz }) = self.drift {
+            let keep = libm::exp(-std::f64::consts::TAU * corner_hz / self.rate_hz);
+            add_correlated(values_n, level_n, keep, &mut Random::new(seed, 9));
+        }
+        self.force.add_noise(values_n, &mut Random::new(seed, 2));
+        self.process(values_n);
+        self.force.quantise(values_n);
+    }
+
+    fn process(&self, values: &mut Vec<f64>) {
+        match self.processing {
+            Processing::AsSampled => {}
+            Processing::LowPass { corner_hz } => {
+                let passed = low_pass(values, self.rate_hz, corner_hz);
+                debug_assert!(passed.is_ok(), "a corner of {corner_hz} Hz: {passed:?}");
+                if let Ok(passed) = passed {
+                    *values = passed;
+                }
+            }
+            Processing::Mean { samples } => *values = sliding_mean(values, samples),
+        }
     }
 
     /// Adds the noise of the thermometer.
     pub(super) fn read_temperature(noise_k: f64, values_degc: &mut [f64], seed: u64) {
         // A hundredth of a kelvin is what a display shows.
         let channel = Channel { range: 1000.0, noise: noise_k, bits: 0 };
-        channel.read(values_degc, &mut Random::new(seed, 4));
+        channel.add_noise(values_degc, &mut Random::new(seed, 4));
         for value in values_degc {
             *value = 0.01 * libm::rint(100.0 * *value);
         }
@@ -135,16 +187,31 @@ impl Sensors {
 }
 
 impl Channel {
-    fn read(&self, values: &mut [f64], random: &mut Random) {
+    fn add_noise(&self, values: &mut [f64], random: &mut Random) {
+        for value in values {
+            *value += self.noise * random.gaussian();
+        }
+    }
+
+    fn quantise(&self, values: &mut [f64]) {
         let step =
             if self.bits == 0 { 0.0 } else { 2.0 * self.range / libm::exp2(f64::from(self.bits)) };
         for value in values {
-            *value += self.noise * random.gaussian();
             if step > 0.0 {
                 *value = step * libm::rint(*value / step);
             }
             *value = value.clamp(-self.range, self.range);
         }
+    }
+}
+
+/// Adds noise whose neighbouring values have the correlation `keep`.
+fn add_correlated(values: &mut [f64], level: f64, keep: f64, random: &mut Random) {
+    let fresh = (1.0 - keep * keep).sqrt();
+    let mut noise = random.gaussian();
+    for value in values {
+        *value += level * noise;
+        noise = keep * noise + fresh * random.gaussian();
     }
 }
 
@@ -182,10 +249,32 @@ mod tests {
     }
 
     #[test]
+    fn a_drift_is_slow_and_a_recorder_processes_the_noise_too() {
+        let mut sensors = Sensors { drift: None, ..Sensors::of_range(50e3, 0.1) };
+        sensors.drift = Some(Drift { level_n: 300.0, corner_hz: 0.2 });
+        sensors.force.noise = 0.0;
+        let mut force = vec![0.0; 2_000_000];
+        sensors.read_force(&mut force, 5);
+        assert!((rms(&force) / 300.0 - 1.0).abs() < 0.1, "{}", rms(&force));
+        let steps: Vec<f64> = force.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(rms(&steps) < 20.0, "{}", rms(&steps));
+        for (processing, share) in [
+            (Processing::Mean { samples: 16 }, 0.25),
+            // The noise bandwidth of four poles is 1.026 times the corner.
+            (Processing::LowPass { corner_hz: 50.0 }, (2.0 * 1.026 * 0.05_f64).sqrt()),
+        ] {
+            let sensors = Sensors { processing, ..Sensors::of_range(50e3, 0.1) };
+            let mut force = vec![0.0; 200_000];
+            sensors.read_force(&mut force, 5);
+            assert!((rms(&force) / 50.0 / share - 1.0).abs() < 0.03, "{processing:?}");
+        }
+    }
+
+    #[test]
     fn a_quantiser_has_steps_and_ends() {
         let channel = Channel { range: 8.0, noise: 0.0, bits: 4 };
         let mut values = [0.4, 0.6, -7.7, 9.0, -30.0];
-        channel.read(&mut values, &mut Random::new(1, 1));
+        channel.quantise(&mut values);
         assert_eq!(values, [0.0, 1.0, -8.0, 8.0, -8.0]);
     }
 

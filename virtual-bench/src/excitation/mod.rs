@@ -3,6 +3,8 @@
 //! ```text
 //! sine        x = x0 + A w(t) sin(2 pi f t)
 //! multisine   x = x0 + w(t) sum_i A_i sin(2 pi f_i t + phi_i)
+//! enveloped   x = e(t) sum_i A_i sin(2 pi f_i t + phi_i)    tapered, short, earthquake
+//! sweep       a sine whose frequency rises exponentially
 //! path        moves at constant speed between rests, each speeding up and down over half of tau:
 //!             v = V sin(pi s/tau) for s < tau/2,  V in between;  length = V (D - tau) + 2 V tau/pi
 //! ```
@@ -11,7 +13,13 @@
 //! second derivative. A triangle is a path without pauses. Displacement and velocity are closed
 //! forms, so that every simulator may take its own steps.
 
+mod envelope;
+mod sweep;
+
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+pub use envelope::Stretch;
+pub use sweep::Sweep;
 
 /// One tone of a multisine.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +53,15 @@ pub enum Excitation {
         /// Time in which they rise, s.
         run_in_s: f64,
     },
+    /// Tones under an envelope.
+    Enveloped {
+        /// The tones.
+        tones: Vec<Tone>,
+        /// The envelope, in order of time.
+        envelope: Vec<Stretch>,
+    },
+    /// A sine whose frequency rises.
+    Sweep(Sweep),
     /// Moves and pauses, from the mean position at rest.
     Path(Path),
 }
@@ -52,12 +69,12 @@ pub enum Excitation {
 /// Moves and pauses with their times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Path {
-    stretches: Vec<Stretch>,
+    timed: Vec<TimedLeg>,
 }
 
 /// One move with its times.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Stretch {
+struct TimedLeg {
     start_s: f64,
     move_s: f64,
     hold_s: f64,
@@ -100,7 +117,7 @@ impl Excitation {
     /// ```
     pub fn path(legs: &[Leg], rounding_s: f64) -> Self {
         let (mut from_m, mut start_s) = (0.0, 0.0);
-        let mut stretches = Vec::with_capacity(legs.len());
+        let mut timed = Vec::with_capacity(legs.len());
         debug_assert!(rounding_s > 0.0, "rounding of {rounding_s} s");
         for leg in legs {
             debug_assert!(leg.speed_m_per_s > 0.0 && leg.hold_s >= 0.0, "{leg:?}");
@@ -108,7 +125,7 @@ impl Excitation {
             let speed = leg.speed_m_per_s;
             let tau_s = rounding_s.min(distance.abs() * FRAC_PI_2 / speed);
             let move_s = distance.abs() / speed + tau_s * (1.0 - 2.0 / PI);
-            stretches.push(Stretch {
+            timed.push(TimedLeg {
                 start_s,
                 move_s,
                 hold_s: leg.hold_s,
@@ -120,24 +137,20 @@ impl Excitation {
             start_s += move_s + leg.hold_s;
             from_m = leg.to_m;
         }
-        debug_assert!(stretches.is_sorted_by(|a: &Stretch, b| a.start_s <= b.start_s));
-        Self::Path(Path { stretches })
+        debug_assert!(timed.is_sorted_by(|a: &TimedLeg, b| a.start_s <= b.start_s));
+        Self::Path(Path { timed })
     }
 
     /// Displacement from the mean position and velocity at a time (m, m/s).
     pub fn at(&self, time_s: f64) -> (f64, f64) {
         match self {
             Self::Tones { tones, run_in_s } => {
-                let (mut x, mut v) = (0.0, 0.0);
-                for tone in tones {
-                    let omega = TAU * tone.frequency_hz;
-                    let angle = omega * time_s + tone.phase_rad;
-                    x += tone.amplitude_m * libm::sin(angle);
-                    v += tone.amplitude_m * omega * libm::cos(angle);
-                }
-                let (window, rate) = window(time_s, *run_in_s);
-                (window * x, window * v + rate * x)
+                under(window(time_s, *run_in_s), sum_of(tones, time_s))
             }
+            Self::Enveloped { tones, envelope } => {
+                under(envelope::at(envelope, time_s), sum_of(tones, time_s))
+            }
+            Self::Sweep(sweep) => under(window(time_s, sweep.run_in_s()), sweep.at(time_s)),
             Self::Path(path) => path.at(time_s),
         }
     }
@@ -146,38 +159,37 @@ impl Excitation {
     pub fn displacement_m(&self, time_s: f64) -> f64 {
         match self {
             Self::Tones { tones, run_in_s } => {
-                let sum: f64 = tones
-                    .iter()
-                    .map(|tone| {
-                        let angle = TAU * tone.frequency_hz * time_s + tone.phase_rad;
-                        tone.amplitude_m * libm::sin(angle)
-                    })
-                    .sum();
-                window(time_s, *run_in_s).0 * sum
+                window(time_s, *run_in_s).0 * displacement_of(tones, time_s)
             }
-            Self::Path(path) => path.at(time_s).0,
+            Self::Enveloped { tones, envelope } => {
+                envelope::at(envelope, time_s).0 * displacement_of(tones, time_s)
+            }
+            Self::Sweep(_) | Self::Path(_) => self.at(time_s).0,
         }
     }
 
-    /// When a path ends (s); tones have no end.
+    /// When it ends (s); tones alone have no end.
     pub fn end_s(&self) -> Option<f64> {
         match self {
             Self::Tones { .. } => None,
-            Self::Path(path) => path.stretches.last().map(|last| last.rest_s() + last.hold_s),
+            Self::Enveloped { envelope, .. } => envelope.last().map(Stretch::end_s),
+            Self::Sweep(sweep) => Some(sweep.duration_s),
+            Self::Path(path) => path.timed.last().map(|last| last.rest_s() + last.hold_s),
         }
     }
 
-    /// The characteristic frequency of the test (Hz): that of the strongest tone, or one over the
-    /// mean time of two moves.
+    /// The characteristic frequency of the test (Hz): that of the strongest tone, that in the
+    /// middle of a sweep, or one over the mean time of two moves.
     pub fn frequency_hz(&self) -> f64 {
         match self {
-            Self::Tones { tones, .. } => tones
+            Self::Tones { tones, .. } | Self::Enveloped { tones, .. } => tones
                 .iter()
                 .max_by(|a, b| a.amplitude_m.total_cmp(&b.amplitude_m))
                 .map_or(0.0, |tone| tone.frequency_hz),
+            Self::Sweep(sweep) => sweep.middle_hz(),
             Self::Path(path) => {
                 let time_s = self.end_s().unwrap_or(0.0);
-                if time_s > 0.0 { 0.5 * path.stretches.len() as f64 / time_s } else { 0.0 }
+                if time_s > 0.0 { 0.5 * path.timed.len() as f64 / time_s } else { 0.0 }
             }
         }
     }
@@ -186,11 +198,16 @@ impl Excitation {
     /// tones.
     pub fn reach(&self) -> (f64, f64) {
         match self {
-            Self::Tones { tones, .. } => tones.iter().fold((0.0, 0.0), |(v, x), tone| {
-                let amplitude = tone.amplitude_m.abs();
-                (v + TAU * tone.frequency_hz * amplitude, x + amplitude)
-            }),
-            Self::Path(path) => path.stretches.iter().fold((0.0, 0.0), |(v, x), leg| {
+            Self::Tones { tones, .. } => reach_of(tones, 1.0),
+            Self::Enveloped { tones, envelope } => {
+                let level = envelope.iter().fold(0.0, |most: f64, one| most.max(one.level.abs()));
+                reach_of(tones, level)
+            }
+            Self::Sweep(Sweep { amplitude_m, to_hz, corner_hz, .. }) => {
+                let ratio = to_hz / corner_hz;
+                (TAU * to_hz * amplitude_m / (1.0 + ratio * ratio).sqrt(), *amplitude_m)
+            }
+            Self::Path(path) => path.timed.iter().fold((0.0, 0.0), |(v, x), leg| {
                 (leg.speed_m_per_s.abs().max(v), leg.to_m.abs().max(x))
             }),
         }
@@ -199,15 +216,15 @@ impl Excitation {
 
 impl Path {
     fn at(&self, time_s: f64) -> (f64, f64) {
-        let after = self.stretches.partition_point(|leg| leg.start_s <= time_s);
-        match after.checked_sub(1).and_then(|index| self.stretches.get(index)) {
+        let after = self.timed.partition_point(|leg| leg.start_s <= time_s);
+        match after.checked_sub(1).and_then(|index| self.timed.get(index)) {
             Some(leg) => leg.at(time_s - leg.start_s),
             None => (0.0, 0.0),
         }
     }
 }
 
-impl Stretch {
+impl TimedLeg {
     fn rest_s(&self) -> f64 {
         self.start_s + self.move_s
     }
@@ -232,6 +249,40 @@ impl Stretch {
         let way = speed * self.tau_s / PI * (1.0 - libm::cos(angle));
         (anchor_m + sign * way, speed * libm::sin(angle))
     }
+}
+
+/// Displacement and velocity of tones (m, m/s).
+fn sum_of(tones: &[Tone], time_s: f64) -> (f64, f64) {
+    let (mut x, mut v) = (0.0, 0.0);
+    for tone in tones {
+        let omega = TAU * tone.frequency_hz;
+        let angle = omega * time_s + tone.phase_rad;
+        x += tone.amplitude_m * libm::sin(angle);
+        v += tone.amplitude_m * omega * libm::cos(angle);
+    }
+    (x, v)
+}
+
+/// Displacement of tones (m).
+fn displacement_of(tones: &[Tone], time_s: f64) -> f64 {
+    let of = |tone: &Tone| {
+        let angle = TAU * tone.frequency_hz * time_s + tone.phase_rad;
+        tone.amplitude_m * libm::sin(angle)
+    };
+    tones.iter().map(of).sum()
+}
+
+/// A motion under a factor and its rate.
+fn under((factor, rate): (f64, f64), (x, v): (f64, f64)) -> (f64, f64) {
+    (factor * x, factor * v + rate * x)
+}
+
+/// Upper bounds of speed and distance of tones at a level (m/s, m).
+fn reach_of(tones: &[Tone], level: f64) -> (f64, f64) {
+    tones.iter().fold((0.0, 0.0), |(v, x), tone| {
+        let amplitude = level * tone.amplitude_m.abs();
+        (v + TAU * tone.frequency_hz * amplitude, x + amplitude)
+    })
 }
 
 /// The window and its rate of change.
@@ -260,7 +311,21 @@ mod tests {
         let leg = |to_m, speed_m_per_s, hold_s| Leg { to_m, speed_m_per_s, hold_s };
         vec![
             Excitation::sine(3.46e-3, 3.5),
-            Excitation::Tones { tones, run_in_s: 1.0 },
+            Excitation::Tones { tones: tones.clone(), run_in_s: 1.0 },
+            Excitation::Enveloped {
+                tones,
+                envelope: vec![
+                    Stretch { start_s: 0.2, rise_s: 0.4, stay_s: 0.7, fall_s: 0.3, level: 1.0 },
+                    Stretch { start_s: 2.0, rise_s: 1.0, stay_s: 0.0, fall_s: 0.6, level: 0.4 },
+                ],
+            },
+            Excitation::Sweep(Sweep {
+                amplitude_m: 4e-3,
+                from_hz: 0.6,
+                to_hz: 12.0,
+                corner_hz: 2.0,
+                duration_s: 4.0,
+            }),
             Excitation::triangle(10e-3, 0.02, 2, 0.1),
             Excitation::path(
                 &[leg(0.01, 0.05, 0.5), leg(0.01, 0.05, 0.2), leg(-1e-5, 0.1, 1.0)],
