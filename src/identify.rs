@@ -9,11 +9,13 @@ use clap::Args;
 use files::{FolderError, ResultFolder};
 use identification::{
     Control, Identification, IdentificationError, MODEL, MODEL_WITH_MAP, Question, QuestionFiles,
-    identify, page,
+    RoundProgress, Step, identify, page,
 };
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
@@ -167,20 +169,55 @@ fn prediction_files(test: &str) -> [String; 2] {
     ["csv", "toml"].map(|ending| format!("predictions/{test}.{ending}"))
 }
 
-/// Runs the work; its steps are shown once it has taken two seconds.
+/// Runs the work; its steps are shown once it has taken two seconds, with the time that the round
+/// of the search still takes at the pace so far.
 fn with_progress<T>(stop: &AtomicBool, work: impl FnOnce(Control<'_>) -> T) -> T {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
     if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed:>4}  {msg}") {
         bar.set_style(style);
     }
     let begin = Instant::now();
-    let progress = |step: &str| {
+    // The round that is under way, and when it began.
+    let round = Mutex::new((0, begin));
+    let progress = |step: &Step<'_>| {
+        let mut message = step.what.to_owned();
+        if let (Some(at), Ok(mut round)) = (step.round, round.lock()) {
+            if round.0 != at.number {
+                *round = (at.number, Instant::now());
+            }
+            message = in_round(step.what, at, round.1.elapsed());
+        }
         if begin.elapsed() > Duration::from_secs(2) {
-            bar.set_message(step.to_owned());
+            bar.set_message(message);
             bar.tick();
         }
     };
     let done = work(Control { progress: &progress, stop });
     bar.finish_and_clear();
     done
+}
+
+/// A step of a round, and how long the round still takes.
+fn in_round(what: &str, at: RoundProgress, elapsed: Duration) -> String {
+    let RoundProgress { number, done, of } = at;
+    let mut line = format!("round {number}, step {} of {of}: {what}", done + 1);
+    if done > 0 {
+        let left_s = elapsed.as_secs_f64() * (of - done) as f64 / done as f64;
+        let _ = write!(line, ", about {} s left in this round", left_s.ceil());
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_round_states_the_time_that_it_still_takes() {
+        let at = |done| RoundProgress { number: 2, done, of: 20 };
+        let begin = in_round("screening", at(0), Duration::ZERO);
+        assert_eq!(begin, "round 2, step 1 of 20: screening");
+        let middle = in_round("fitting soft_yield", at(15), Duration::from_secs(30));
+        assert!(middle.ends_with("fitting soft_yield, about 10 s left in this round"), "{middle}");
+    }
 }

@@ -2,11 +2,13 @@
 
 use super::test_set::TestSet;
 
-/// Work, in passes of a model over all tests, past which no pair is tried. Ten tests of ten seconds
-/// at 1 kHz take two cores about half a minute.
+/// Work, in passes of a model over all tests, past which no pair is tried.
 pub(crate) const MOST_PASSES: f64 = 7000.0;
 
-/// The work that a search may do on pairs of effects.
+/// Multiple of it past which no round begins.
+const FAR: f64 = 3.0;
+
+/// The work that a search may do.
 pub(crate) struct Budget<'a> {
     tests: &'a TestSet,
     most_passes: f64,
@@ -24,6 +26,13 @@ impl<'a> Budget<'a> {
     pub(crate) fn is_spent(&mut self) -> bool {
         self.exceeded |= self.tests.passes() > self.most_passes;
         self.exceeded
+    }
+
+    /// The same for the work that no search may exceed.
+    pub(crate) fn is_far_exceeded(&mut self) -> bool {
+        let far = self.tests.passes() > FAR * self.most_passes;
+        self.exceeded |= far;
+        far
     }
 
     /// True when a check has found it spent, so that something was left out.

@@ -31,7 +31,6 @@ const LONGEST_STEP_S: f64 = 5e-3;
 /// Segments of the spectrum, s.
 const SEGMENT_S: f64 = 4.0;
 
-
 /// Every how many samples are enough, and the longest step of a model in each test, s.
 pub(crate) fn enough(tests: &TestSet) -> (usize, Vec<f64>) {
     let reachable = |needs_hz: &f64| *needs_hz <= tests.lowest_rate_hz();

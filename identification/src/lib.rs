@@ -90,7 +90,7 @@ mod test_set;
 mod trial;
 mod uncertainty;
 
-pub use control::Control;
+pub use control::{Control, RoundProgress, Step};
 pub use empirical::{Empirical, FittedMap, empirical};
 pub use error::IdentificationError;
 pub use fit::{Effort, Fit, fit};

@@ -16,7 +16,7 @@
 use super::acceptance::{choose, distinguishable, objection, remakes};
 use super::budget::Budget;
 use super::candidate::Candidate;
-use super::control::Control;
+use super::control::{Control, Step};
 use super::evidence::{LEAST_GAIN, evidence};
 use super::finding::Accepted;
 use super::fit::Fit;
@@ -60,11 +60,16 @@ pub(crate) fn pair(
     let mut found: Vec<Acceptable> = firsts
         .take(FIRSTS)
         .take_while(|_| !budget.is_spent())
-        .filter_map(|first| {
+        .enumerate()
+        .filter_map(|(place, first)| {
             let name = round.tried[first.candidate].effect.name;
-            let progress = |step: &str| control.report(&format!("with {name}: {step}"));
+            let progress = |step: &Step<'_>| {
+                let what = format!("with {name}: {}", step.what);
+                (control.progress)(&Step { what: &what, round: step.round });
+            };
             let control = Control { progress: &progress, ..control };
-            second(standing, round, first, (beginnings, tests), control)
+            let number = round.number + 1 + place;
+            second(standing, round, first, (beginnings, tests), number, control)
         })
         .collect();
     found.sort_by(|a, b| {
@@ -95,9 +100,10 @@ fn second(
     round: &Round,
     first: &Trial,
     (beginnings, tests): (&TestSet, &TestSet),
+    number: usize,
     control: Control<'_>,
 ) -> Option<Acceptable> {
-    let next = Round::run(&first.judged, &[], beginnings, tests, control);
+    let next = Round::run(&first.judged, &[], (beginnings, tests), number, control);
     let (winner, alternatives) = choose(&first.judged, &next.trials, &next.tried, tests)?;
     let second = &next.trials[winner];
     let joint = Trial {

@@ -1,14 +1,14 @@
 //! One round of the search: the candidates tried on a standing model, and their results.
 
 use super::candidate::{Candidate, candidates};
-use super::control::Control;
+use super::control::{Control, Steps};
 use super::finding::NotTestable;
 use super::judged::Judged;
 use super::residual::motion::motion;
 use super::residual::question::Answer;
 use super::residual::repeat::repeat;
 use super::screening::{Screened, screen};
-use super::short_list::{hidden, rehearsals, short_list};
+use super::short_list::{hidden, listed, rehearsals, short_list};
 use super::test_set::TestSet;
 use super::trial::{Trial, rehearse, starts, try_candidate};
 
@@ -21,6 +21,8 @@ const ABOVE_NOISE: f64 = 1.5;
 
 /// One round: the candidates tried on a standing model, and their results.
 pub(crate) struct Round {
+    /// Its number in the search, from 1.
+    pub number: usize,
     /// All candidates.
     pub tried: Vec<Candidate>,
     /// Their gains to first order.
@@ -39,21 +41,25 @@ pub(crate) struct Round {
 }
 
 impl Round {
-    /// Screens, rehearses and tries. `others` are other minima of the nominal damper.
+    /// Screens, rehearses and tries in the round of this number. `others` are other minima of the
+    /// nominal damper.
     pub(crate) fn run(
         standing: &Judged,
         others: &[Vec<f64>],
-        beginnings: &TestSet,
-        tests: &TestSet,
+        (beginnings, tests): (&TestSet, &TestSet),
+        number: usize,
         control: Control<'_>,
     ) -> Self {
-        control.report("screening");
+        let steps = Steps::new(control, number, 1 + TRIED);
+        steps.begin("screening");
         let mut round = Self::screened(standing, tests, control);
         let Self { tried, screened, shown, .. } = &round;
         let coarse = round.far_off || round.above_noise;
         let minima = if round.far_off { others } else { &[] };
-        let mut rehearsed = rehearsals(standing, tried, shown, screened, coarse, |index, which| {
-            control.report(&format!("rehearsing {}", tried[index].effect.name));
+        let listed = listed(standing, shown, screened, coarse);
+        steps.expect(listed.len());
+        let mut rehearsed = rehearsals(&listed, tried, screened, coarse, |index, which| {
+            steps.begin(&format!("rehearsing {}", tried[index].effect.name));
             let starts = starts(standing, &tried[index], which, minima);
             rehearse(standing, &tried[index], &starts, beginnings, control)
         });
@@ -67,7 +73,7 @@ impl Round {
         });
         let mut trials: Vec<Trial> = Vec::new();
         for (index, fit) in &rehearsed {
-            control.report(&format!("fitting {}", tried[*index].effect.name));
+            steps.begin(&format!("fitting {}", tried[*index].effect.name));
             trials.extend(try_candidate(
                 standing,
                 &tried[*index],
@@ -78,7 +84,7 @@ impl Round {
         }
         trials
             .sort_by(|a, b| a.judged.left_out.total_n2().total_cmp(&b.judged.left_out.total_n2()));
-        round.trials = trials;
+        (round.number, round.trials) = (number, trials);
         round
     }
 
@@ -111,7 +117,8 @@ impl Round {
             .filter(|index| far_off || !hidden.iter().any(|(i, _)| i == index))
             .collect();
         let above_noise = above_noise(standing, tests);
-        Self { tried, screened, hidden, shown, trials: Vec::new(), far_off, above_noise }
+        let number = 1;
+        Self { number, tried, screened, hidden, shown, trials: Vec::new(), far_off, above_noise }
     }
 }
 

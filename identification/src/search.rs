@@ -13,7 +13,7 @@
 //!    once ([`super::pair`]).
 //!
 //! Pairs need many fits. Past a limit of work no further pair is tried, and after an accepted pair
-//! nothing else is tried; the result says so.
+//! nothing else is tried; past three times that limit no round begins. The result says so.
 
 use super::acceptance::choose;
 use super::budget::Budget;
@@ -82,6 +82,7 @@ struct Search<'a> {
     accepted: Vec<Accepted>,
     outdone: Vec<Outdone>,
     pairs: usize,
+    rounds: usize,
 }
 
 /// The consequence of a round.
@@ -121,15 +122,19 @@ impl<'a> Search<'a> {
             accepted: Vec::new(),
             outdone: Vec::new(),
             pairs: 0,
+            rounds: 0,
         })
     }
 
     /// Tries the candidates on the standing model; past the limit of work they are screened only.
     fn next_round(&mut self) -> Round {
-        if self.pairs > 0 && self.budget.is_spent() {
+        let spent = (self.pairs > 0 && self.budget.is_spent()) || self.budget.is_far_exceeded();
+        if self.rounds > 0 && spent {
             return Round::screened(&self.standing, self.tests, self.control);
         }
-        Round::run(&self.standing, &self.other_minima, &self.beginnings, self.tests, self.control)
+        self.rounds += 1;
+        let sets = (&self.beginnings, self.tests);
+        Round::run(&self.standing, &self.other_minima, sets, self.rounds, self.control)
     }
 
     fn decide(&mut self, round: &Round) -> Decision {

@@ -48,21 +48,29 @@ pub(crate) fn hidden(tried: &[Candidate], screened: &[Screened]) -> Vec<(usize, 
     hidden
 }
 
-/// Fits to the beginnings of the tests: of all candidates where first order says little, otherwise
-/// of those that screening ranks first, with all pieces and without each of them.
-pub(crate) fn rehearsals(
+/// The candidates to rehearse: all where first order says little, otherwise those that screening
+/// ranks first, with all pieces and without each of them.
+pub(crate) fn listed(
     standing: &Judged,
-    tried: &[Candidate],
     shown: &[usize],
+    screened: &[Screened],
+    coarse: bool,
+) -> Vec<usize> {
+    if coarse {
+        shown.to_vec()
+    } else {
+        short_list(screened, shown, standing.left_out.squares_n2.len())
+    }
+}
+
+/// Fits of listed candidates to the beginnings of the tests.
+pub(crate) fn rehearsals(
+    listed: &[usize],
+    tried: &[Candidate],
     screened: &[Screened],
     coarse: bool,
     rehearse: impl Fn(usize, &[usize]) -> Option<Fit> + Sync,
 ) -> Vec<(usize, Fit)> {
-    let listed = if coarse {
-        shown.to_vec()
-    } else {
-        short_list(screened, shown, standing.left_out.squares_n2.len())
-    };
     listed
         .par_iter()
         .filter_map(|index| {

@@ -3,7 +3,7 @@
 use crate::support::{SERIES, investigate_with, sensors};
 use identification::result::{Errors, Verdict};
 use identification::{
-    Control, TestSet, empirical, nominal_fit, search, simulate, start_deflection_m,
+    Control, Step, TestSet, empirical, nominal_fit, search, simulate, start_deflection_m,
 };
 use std::sync::Mutex;
 use virtual_bench::bench_visit::excitation::Excitation;
@@ -27,7 +27,7 @@ fn a_worn_bore_gets_a_map_over_displacement_that_is_no_physics() {
     // More than noise remains, so pairs are tried; past the limit of work none is, and that is
     // reported.
     let steps = Mutex::new(Vec::new());
-    let progress = |step: &str| steps.lock().unwrap().push(step.to_owned());
+    let progress = |step: &Step<'_>| steps.lock().unwrap().push(step.what.to_owned());
     assert!(found.train.passes() > 1000.0, "{} passes", found.train.passes());
     let nominal = nominal_fit(&found.train, None, Control::QUIET).unwrap();
     let control = Control { progress: &progress, ..Control::QUIET };

@@ -3,7 +3,7 @@
 use crate::support::{NOMINAL, SINES, names, question, sensors};
 use firmware_core::damper::effects::{AsymmetricDamping, SensorDelay};
 use firmware_core::damper::{Damper, Effect};
-use identification::{Control, Identification, IdentificationError, identify};
+use identification::{Control, Identification, IdentificationError, Step, identify};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use virtual_bench::bench_visit::Modelled;
 
@@ -16,8 +16,8 @@ fn stopped_at(step: &str, nth: usize) -> Result<Identification, IdentificationEr
     let damper = Damper::new(NOMINAL, &effects).unwrap();
     let question = question(&SINES, &Modelled { damper }, &sensors());
     let (stop, seen) = (AtomicBool::new(false), AtomicUsize::new(0));
-    let progress = |now: &str| {
-        if now.starts_with(step) && seen.fetch_add(1, Ordering::Relaxed) + 1 == nth {
+    let progress = |now: &Step<'_>| {
+        if now.what.starts_with(step) && seen.fetch_add(1, Ordering::Relaxed) + 1 == nth {
             stop.store(true, Ordering::Relaxed);
         }
     };
