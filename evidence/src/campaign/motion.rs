@@ -17,6 +17,8 @@ const OFF_MIDDLE_MM: f64 = 40.0;
 const WITHIN: f64 = 0.95;
 /// Sampling in which ranges are looked at, s.
 const STEP_S: f64 = 2e-3;
+/// Steps of the table that a motion of many tones is read from, s.
+const TABLE_S: f64 = 1e-3;
 /// Tones of random motion and of an earthquake.
 const TONES: usize = 32;
 /// Length of a random test and of a sweep, s.
@@ -272,6 +274,7 @@ fn random(index: usize, (rms, lowest, highest): (f64, f64, f64), sizes: Sizes) -
     let seed = sizes.seed.wrapping_add(index as u64);
     let (lowest_hz, highest_hz) = (lowest * sizes.hz, highest * sizes.hz);
     let excitation = service(sizes.mm * rms, lowest_hz, highest_hz, TONES, seed);
+    let excitation = excitation.sampled(RANDOM_S, TABLE_S);
     Test::new(format!("random-{index}"), excitation, RANDOM_S)
 }
 
@@ -319,7 +322,7 @@ fn earthquake(index: usize, peak_mm: f64, sizes: Sizes) -> Test {
     for tone in &mut tones {
         tone.amplitude_m *= sizes.mm * peak_mm / peak_m;
     }
-    along(&name, motion(&tones))
+    along(&name, motion(&tones).sampled(stretch.end_s(), TABLE_S))
 }
 
 #[cfg(test)]

@@ -25,11 +25,11 @@ use virtual_bench::bench_visit::{NullGenerator, RawRecord, Specimen, measurement
 /// Strengths that are tried, at most.
 const TRIES: usize = 14;
 /// Corrections by the many-start fit, at most.
-const CORRECTIONS: usize = 4;
+const CORRECTIONS: usize = 3;
 /// Strength over the one before, while climbing.
 const CLIMB: f64 = 4.0;
 /// How near is near enough.
-const NEAR: f64 = 0.04;
+const NEAR: f64 = 0.06;
 /// Size below which a search sees no difference.
 const LEAST_SIZE: f64 = 0.02;
 /// Share of the range of the load cell that a force may use, in rough steps and in fine ones.
