@@ -6,7 +6,9 @@ use super::chance::one_sided;
 use super::gram::Gram;
 use super::judged::Judged;
 use super::test_set::TestSet;
+use nalgebra::DVector;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Smallest relevant share of squared error that an effect removes, seen and left out.
 pub(crate) const LEAST_GAIN: f64 = 0.03;
@@ -15,6 +17,13 @@ const UNCHANGED: f64 = 0.01;
 
 /// A piece excites an effect that changes its force by more than this share of its residual.
 const EXCITED: f64 = 0.05;
+
+/// Share of the squared error on left-out pieces from which a change removes most of it.
+const MOST: f64 = 0.5;
+/// Blocks that carry a change are few below this number.
+const FEW_BLOCKS: f64 = 12.0;
+/// Most parts that a block is cut into.
+const MOST_PARTS: usize = 8;
 
 /// The evidence for one effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,11 +118,55 @@ fn p_value(poorer: &Judged, richer: &Judged, tests: &TestSet) -> f64 {
         .collect();
     let Some(whole) = Gram::sum(grams.iter()) else { return 1.0 };
     let explained = whole.solve();
-    // The sum of each block, plain and divided by the norm of its change: the first is more
-    // powerful where all blocks are alike, the second where a few are much larger than the rest.
-    let (mut plain, mut even) = (Vec::new(), Vec::new());
-    for (piece, (columns, residual)) in tests.pieces.iter().zip(&whitened) {
-        for block in tests.blocks(piece) {
+    let grain = |parts| scores(&whitened, &explained, parts, tests);
+    let mut scores = grain(1);
+    // Where few blocks carry the change and it removes most of the error, whole cycles are too few
+    // to be counted; whitened stretches of a cycle are nearly independent, too.
+    let most = richer.left_out.total_n2() < (1.0 - MOST) * poorer.left_out.total_n2();
+    let mut parts = 2;
+    while most && scores.carried_by() < FEW_BLOCKS && parts <= MOST_PARTS {
+        scores = grain(parts);
+        parts *= 2;
+    }
+    (2.0 * one_sided(&scores.plain).min(one_sided(&scores.even))).min(1.0)
+}
+
+/// Products of a change with the residual, block by block.
+struct Scores {
+    /// The sum of each block.
+    plain: Vec<f64>,
+    /// The same divided by the norm of its change. The plain ones are more powerful where all blocks
+    /// are alike, these where a few are much larger than the rest.
+    even: Vec<f64>,
+    /// Squared norm of the change in each block.
+    squares: Vec<f64>,
+}
+
+impl Scores {
+    /// The number of equal blocks that would carry as much of the change.
+    fn carried_by(&self) -> f64 {
+        let sum: f64 = self.squares.iter().sum();
+        let squares: f64 = self.squares.iter().map(|square| square * square).sum();
+        if squares > 0.0 { sum * sum / squares } else { f64::INFINITY }
+    }
+}
+
+/// The scores of the last column, less the part that the others explain, over blocks that are cut
+/// into so many parts.
+fn scores(
+    whitened: &[(Vec<Vec<f64>>, Vec<f64>)],
+    explained: &DVector<f64>,
+    parts: usize,
+    tests: &TestSet,
+) -> Scores {
+    let mut scores = Scores { plain: Vec::new(), even: Vec::new(), squares: Vec::new() };
+    for (piece, (columns, residual)) in tests.pieces.iter().zip(whitened) {
+        let cut = |block: Range<usize>| {
+            let length = block.len().div_ceil(parts).max(1);
+            let end = block.end;
+            block.step_by(length).map(move |from| from..(from + length).min(end))
+        };
+        for block in tests.blocks(piece).flat_map(cut) {
             let (mut score, mut square) = (0.0, 0.0);
             for i in block.start - piece.samples.start..block.end - piece.samples.start {
                 let own: f64 = columns.iter().zip(explained.iter()).map(|(c, a)| a * c[i]).sum();
@@ -121,11 +174,12 @@ fn p_value(poorer: &Judged, richer: &Judged, tests: &TestSet) -> f64 {
                 score += change * residual[i];
                 square += change * change;
             }
-            plain.push(score);
-            even.push(if square > 0.0 { score / square.sqrt() } else { 0.0 });
+            scores.plain.push(score);
+            scores.even.push(if square > 0.0 { score / square.sqrt() } else { 0.0 });
+            scores.squares.push(square);
         }
     }
-    (2.0 * one_sided(&plain).min(one_sided(&even))).min(1.0)
+    scores
 }
 
 /// The change is the last column, after those of the poorer model.

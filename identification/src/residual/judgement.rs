@@ -2,7 +2,7 @@
 //!
 //! The first that applies is reported: a cycle that is unlike all others; a line, a map or a part
 //! that repeats; a residual that follows the motion; a residual whose size follows the force; a
-//! constant.
+//! residual in a few short stretches; a constant.
 
 use super::maps::CoordinateMap;
 use super::question::Answer;
@@ -19,6 +19,9 @@ const LEAST_SHARE_OF_FORCE: f64 = 2e-4;
 const AT_FLOOR: f64 = 1.3;
 /// A residual from this multiple of a known noise floor is more than that noise.
 const FAR_ABOVE_FLOOR: f64 = 1.5;
+/// A residual from this multiple of the noise of the samples is not called noise: slow and coloured
+/// noise of a bench is usually less.
+const MOST_OF_SAMPLES: f64 = 5.0;
 /// Largest probability of structure by chance, over all coordinates.
 const LARGEST_P: f64 = 1e-3;
 /// Share of the squared residual from which one test holds most of it.
@@ -61,6 +64,7 @@ pub(super) fn judge(
     let found = match (shaped(analysis, residual_n, least_n, tests), motion) {
         (None, motion) => motion
             .or_else(|| follows_force(analysis, own_n))
+            .or_else(|| in_bursts(analysis, own_n, tests))
             .or_else(|| constant(analysis, least_n)),
         (shaped, None) => shaped,
         // Kinks that follow the motion make lines too.
@@ -135,6 +139,30 @@ fn follows_force(analysis: &ResidualAnalysis, own_n: f64) -> Option<Unexplained>
     })
 }
 
+/// Much of the residual is in a few short stretches.
+fn in_bursts(analysis: &ResidualAnalysis, own_n: f64, tests: &TestSet) -> Option<Unexplained> {
+    let bursts = analysis.bursts.as_ref()?;
+    let floor_n = analysis.noise.floor_n.unwrap_or(0.0);
+    if analysis.rms_n <= own_n || analysis.rms_n <= AT_FLOOR * floor_n {
+        return None;
+    }
+    let rms_n = analysis.rms_n * bursts.share.sqrt();
+    let record = &tests.tests.get(bursts.test)?.record;
+    Some(Unexplained {
+        rms_n,
+        coordinate: "time",
+        description: format!(
+            "{} N rms are in {} s of {} s, the largest part at {:.2} s of test {}: an effect that few \
+             strokes reach, or a fault of the record",
+            short(rms_n),
+            short(bursts.duration_s),
+            short(bursts.of_s),
+            record.time_s(bursts.largest_at),
+            record.name
+        ),
+    })
+}
+
 /// A constant that no effect was accepted for.
 fn constant(analysis: &ResidualAnalysis, least_n: f64) -> Option<Unexplained> {
     let mean_n = analysis.constant.mean_n;
@@ -156,6 +184,18 @@ fn constant(analysis: &ResidualAnalysis, least_n: f64) -> Option<Unexplained> {
 /// The reason why a residual without structure cannot be called noise, if there is one.
 pub(super) fn not_judged(analysis: &ResidualAnalysis) -> Option<String> {
     let floor_n = analysis.noise.floor_n;
+    if let Some(of_samples_n) = analysis.noise.of_samples_n
+        && analysis.rms_n > MOST_OF_SAMPLES * of_samples_n
+    {
+        return Some(format!(
+            "whether the residual of {} N rms is noise: it is {:.0} times the noise of the samples \
+             ({} N) and follows neither the motion nor the force: slow noise of the bench, or an \
+             input that was not recorded",
+            short(analysis.rms_n),
+            analysis.rms_n / of_samples_n,
+            short(of_samples_n)
+        ));
+    }
     if floor_n.is_some_and(|floor_n| analysis.rms_n <= FAR_ABOVE_FLOOR * floor_n) {
         return None;
     }

@@ -1,6 +1,6 @@
 //! The residual of a model: noise, or structure.
 //!
-//! Six questions, each answered against chance with independent stretches of record:
+//! Seven questions, each answered against chance with independent stretches of record:
 //!
 //! | question | file | needs |
 //! | --- | --- | --- |
@@ -9,6 +9,7 @@
 //! | has its spectrum lines? | [`lines`] | |
 //! | does it follow the motion? | [`motion`] | parts to leave out |
 //! | does its size follow the force? | [`size`] | a force that changes its size |
+//! | is much of it in a few short stretches? | [`bursts`] | |
 //! | is a constant under it? | [`super::batches`] | |
 //!
 //! None of them needs a noise floor ([`noise`]). Where the floor is known, a structure below a
@@ -17,6 +18,7 @@
 //! is noise where every answer is no. A cycle that is unlike all others ([`unlike`]) is a fault of
 //! the record.
 
+mod bursts;
 pub(crate) mod coordinates;
 mod cycles;
 mod features;
@@ -34,6 +36,7 @@ pub(crate) mod unlike;
 use super::batches::{self, Constant};
 use super::fit::Fit;
 use super::test_set::TestSet;
+use bursts::Bursts;
 use coordinates::{Coordinate, Track};
 pub(crate) use judgement::Unexplained;
 use lines::Line;
@@ -61,6 +64,8 @@ pub struct ResidualAnalysis {
     pub motion: Motion,
     /// Whether its size follows the force.
     pub size: Size,
+    /// Short stretches that hold much of it.
+    pub bursts: Option<Bursts>,
     /// The constant in it.
     pub constant: Constant,
     /// The structure, if there is any.
@@ -97,6 +102,7 @@ impl ResidualAnalysis {
             lines,
             motion: motion::motion(fit, tests),
             size,
+            bursts: bursts::bursts(&residual_n, tests),
             constant: batches::constant(&residual_n, tests),
             unexplained: None,
         };

@@ -26,6 +26,9 @@ pub struct NoiseFloor {
     pub floor_n: Option<f64>,
     /// A lower bound, N, where there is one and the floor is unknown.
     pub at_least_n: Option<f64>,
+    /// White noise of the samples, or noise at rest, N, whether the floor is known or not: all of
+    /// the noise but what is slower or coloured.
+    pub of_samples_n: Option<f64>,
     /// How it was found.
     pub method: &'static str,
 }
@@ -42,9 +45,11 @@ impl NoiseFloor {
         lines_n: f64,
         tests: &TestSet,
     ) -> Self {
+        let (square, source) = lower_bound(residual_n, tests);
+        let of_samples_n = source.map(|_| square.sqrt());
         let known = |floor_n: f64, method| {
             let floor_n = without_lines(floor_n, lines_n, repeat)?;
-            Some(Self { floor_n: Some(floor_n), at_least_n: None, method })
+            Some(Self { floor_n: Some(floor_n), at_least_n: None, of_samples_n, method })
         };
         let by_cycles = repeat.noise_floor_n.and_then(|floor_n| {
             known(floor_n, "difference of the residual between successive cycles")
@@ -58,18 +63,16 @@ impl NoiseFloor {
         {
             return known;
         }
-        let (square, source) = lower_bound(residual_n, tests);
         let unknown = Self {
             floor_n: None,
-            at_least_n: None,
+            at_least_n: of_samples_n,
+            of_samples_n,
             method: "unknown: no cycle and no test repeats without other disturbances, the noise \
                      of the samples is not white, and the damper never rests",
         };
         match source {
             None => unknown,
-            Some(source) => {
-                Self { at_least_n: Some(square.sqrt()), method: source.name(), ..unknown }
-            }
+            Some(source) => Self { method: source.name(), ..unknown },
         }
     }
 }
