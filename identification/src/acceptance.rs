@@ -2,8 +2,7 @@
 //! do.
 //!
 //! A candidate must gain on left-out pieces, there also in the band of the motion, and on the
-//! pieces it is fitted to; improve or leave
-//! unchanged four pieces in five; be significant with all candidates counted; keep its parameters
+//! pieces it is fitted to; improve or leave unchanged four pieces in five; be significant with all candidates counted; keep its parameters
 //! off their bounds; and be chosen again without each piece. Among candidates that predict equally
 //! well one is named. The others are its alternatives, including those that only a parameter on its
 //! bound speaks against.
@@ -24,6 +23,9 @@ const LEAST_AGREEMENT: f64 = 0.8;
 const LARGEST_P: f64 = 0.01;
 /// Standard errors by which the error of an alternative on left-out blocks must be larger.
 const MARGIN: f64 = 2.5;
+/// A small difference of the squared error also separates, where it is far beyond its scatter.
+const LEAST_DIFFERENCE: f64 = 0.01;
+const MARGIN_OF_SMALL: f64 = 4.0;
 /// Ratio from which a nominal parameter counts as another size.
 const OTHER_SIZE: f64 = 3.0;
 
@@ -160,6 +162,7 @@ pub(super) fn distinguishable(best: &Judged, rival: &Judged, tests: &TestSet) ->
     let differences: Vec<f64> = ours.iter().zip(&theirs).map(|(a, b)| b - a).collect();
     let sum: f64 = differences.iter().sum();
     let scatter = differences.iter().map(|d| d * d).sum::<f64>().sqrt();
-    let relevant = sum > LEAST_GAIN * best.left_out.total_n2();
-    relevant && sum > MARGIN * scatter
+    let total = best.left_out.total_n2();
+    let clear = sum > LEAST_GAIN * total && sum > MARGIN * scatter;
+    clear || (sum > LEAST_DIFFERENCE * total && sum > MARGIN_OF_SMALL * scatter)
 }

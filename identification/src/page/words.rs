@@ -33,6 +33,8 @@ pub(super) fn seen(coordinate: &str) -> String {
             "that do not follow from the motion and change with the force".to_owned()
         }
         "frequency" => "in lines of the spectrum".to_owned(),
+        "test" => "in one test".to_owned(),
+        "time" => "in a few short stretches".to_owned(),
         "held_out_tests" => "in the tests held out".to_owned(),
         other => format!("over {}", spoken(other)),
     }

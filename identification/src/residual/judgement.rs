@@ -2,13 +2,14 @@
 //!
 //! The first that applies is reported: a cycle that is unlike all others; a line, a map or a part
 //! that repeats; a residual that follows the motion; a residual whose size follows the force; a
-//! residual in a few short stretches; a constant.
+//! residual in a few short stretches or in one test; a constant.
 
 use super::maps::CoordinateMap;
 use super::question::Answer;
 use super::{ResidualAnalysis, cycles, lines};
 use crate::test_set::TestSet;
-use signal::statistics::rms;
+use report::significant;
+use signal::statistics::{percentile, rms};
 
 /// Structure below this share of the noise floor is not reported.
 const LEAST_SHARE_OF_FLOOR: f64 = 0.25;
@@ -26,6 +27,9 @@ const MOST_OF_SAMPLES: f64 = 5.0;
 const LARGEST_P: f64 = 1e-3;
 /// Share of the squared residual from which one test holds most of it.
 const MOST_OF_ALL: f64 = 0.7;
+/// The same test is louder than the others from this ratio of its mean square to that of the middle
+/// one.
+const LOUDER: f64 = 6.0;
 /// A constant of a smaller share of the squared residual is not reported.
 const LEAST_SHARE_OF_CONSTANT: f64 = 0.03;
 /// Largest probability of a size that follows the force by chance.
@@ -61,10 +65,12 @@ pub(super) fn judge(
     let floor_n = analysis.noise.floor_n.unwrap_or(0.0);
     let least_n = (LEAST_SHARE_OF_FLOOR * floor_n).max(own_n);
     let motion = follows_motion(analysis, least_n);
+    let lone = LoneTest::of(residual_n, tests);
     let found = match (shaped(analysis, residual_n, least_n, tests), motion) {
         (None, motion) => motion
             .or_else(|| follows_force(analysis, own_n))
             .or_else(|| in_bursts(analysis, own_n, tests))
+            .or_else(|| in_one_test(lone.as_ref(), analysis, own_n, tests))
             .or_else(|| constant(analysis, least_n)),
         (shaped, None) => shaped,
         // Kinks that follow the motion make lines too.
@@ -75,24 +81,67 @@ pub(super) fn judge(
         }
         (Some(shaped), Some(motion)) => Some(shaped.also(&motion.description)),
     };
-    match (found, mostly_in_one(residual_n, tests)) {
-        (Some(found), Some(one)) => Some(found.also(&one)),
+    match (found, lone) {
+        (Some(found), Some(lone)) => Some(found.also(&lone.description())),
         (found, _) => found,
     }
 }
 
 /// The test that holds most of the squared residual, if one of several does.
-fn mostly_in_one(residual_n: &[Vec<f64>], tests: &TestSet) -> Option<String> {
-    let each = tests.tests.iter().zip(residual_n).map(|(test, residual)| {
-        let square: f64 = residual[test.counted()].iter().map(|r| r * r).sum();
-        (square, test)
-    });
-    let all: Vec<_> = each.collect();
-    let total: f64 = all.iter().map(|(square, _)| square).sum();
-    let (square, test) = all.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let share = square / total;
-    (all.len() > 2 && share > MOST_OF_ALL).then(|| {
-        format!("test {} holds {:.0} % of the squared residual", test.record.name, 100.0 * share)
+struct LoneTest<'a> {
+    name: &'a str,
+    /// Sum of its squared residual, N2.
+    square_n2: f64,
+    /// Its share of all.
+    share: f64,
+    /// Its mean square over the middle one of all tests.
+    ratio: f64,
+}
+
+impl<'a> LoneTest<'a> {
+    fn of(residual_n: &[Vec<f64>], tests: &'a TestSet) -> Option<Self> {
+        let each = tests.tests.iter().zip(residual_n).map(|(test, residual)| {
+            let counted = &residual[test.counted()];
+            let square_n2: f64 = counted.iter().map(|r| r * r).sum();
+            (square_n2, square_n2 / counted.len().max(1) as f64, test)
+        });
+        let all: Vec<_> = each.collect();
+        let total: f64 = all.iter().map(|(square, ..)| square).sum();
+        let means: Vec<f64> = all.iter().map(|(_, mean, _)| *mean).collect();
+        let middle = percentile(&means, 0.5)?;
+        let (square_n2, mean, test) = all.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let share = square_n2 / total;
+        (all.len() > 2 && share > MOST_OF_ALL).then(|| Self {
+            name: &test.record.name,
+            square_n2: *square_n2,
+            share,
+            ratio: mean / middle.max(f64::MIN_POSITIVE),
+        })
+    }
+
+    fn description(&self) -> String {
+        format!("test {} holds {:.0} % of the squared residual", self.name, 100.0 * self.share)
+    }
+}
+
+/// Most of the residual is in one test, though the noise of one bench is as large in all.
+fn in_one_test(
+    lone: Option<&LoneTest<'_>>,
+    analysis: &ResidualAnalysis,
+    own_n: f64,
+    tests: &TestSet,
+) -> Option<Unexplained> {
+    let lone = lone.filter(|lone| lone.ratio > LOUDER && analysis.rms_n > own_n)?;
+    let rms_n = (lone.square_n2 / tests.counted_samples() as f64).sqrt().min(analysis.rms_n);
+    Some(Unexplained {
+        rms_n,
+        coordinate: "test",
+        description: format!(
+            "{} N rms are in one test, where the residual is {:.0} times as large as in the others: an \
+             effect that only its motion reaches, or a fault of its record",
+            short(rms_n),
+            lone.ratio.sqrt()
+        ),
     })
 }
 
@@ -346,9 +395,5 @@ fn describe(map: &CoordinateMap) -> String {
 
 /// Three digits.
 fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let digits = (2.0 - libm::floor(libm::log10(value.abs()))).clamp(0.0, 12.0) as usize;
-    format!("{value:.digits$}")
+    significant(value, 3)
 }

@@ -1,6 +1,7 @@
 //! The verdict in words.
 
 use super::{IdentifyResult, Verdict};
+use report::significant;
 
 impl IdentifyResult {
     /// The verdict in a sentence without its full stop.
@@ -14,7 +15,11 @@ impl IdentifyResult {
             })
             .collect();
         let unexplained = self.unexplained.as_ref().map_or(String::new(), |part| {
-            format!("{:.4} N rms are unexplained, over {}", part.rms_n, part.coordinate)
+            format!(
+                "{} N rms are unexplained, {}",
+                significant(part.rms_n, 3),
+                place(part.coordinate)
+            )
         });
         let not_judged = self.not_judged.as_deref().unwrap_or_default();
         let unknown = if self.noise_floor_n.is_none() { " (noise floor unknown)" } else { "" };
@@ -30,5 +35,16 @@ impl IdentifyResult {
                 format!("missing: {}; {unexplained}", names.join(", "))
             }
         }
+    }
+}
+
+/// Where structure was found.
+fn place(coordinate: &str) -> String {
+    match coordinate {
+        "test" => "in one test".to_owned(),
+        "time" => "in a few short stretches".to_owned(),
+        "motion" => "and follow from the motion".to_owned(),
+        "size_of_the_force" => "and change with the force".to_owned(),
+        other => format!("over {}", other.replace('_', " ")),
     }
 }

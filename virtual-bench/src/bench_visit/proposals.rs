@@ -28,14 +28,14 @@ pub struct Proposal {
 
 /// Amplitudes, as shares of the stroke.
 const AMPLITUDES: [f64; 5] = [0.05, 0.12, 0.3, 0.6, 0.95];
-const FREQUENCIES_HZ: [f64; 7] = [0.1, 0.3, 1.0, 2.0, 4.0, 8.0, 16.0];
+const FREQUENCIES_HZ: [f64; 7] = [0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
 /// Speeds of triangles, as shares of the highest.
 const SPEEDS: [f64; 5] = [0.02, 0.06, 0.2, 0.5, 0.95];
 /// Shortest test with enough cycles, s, and cycles of a slow one.
-const SHORTEST_S: f64 = 5.0;
-const CYCLES: f64 = 6.0;
-/// Longest test, s.
-const LONGEST_S: f64 = 60.0;
+const SHORTEST_S: f64 = 10.0;
+const CYCLES: f64 = 5.0;
+/// Longest test, s: a longer one would outweigh all others.
+const LONGEST_S: f64 = 30.0;
 /// Seed of the random motion.
 const SEED: u64 = 7;
 
