@@ -7,8 +7,7 @@
 //! | [`campaign`] | how often `identify` is right, on simulated records of known dampers |
 //! | [`EvidenceError`] | what can go wrong in any of them |
 //!
-//! Read [`validation`] first: one file per reference, each with its tolerance derived. The cases of
-//! the campaign that is published with the project are in `data/identification-campaign`.
+//! Read [`validation`] first: one file per reference, each with its tolerance derived.
 //!
 //! The crate stands on top of all others that compute: `identification` and `virtual-bench` for the
 //! campaign, `vehicle-studies` for the figures. Only the command line uses it.

@@ -2,10 +2,10 @@
 //! do.
 //!
 //! A candidate must gain on left-out pieces, there also in the band of the motion, and on the
-//! pieces it is fitted to; improve or leave unchanged four pieces in five; be significant with all candidates counted; keep its parameters
-//! off their bounds; and be chosen again without each piece. Among candidates that predict equally
-//! well one is named. The others are its alternatives, including those that only a parameter on its
-//! bound speaks against.
+//! pieces it is fitted to; improve or leave unchanged four pieces in five; be significant with all
+//! candidates counted; keep its parameters off their bounds; and be chosen again without each
+//! piece. Among candidates that predict equally well one is named. The others are its alternatives,
+//! including those that only a parameter on its bound speaks against.
 
 use super::candidate::Candidate;
 use super::coordinate::physical_limit;

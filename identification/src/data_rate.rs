@@ -10,9 +10,9 @@
 //! model steps <= 1 / (80 f(0.95))              an error of 0.05 % of the velocity
 //! ```
 //!
-//! for the fastest test; all tests keep the same share of their samples, so that their weights stay.
-//! The models that the search finds are fitted once more to all samples, and everything that is
-//! stated about them comes from there.
+//! for the fastest test; all tests keep the same share of their samples, so that their weights
+//! stay. The models that the search finds are fitted once more to all samples, and everything that
+//! is stated about them comes from there.
 
 use super::test_set::TestSet;
 use firmware_core::damper::effects::CATALOGUE;

@@ -135,8 +135,8 @@ fn p_value(poorer: &Judged, richer: &Judged, tests: &TestSet) -> f64 {
 struct Scores {
     /// The sum of each block.
     plain: Vec<f64>,
-    /// The same divided by the norm of its change. The plain ones are more powerful where all blocks
-    /// are alike, these where a few are much larger than the rest.
+    /// The same divided by the norm of its change. The plain ones are more powerful where all
+    /// blocks are alike, these where a few are much larger than the rest.
     even: Vec<f64>,
     /// Squared norm of the change in each block.
     squares: Vec<f64>,

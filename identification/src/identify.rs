@@ -163,7 +163,9 @@ fn on_all_samples(
     let whole = |judged: &Judged| -> Result<Judged, IdentificationError> {
         let Fit { model, values, .. } = judged.fit();
         let fitted = fit(model, values, train, Effort::FULL, control);
-        let fitted = fitted.or_else(|| Fit::evaluate(model, values, train));
+        let values = fitted.as_ref().map_or(values, |fitted| &fitted.values);
+        // The starts of the dashpots as everyone finds them who simulates the model.
+        let fitted = Fit::evaluate(model, values, train);
         let judged = fitted.and_then(|fit| Judged::new(fit, train));
         let judged = judged.ok_or(IdentificationError::NoFit)?;
         Ok(with_idle_at_usual(judged, train))

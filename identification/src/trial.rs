@@ -27,6 +27,8 @@ pub(crate) struct Trial {
 /// out within it, unless the others would have found the candidate too.
 const LONE_SHARE: f64 = 0.98;
 
+/// Shares of the usual value of parameters from zero; with the last one an effect hardly acts.
+const WEAKER: [f64; 3] = [1.0, 0.2, 0.02];
 /// Share of the clearance with which a candidate also starts.
 const PART_OF_CLEARANCE: f64 = 0.4;
 
@@ -98,10 +100,20 @@ pub(crate) fn try_candidate(
     let mut best = fit(&model, start, tests, Effort::TRIAL, control)?;
     if best.total_n2() > standing.total_n2() {
         // A richer model cannot be worse: the start found on the beginnings was misleading.
-        let usual = [standing.values.as_slice(), candidate.starts.first()?].concat();
-        let again = fit(&model, &usual, tests, Effort::TRIAL, control)?;
-        if again.total_n2() < best.total_n2() {
-            best = again;
+        let usual = candidate.starts.first()?;
+        for share in WEAKER {
+            let rows = candidate.effect.parameters.iter().zip(usual);
+            let weaker: Vec<f64> = rows
+                .map(|(row, value)| {
+                    let from_zero = row.bounds(&tests.scale).0 == 0.0;
+                    if from_zero { share * value } else { *value }
+                })
+                .collect();
+            let start = [standing.values.as_slice(), &weaker].concat();
+            let again = fit(&model, &start, tests, Effort::TRIAL, control)?;
+            if again.total_n2() < best.total_n2() {
+                best = again;
+            }
         }
     }
     let mut judged = Judged::new(best, tests)?;

@@ -212,8 +212,8 @@ fn drift_n2_of(means_n: &[f64]) -> f64 {
     ((all - 0.5 * neighbours) / pairs as f64).max(0.0)
 }
 
-/// Values less the line through them: a slow drift is nearly a line within a cycle, and its lines of
-/// neighbouring cycles are alike.
+/// Values less the line through them: a slow drift is nearly a line within a cycle, and its lines
+/// in neighbouring cycles are alike.
 fn without_line(mut values: Vec<f64>) -> Vec<f64> {
     let count = values.len() as f64;
     let middle = 0.5 * (count - 1.0);
