@@ -193,8 +193,8 @@ impl TestSet {
         thinned
     }
 
-    /// The same tests cut short once they are under way, with fewer samples and longer steps: enough to
-    /// search for start values. Their scale stays that of the whole.
+    /// The same tests cut short once they are under way, with fewer samples and longer steps:
+    /// enough to search for start values. Their scale stays that of the whole.
     #[must_use]
     pub fn beginnings(&self, longest_s: f64) -> Self {
         let records = self.tests.iter().map(|test| {
