@@ -29,9 +29,9 @@ impl Effort {
     /// To the minimum.
     pub const FULL: Self = Self::new(3, 12, 1e-7);
     /// Near enough to the minimum to judge a candidate.
-    pub const TRIAL: Self = Self::new(2, 16, 1e-5);
+    pub const TRIAL: Self = Self::new(2, 40, 1e-5);
     /// Enough to compare starts.
-    pub const SHORT: Self = Self::new(1, 4, 1e-4);
+    pub const SHORT: Self = Self::new(1, 12, 1e-4);
 
     /// To the minimum where the gain is this small.
     const fn new(rounds: usize, patience: usize, gain: f64) -> Self {
