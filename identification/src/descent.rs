@@ -16,7 +16,7 @@
 //! Sums are formed in the order of the coordinates and samples, so the result does not depend on
 //! the number of cores.
 
-use super::gram::Gram;
+use super::gram::{Gram, dot};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -66,14 +66,12 @@ pub(crate) fn descend<P: LeastSquares>(
     let mut squares = sum_of_squares(&residual);
     let mut slopes = Slopes::at(problem, &free, &residual)?;
     let (mut damping, mut computed) = (DAMPING, 1);
-    let (mut nj, mut ne, s0, t0) = (1, 0, squares, std::time::Instant::now());
     for _ in 0..limits.patience * (free.len() + 1) {
         if problem.is_stopped() {
             return None;
         }
         let (step, forecast) = slopes.step(&residual, damping);
         let worth_it = forecast > limits.gain * squares;
-        ne += 1;
         let tried = DVector::from_column_slice(&free) + &step;
         let there = if worth_it { problem.residual(tried.as_slice()) } else { None };
         let now = there.as_deref().map_or(f64::INFINITY, sum_of_squares);
@@ -102,24 +100,12 @@ pub(crate) fn descend<P: LeastSquares>(
                 break;
             }
             slopes = Slopes::at(problem, &free, &residual)?;
-            nj += 1;
         } else if gained <= 0.0 || gained.is_nan() {
             damping *= 10.0;
             if damping > MOST_DAMPING {
                 break;
             }
         }
-    }
-    if std::env::var("DD").is_ok() {
-        eprintln!(
-            "DD n {} rows {} evals {ne} jac {nj} {:.6e} -> {:.6e} damping {damping:.0e} {:.3} s per {:.2e}",
-            free.len(),
-            residual.len(),
-            s0,
-            squares,
-            t0.elapsed().as_secs_f64(),
-            t0.elapsed().as_secs_f64() / (ne + nj * free.len()) as f64 / residual.len() as f64
-        );
     }
     (!problem.is_stopped()).then_some(free)
 }
@@ -208,11 +194,6 @@ impl Slopes {
 
 fn sum_of_squares(values: &[f64]) -> f64 {
     dot(values, values)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    debug_assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -123,7 +123,9 @@ impl Gram {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// Sum of products of equally long columns.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    debug_assert_eq!(a.len(), b.len(), "columns cover the same samples");
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
