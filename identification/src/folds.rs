@@ -148,18 +148,16 @@ fn fold(
             step *= LONGEST_STEP / longest;
         }
         let tried = &free + &step;
-        let forecast = gram_now.fall(&step);
-        if forecast < DONE * squares
-            && fit.model.damper(&fit.model.values(tried.as_slice())).is_some()
-        {
-            // So small a step needs no simulation of the others.
-            (free, squares) = (tried, squares - forecast.max(0.0));
-            break;
-        }
         let Some(damper) = fit.model.damper(&fit.model.values(tried.as_slice())) else {
             damping *= 100.0;
             continue;
         };
+        let forecast = gram_now.fall(&step);
+        if forecast < DONE * squares {
+            // So small a step needs no simulation of the others.
+            (free, squares) = (tried, squares - forecast.max(0.0));
+            break;
+        }
         let mut tried_n = force_n.clone();
         for (index, test) in tests.tests.iter().enumerate() {
             if seen.iter().any(|piece| piece.test == index) {

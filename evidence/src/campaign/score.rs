@@ -205,18 +205,10 @@ fn errors(found: &Identification, truth: Option<&Damper>, third: &TestSet) -> Op
 
 /// rms error of a damper on tests, N, over the same samples as those of `identify`.
 fn rmse_of(damper: &Damper, tests: &TestSet) -> f64 {
-    let (mut sum, mut count) = (0.0, 0);
-    for test in &tests.tests {
-        let start_m = start_deflection_m(damper, test);
-        let force_n = simulate(damper, test, start_m);
-        let Measurement { force_n: measured, .. } = &test.record;
-        for i in test.counted() {
-            let error = measured[i] - force_n[i];
-            sum += error * error;
-            count += 1;
-        }
-    }
-    (sum / f64::from(count.max(1))).sqrt()
+    let each = tests.tests.iter();
+    let force_n: Vec<Vec<f64>> =
+        each.map(|test| simulate(damper, test, start_deflection_m(damper, test))).collect();
+    tests.rmse_n(&force_n).unwrap_or(0.0)
 }
 
 fn true_parameters(damper: &Damper) -> Vec<(String, f64)> {

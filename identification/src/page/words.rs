@@ -3,7 +3,7 @@
 use super::prefix::{quantity, uncertain};
 use crate::identify::Identification;
 use crate::judged::Judged;
-use crate::result::{EffectFound, Errors, IdentifyResult};
+use crate::result::{EffectFound, Errors, IdentifyResult, place};
 use report::significant;
 
 /// The title of the page.
@@ -33,10 +33,8 @@ pub(super) fn seen(coordinate: &str) -> String {
             "that do not follow from the motion and change with the force".to_owned()
         }
         "frequency" => "in lines of the spectrum".to_owned(),
-        "test" => "in one test".to_owned(),
-        "time" => "in a few short stretches".to_owned(),
         "held_out_tests" => "in the tests held out".to_owned(),
-        other => format!("over {}", spoken(other)),
+        other => place(other),
     }
 }
 

@@ -137,8 +137,8 @@ fn in_one_test(
         rms_n,
         coordinate: "test",
         description: format!(
-            "{} N rms are in one test, where the residual is {:.0} times as large as in the others: an \
-             effect that only its motion reaches, or a fault of its record",
+            "{} N rms are in one test, where the residual is {:.0} times as large as in the others: \
+             an effect that only its motion reaches, or a fault of its record",
             short(rms_n),
             lone.ratio.sqrt()
         ),
@@ -201,8 +201,8 @@ fn in_bursts(analysis: &ResidualAnalysis, own_n: f64, tests: &TestSet) -> Option
         rms_n,
         coordinate: "time",
         description: format!(
-            "{} N rms are in {} s of {} s, the largest part at {:.2} s of test {}: an effect that few \
-             strokes reach, or a fault of the record",
+            "{} N rms are in {} s of {} s, the largest part at {:.2} s of test {}: an effect that \
+             few strokes reach, or a fault of the record",
             short(rms_n),
             short(bursts.duration_s),
             short(bursts.of_s),

@@ -8,6 +8,7 @@ pub(crate) use build::{Parts, Simulated};
 pub use crate::gate::{CheckedOn, Gate, Prefix};
 use crate::residual::ResidualAnalysis;
 use crate::residual::question::Answer;
+pub(crate) use sentence::place;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

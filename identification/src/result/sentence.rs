@@ -39,7 +39,7 @@ impl IdentifyResult {
 }
 
 /// Where structure was found.
-fn place(coordinate: &str) -> String {
+pub(crate) fn place(coordinate: &str) -> String {
     match coordinate {
         "test" => "in one test".to_owned(),
         "time" => "in a few short stretches".to_owned(),
