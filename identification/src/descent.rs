@@ -41,7 +41,9 @@ pub(crate) trait LeastSquares: Sync {
     fn residual(&self, free: &[f64]) -> Option<Vec<f64>>;
 
     /// True once the work is to end.
-    fn is_stopped(&self) -> bool;
+    fn is_stopped(&self) -> bool {
+        false
+    }
 }
 
 /// How far a descent goes.
@@ -110,6 +112,30 @@ pub(crate) fn descend<P: LeastSquares>(
     (!problem.is_stopped()).then_some(free)
 }
 
+/// Change of the residual per change of each coordinate; zero where there is no model on either
+/// side.
+pub(crate) fn columns<P: LeastSquares>(
+    problem: &P,
+    free: &[f64],
+    residual: &[f64],
+) -> Vec<Vec<f64>> {
+    let column = |index: usize| {
+        // The other side, if there is no model on the first.
+        let sides = [P::DERIVATIVE_STEP, -P::DERIVATIVE_STEP];
+        let shifted = sides.into_iter().find_map(|step| {
+            let mut shifted = free.to_vec();
+            shifted[index] += step;
+            problem.residual(&shifted).map(|there| (there, step))
+        });
+        let Some((mut there, step)) = shifted else { return vec![0.0; residual.len()] };
+        for (there, here) in there.iter_mut().zip(residual) {
+            *there = (*there - here) / step;
+        }
+        there
+    };
+    (0..free.len()).into_par_iter().map(column).collect()
+}
+
 /// Columns of derivatives, and their products with each other.
 struct Slopes {
     columns: Vec<Vec<f64>>,
@@ -120,21 +146,7 @@ struct Slopes {
 
 impl Slopes {
     fn at<P: LeastSquares>(problem: &P, free: &[f64], residual: &[f64]) -> Option<Self> {
-        let column = |index: usize| {
-            // The other side, if there is no model on the first.
-            let sides = [P::DERIVATIVE_STEP, -P::DERIVATIVE_STEP];
-            let shifted = sides.into_iter().find_map(|step| {
-                let mut shifted = free.to_vec();
-                shifted[index] += step;
-                problem.residual(&shifted).map(|there| (there, step))
-            });
-            let Some((mut there, step)) = shifted else { return vec![0.0; residual.len()] };
-            for (there, here) in there.iter_mut().zip(residual) {
-                *there = (*there - here) / step;
-            }
-            there
-        };
-        let columns: Vec<Vec<f64>> = (0..free.len()).into_par_iter().map(column).collect();
+        let columns = columns(problem, free, residual);
         if problem.is_stopped() {
             return None;
         }
@@ -214,10 +226,6 @@ mod tests {
             // No model beyond x = 3.
             (free[0] < 3.0).then(|| vec![10.0 * (free[1] - free[0] * free[0]), 1.0 - free[0]])
         }
-
-        fn is_stopped(&self) -> bool {
-            false
-        }
     }
 
     const MINIMUM: Limits = Limits { patience: 60, gain: 1e-12, to_minimum: true };
@@ -259,10 +267,6 @@ mod tests {
                 terms.sum::<f64>()
             };
             Some((0..40).map(at).collect())
-        }
-
-        fn is_stopped(&self) -> bool {
-            false
         }
     }
 

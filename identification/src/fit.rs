@@ -266,28 +266,27 @@ pub(crate) fn slopes(
 ) -> Vec<Vec<Vec<f64>>> {
     let count = tests.tests.len();
     debug_assert_eq!((force_n.len(), starts_m.len()), (count, count), "one of each per test");
-    let dampers: Vec<_> = (0..free.len())
-        .map(|index| {
-            // The other side, if there is no damper on the first.
-            [DERIVATIVE_STEP, -DERIVATIVE_STEP].into_iter().find_map(|step| {
-                let mut shifted = free.to_vec();
-                shifted[index] += step;
-                model.damper(&model.values(&shifted)).map(|damper| (damper, step))
-            })
-        })
-        .collect();
-    let flat: Vec<Vec<f64>> = (0..free.len() * count)
-        .into_par_iter()
-        .map(|job| {
-            let (parameter, test) = (job / count, job % count);
-            let base = &force_n[test];
-            let Some((damper, step)) = &dampers[parameter] else {
-                return vec![0.0; base.len()];
-            };
-            let shifted = simulate(damper, &tests.tests[test], starts_m[test]);
-            shifted.iter().zip(base).map(|(there, here)| (there - here) / step).collect()
-        })
-        .collect();
-    let mut flat = flat.into_iter();
-    free.iter().map(|_| flat.by_ref().take(count).collect()).collect()
+    let whole = WholeTests { model, tests, starts_m };
+    let by_test = |column: Vec<f64>| {
+        let mut rest = column.as_slice();
+        let lengths = force_n.iter().map(Vec::len);
+        let cut = lengths.filter_map(|length| rest.split_off(..length).map(<[f64]>::to_vec));
+        cut.collect()
+    };
+    descent::columns(&whole, free, &force_n.concat()).into_iter().map(by_test).collect()
+}
+
+/// The force itself, over all samples of all tests one after the other.
+struct WholeTests<'a> {
+    model: &'a GreyBox,
+    tests: &'a TestSet,
+    starts_m: &'a [f64],
+}
+
+impl LeastSquares for WholeTests<'_> {
+    const DERIVATIVE_STEP: f64 = DERIVATIVE_STEP;
+
+    fn residual(&self, free: &[f64]) -> Option<Vec<f64>> {
+        Some(forces(self.model, &self.model.values(free), self.starts_m, self.tests)?.concat())
+    }
 }

@@ -57,7 +57,6 @@ pub(crate) fn bursts(residual_n: &[Vec<f64>], tests: &TestSet) -> Option<Bursts>
         let length = (plain.len() / BLOCKS).max(FEWEST_SAMPLES);
         let energies: Vec<f64> = white.chunks_exact(length).map(square).collect();
         let Some(median) = percentile(&energies, 0.5) else { continue };
-        // In units of the median, so that a test with more noise counts as much as another.
         let unit = median.max(f64::MIN_POSITIVE);
         for (k, energy) in energies.iter().enumerate() {
             let own = square(&plain[k * length..(k + 1) * length]);
@@ -67,6 +66,7 @@ pub(crate) fn bursts(residual_n: &[Vec<f64>], tests: &TestSet) -> Option<Bursts>
             }
             (held, count) = (held + own, count + 1.0);
             found.duration_s += length as f64 * test.record.step_s;
+            // A test with more noise counts as much as another.
             if energy / unit > largest {
                 largest = energy / unit;
                 (found.test, found.largest_at) = (index, counted.start + k * length + length / 2);
@@ -77,4 +77,40 @@ pub(crate) fn bursts(residual_n: &[Vec<f64>], tests: &TestSet) -> Option<Bursts>
     found.share = if whole > 0.0 { held / whole } else { 0.0 };
     let few = count < MOST_BLOCKS * blocks;
     (few && found.share > LEAST_SHARE).then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use measurement::{Measurement, Series};
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    fn tests() -> TestSet {
+        let wave = |n: usize| 1e-3 * libm::sin(0.02 * n as f64);
+        let x: Vec<f64> = (0..6000).map(wave).collect();
+        let series = Series::sampled("a", 1e3, x.clone(), x.iter().map(|x| 1e7 * x).collect());
+        TestSet::new(vec![Measurement::from_series(series).unwrap()])
+    }
+
+    fn noise() -> Vec<f64> {
+        let mut random = ChaCha8Rng::seed_from_u64(4);
+        (0..6000).map(|_| f64::from(random.next_u32()) / f64::from(u32::MAX) - 0.5).collect()
+    }
+
+    #[test]
+    fn noise_has_no_bursts() {
+        assert_eq!(bursts(&[noise()], &tests()), None);
+    }
+
+    #[test]
+    fn a_blow_is_found_where_it_is() {
+        let mut residual = noise();
+        for (n, value) in residual[4000..4060].iter_mut().enumerate() {
+            *value += if n % 3 == 0 { 8.0 } else { -6.0 };
+        }
+        let found = bursts(&[residual], &tests()).unwrap();
+        assert!((3980..4080).contains(&found.largest_at), "{found:?}");
+        assert!(found.share > 0.8 && found.duration_s < 0.2, "{found:?}");
+    }
 }

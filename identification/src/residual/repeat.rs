@@ -20,6 +20,7 @@ use super::cycles::{runs, starts};
 use super::unlike::{Unlike, unlike};
 use crate::chance::one_sided;
 use crate::test_set::{Test, TestSet};
+use measurement::noise::cycles::rest_of_shift_s;
 use signal::statistics::{mean, moving_mean};
 
 /// Points of phase that a cycle is averaged into.
@@ -124,23 +125,17 @@ impl SuccessiveCycles {
         if start == 0 || start >= end || end + shift >= residual.len() {
             return None;
         }
-        let middle = x[start..end].iter().sum::<f64>() / (end - start) as f64;
-        let (mut across, mut speed2, mut size2) = (0.0, 0.0, 0.0_f64);
-        for n in start..end {
-            let mean = 0.5 * (v[n] + v[n + shift]);
-            across += mean * (x[n + shift] - x[n]);
-            speed2 += mean * mean;
-            size2 += (x[n] - middle) * (x[n] - middle);
-        }
-        let late_s = if speed2 > 0.0 { across / speed2 } else { 0.0 };
+        let late_s = rest_of_shift_s((x, v), start..end, shift);
+        let middle = mean(&x[start..end]);
         let slope = |n: usize| (residual[n + 1] - residual[n - 1]) / (2.0 * test.record.step_s);
-        let (mut square_n2, mut unlike2) = (0.0, 0.0_f64);
+        let (mut square_n2, mut unlike2, mut size2) = (0.0, 0.0_f64, 0.0_f64);
         for n in start..end {
             let moved = late_s * 0.5 * (slope(n) + slope(n + shift));
             let difference = residual[n + shift] - residual[n] - moved;
             square_n2 += difference * difference;
             let apart = x[n + shift] - x[n] - late_s * 0.5 * (v[n] + v[n + shift]);
             unlike2 += apart * apart;
+            size2 += (x[n] - middle) * (x[n] - middle);
         }
         let unlike = if size2 > 0.0 { (unlike2 / size2).sqrt() } else { 0.0 };
         Some(Self { square_n2, samples: end - start, unlike })

@@ -14,6 +14,7 @@
 
 use crate::measurement::Measurement;
 use nalgebra::{Matrix4, Vector4};
+use std::ops::Range;
 
 /// From cycle to cycle; `None` with fewer than two whole cycles behind the run-in.
 pub fn rms_n(test: &Measurement) -> Option<f64> {
@@ -24,15 +25,7 @@ pub fn rms_n(test: &Measurement) -> Option<f64> {
         let (start, shift) = (pair[0], pair[1] - pair[0]);
         let end = pair[1].min(x.len().saturating_sub(shift + 1));
         let here = |n: usize| Some((*x.get(n)?, *v.get(n)?, *f.get(n)?));
-        // The part of the shift that is no whole sample, from the slope of the displacement.
-        let (mut top, mut bottom) = (0.0, 0.0);
-        for n in start..end {
-            let ((x0, v0, _), (x1, v1, _)) = (here(n)?, here(n + shift)?);
-            let mean = 0.5 * (v0 + v1);
-            top += mean * (x1 - x0);
-            bottom += mean * mean;
-        }
-        let late_s = if bottom > 0.0 { top / bottom } else { 0.0 };
+        let late_s = rest_of_shift_s((x, v), start..end, shift);
         for n in start.max(1)..end {
             let ((x0, v0, f0), (x1, v1, f1)) = (here(n)?, here(n + shift)?);
             let slope = |at: usize| Some((f.get(at + 1)? - f.get(at - 1)?) / (2.0 * test.step_s));
@@ -52,6 +45,19 @@ pub fn rms_n(test: &Measurement) -> Option<f64> {
     }
     let rss = residual_sum(&rows, &differences);
     Some((rss / (2.0 * (differences.len() - 4) as f64)).sqrt())
+}
+
+/// The part of the shift between two cycles that is no whole sample, s, from the displacement and
+/// its slope over the samples of the first one.
+pub fn rest_of_shift_s((x, v): (&[f64], &[f64]), first: Range<usize>, shift: usize) -> f64 {
+    debug_assert!(first.end + shift <= x.len() && x.len() == v.len(), "{first:?} and {shift}");
+    let (mut top, mut bottom) = (0.0, 0.0);
+    for n in first {
+        let mean = 0.5 * (v[n] + v[n + shift]);
+        top += mean * (x[n + shift] - x[n]);
+        bottom += mean * mean;
+    }
+    if bottom > 0.0 { top / bottom } else { 0.0 }
 }
 
 /// Sum of squares of the residual of four regressors; empty ones explain nothing.
