@@ -164,11 +164,7 @@ impl Slopes {
         debug_assert!(damping > 0.0, "{damping}");
         let mut here = self.products.clone();
         here.residual = -self.toward(residual);
-        let mut step = here.damped(damping).solve();
-        let longest = step.amax();
-        if longest > LONGEST_STEP {
-            step *= LONGEST_STEP / longest;
-        }
+        let step = here.damped(damping).solve_within(LONGEST_STEP);
         let forecast = here.fall(&step);
         (step, forecast)
     }

@@ -82,6 +82,38 @@ impl Gram {
         (eigen.eigenvectors * solved).component_mul(&scale)
     }
 
+    /// The same with no coefficient larger than `longest`: one that would be larger is held there
+    /// and the others are solved anew, so that a column that hardly acts does not shorten all.
+    pub(crate) fn solve_within(&self, longest: f64) -> DVector<f64> {
+        debug_assert!(longest > 0.0, "{longest}");
+        let count = self.columns.nrows();
+        let mut held: Vec<Option<f64>> = vec![None; count];
+        loop {
+            let mut rest = self.clone();
+            for (column, value) in held.iter().enumerate() {
+                let Some(value) = value else { continue };
+                rest.residual -= self.columns.column(column) * *value;
+            }
+            for column in (0..count).filter(|column| held[*column].is_some()) {
+                rest.residual[column] = 0.0;
+                rest.columns.row_mut(column).fill(0.0);
+                rest.columns.column_mut(column).fill(0.0);
+            }
+            let mut solved = rest.solve();
+            let mut all_within = true;
+            for (column, held) in held.iter_mut().enumerate() {
+                if held.is_none() && solved[column].abs() > longest {
+                    *held = Some(longest.copysign(solved[column]));
+                    all_within = false;
+                }
+                solved[column] = held.unwrap_or(solved[column]);
+            }
+            if all_within {
+                return solved;
+            }
+        }
+    }
+
     /// With a share of every column's own weight added: steps along weak directions become short.
     #[must_use]
     pub(crate) fn damped(&self, share: f64) -> Self {
@@ -135,6 +167,19 @@ const SMALLEST_SHARE: f64 = 1e-11;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_column_that_hardly_acts_does_not_shorten_the_others() {
+        // The second column would need 1e6 to explain its part.
+        let (strong, weak, y) = ([1.0, 0.0, 0.0], [0.0, 1e-6, 0.0], [0.5, 1.0, 0.0]);
+        let gram = Gram::over(&[&strong, &weak], &y);
+        let free = gram.solve();
+        assert!((free[1] - 1e6).abs() < 1.0, "{free}");
+        let held = gram.solve_within(4.0);
+        assert_eq!((held[0], held[1]), (0.5, 4.0));
+        // Where all are small, nothing changes.
+        assert_eq!(gram.solve_within(2e6), free);
+    }
 
     #[test]
     fn least_squares_by_hand() {
