@@ -3,6 +3,7 @@
 
 use super::band::gain_in_band;
 use super::chance::one_sided;
+use super::few_strokes;
 use super::gram::Gram;
 use super::judged::Judged;
 use super::test_set::TestSet;
@@ -128,6 +129,16 @@ fn p_value(poorer: &Judged, richer: &Judged, tests: &TestSet) -> f64 {
         scores = grain(parts);
         parts *= 2;
     }
+    if most && scores.carried_by() < FEW_BLOCKS {
+        let parameters = richer.fit().values.len().saturating_sub(own.len());
+        let whole = whitened.iter().flat_map(|(columns, residual)| {
+            residual.iter().enumerate().map(|(i, r)| (unexplained(columns, &explained, i), *r))
+        });
+        let (change, residual): (Vec<f64>, Vec<f64>) = whole.unzip();
+        if let Some(p) = few_strokes::p_value(&change, &residual, parameters) {
+            return p;
+        }
+    }
     (2.0 * one_sided(&scores.plain).min(one_sided(&scores.even))).min(1.0)
 }
 
@@ -169,8 +180,7 @@ fn scores(
         for block in tests.blocks(piece).flat_map(cut) {
             let (mut score, mut square) = (0.0, 0.0);
             for i in block.start - piece.samples.start..block.end - piece.samples.start {
-                let own: f64 = columns.iter().zip(explained.iter()).map(|(c, a)| a * c[i]).sum();
-                let change = columns[own_count(columns)][i] - own;
+                let change = unexplained(columns, explained, i);
                 score += change * residual[i];
                 square += change * change;
             }
@@ -180,6 +190,12 @@ fn scores(
         }
     }
     scores
+}
+
+/// The change at a sample less the part that the poorer model's own columns explain.
+fn unexplained(columns: &[Vec<f64>], explained: &DVector<f64>, sample: usize) -> f64 {
+    let own: f64 = columns.iter().zip(explained.iter()).map(|(c, a)| a * c[sample]).sum();
+    columns[own_count(columns)][sample] - own
 }
 
 /// The change is the last column, after those of the poorer model.

@@ -20,7 +20,7 @@
 //! | `coordinate`, `grey_box` | a model as a vector of bounded parameters |
 //! | `simulation`, `data_rate` | free-run simulation; the samples that a search needs |
 //! | `gram`, `descent`, `fit`, `start` | normal equations, least squares, start values |
-//! | `colour`, `chance`, `batches` | coloured noise, significance |
+//! | `colour`, `chance`, `batches`, `few_strokes` | coloured noise, significance |
 //! | `residual` | is the residual noise, or has it structure? |
 //! | `linearised`, `folds`, `judged` | a fitted model, and its predictions of left-out pieces |
 //! | `band`, `evidence`, `finding` | the vocabulary: evidence, accepted, rejected, not testable |
@@ -56,6 +56,7 @@ mod descent;
 mod empirical;
 mod error;
 mod evidence;
+mod few_strokes;
 mod finding;
 mod fit;
 mod folds;

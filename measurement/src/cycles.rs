@@ -5,8 +5,9 @@
 //! range to either side, so that noise makes none.
 //!
 //! - **A periodic record**: at least two cycles in a row, over at least half of the record, have
-//!   lengths within 5 % (or two samples) of their median and ranges within 10 %: sines and
-//!   triangles do, sweeps and service records do not.
+//!   lengths within 5 % (or two samples) of their median and ranges within 10 %, and neighbours
+//!   that differ by at most 30 % of their rms, one over the other: sines and triangles do, sweeps
+//!   and service records do not.
 //! - **A short test**, with rests, growing and fading: at least two cycles in a row whose lengths
 //!   agree within 2 % (or two samples), whose ranges agree within 3 %, and whose displacements, one
 //!   over the other, differ by at most 3 % of their rms. They have to be a tenth of the
@@ -29,6 +30,9 @@ const DEAD_BAND: f64 = 0.2;
 const LENGTH_SHARE: f64 = 0.05;
 /// Range of a cycle against the median.
 const RANGE_SHARE: f64 = 0.1;
+
+/// Difference of neighbouring cycles, rms over rms, in the median.
+const PERIODIC_SHAPE_SHARE: f64 = 0.3;
 
 /// Length of a cycle of a short test against another of its run.
 const SHORT_LENGTH_SHARE: f64 = 0.02;
@@ -72,7 +76,8 @@ fn of_periodic(displacement_m: &[f64]) -> Vec<usize> {
     else {
         return Vec::new();
     };
-    let crossings = upward(displacement_m, 0.5 * (low + high), DEAD_BAND * 0.5 * (high - low));
+    let middle = 0.5 * (low + high);
+    let crossings = upward(displacement_m, middle, DEAD_BAND * 0.5 * (high - low));
     let cycles: Vec<Cycle> =
         crossings.windows(2).map(|pair| Cycle::between(displacement_m, pair[0], pair[1])).collect();
     let length = median(cycles.iter().map(|cycle| cycle.length));
@@ -90,17 +95,18 @@ fn of_periodic(displacement_m: &[f64]) -> Vec<usize> {
         }
     }
     debug_assert!(best.is_empty() || best.end < crossings.len(), "every cycle ends in a crossing");
-    let marks: Vec<usize> = crossings
-        .get(best.start..=best.end)
-        .unwrap_or_default()
-        .iter()
-        .map(|crossing| libm::ceil(*crossing) as usize)
-        .collect();
+    let run = crossings.get(best.start..=best.end).unwrap_or_default();
+    let marks: Vec<usize> = run.iter().map(|crossing| libm::ceil(*crossing) as usize).collect();
     let covered = marks.last().zip(marks.first()).map_or(0, |(end, start)| end - start);
     if marks.len() < 3 || 2 * covered < displacement_m.len() {
         return Vec::new();
     }
-    marks
+    let unlike = median(run.windows(3).map(|three| {
+        let cycle = |start, end| Whole { start, end, range };
+        let [first, next] = [cycle(three[0], three[1]), cycle(three[1], three[2])];
+        difference(displacement_m, middle, first, next)
+    }));
+    if unlike > PERIODIC_SHAPE_SHARE { Vec::new() } else { marks }
 }
 
 /// A cycle between two rises through the middle.
@@ -417,6 +423,20 @@ mod tests {
             });
             assert_eq!(find(&narrow), [0; 0], "{seed}");
         }
+    }
+
+    #[test]
+    fn two_swings_of_a_random_motion_were_cycles() {
+        // Two periods of one length and range, the second with its crest late.
+        let late = |phase: f64| phase - 0.6 * (1.0 - libm::cos(phase));
+        let x = wave(2100, |t| {
+            let phase = TAU * t;
+            if t < 1.0 { libm::sin(phase) } else { libm::sin(late(late(phase))) }
+        });
+        assert_eq!(find(&x), [0; 0]);
+        // The same swing twice is a cycle.
+        let x = wave(2100, |t| libm::sin(late(late(TAU * t))));
+        assert_eq!(find(&x), [1, 1001, 2001]);
     }
 
     #[test]
