@@ -23,6 +23,9 @@ const FAR_ABOVE_FLOOR: f64 = 1.5;
 /// A residual from this multiple of the noise of the samples is not called noise: slow and coloured
 /// noise of a bench is usually less.
 const MOST_OF_SAMPLES: f64 = 5.0;
+/// The same without its part that is slower than the motion, which is drift, where the floor is
+/// unknown.
+const MOST_WITHOUT_SLOW: f64 = 2.5;
 /// Largest probability of structure by chance, over all coordinates.
 const LARGEST_P: f64 = 1e-3;
 /// Share of the squared residual from which one test holds most of it.
@@ -233,17 +236,20 @@ fn constant(analysis: &ResidualAnalysis, least_n: f64) -> Option<Unexplained> {
 /// The reason why a residual without structure cannot be called noise, if there is one.
 pub(super) fn not_judged(analysis: &ResidualAnalysis) -> Option<String> {
     let floor_n = analysis.noise.floor_n;
-    if let Some(of_samples_n) = analysis.noise.of_samples_n
-        && analysis.rms_n > MOST_OF_SAMPLES * of_samples_n
-    {
-        return Some(format!(
-            "whether the residual of {} N rms is noise: it is {:.0} times the noise of the samples \
-             ({} N) and follows neither the motion nor the force: slow noise of the bench, or an \
-             input that was not recorded",
-            short(analysis.rms_n),
-            analysis.rms_n / of_samples_n,
-            short(of_samples_n)
-        ));
+    if let Some(of_samples_n) = analysis.noise.of_samples_n {
+        let faster_n = analysis.without_slow_rms_n;
+        let slow = analysis.rms_n > MOST_OF_SAMPLES * of_samples_n;
+        let fast = floor_n.is_none() && faster_n > MOST_WITHOUT_SLOW * of_samples_n;
+        if slow || fast {
+            return Some(format!(
+                "whether the residual of {} N rms is noise: it is {:.1} times the noise of the \
+                 samples ({} N) and follows neither the motion nor the force: slow noise of the \
+                 bench, or an input that was not recorded",
+                short(analysis.rms_n),
+                analysis.rms_n / of_samples_n,
+                short(of_samples_n)
+            ));
+        }
     }
     if floor_n.is_some_and(|floor_n| analysis.rms_n <= FAR_ABOVE_FLOOR * floor_n) {
         return None;

@@ -31,6 +31,7 @@ pub(crate) mod question;
 pub(crate) mod repeat;
 mod same_motion;
 pub(crate) mod size;
+mod slow;
 pub(crate) mod unlike;
 
 use super::batches::{self, Constant};
@@ -52,6 +53,8 @@ use size::Size;
 pub struct ResidualAnalysis {
     /// rms of the residual, N.
     pub rms_n: f64,
+    /// The same without its part that is slower than the motion.
+    pub without_slow_rms_n: f64,
     /// What is known about the noise.
     pub noise: NoiseFloor,
     /// Maps over every coordinate that was measured, the one that explains most first.
@@ -96,6 +99,7 @@ impl ResidualAnalysis {
         let noise = NoiseFloor::of(&residual_n, (&repeat, &size), lines_n, tests);
         let mut analysis = Self {
             rms_n: fit.rms_n(tests),
+            without_slow_rms_n: slow::rms_without_slow_n(&residual_n, tests),
             noise,
             maps,
             repeat,
