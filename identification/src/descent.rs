@@ -72,7 +72,8 @@ pub(crate) fn descend<P: LeastSquares>(
         if problem.is_stopped() {
             return None;
         }
-        let (step, forecast) = slopes.step(&residual, damping);
+        let (step, forecast) =
+            slopes.step(&residual, damping, limits.gain * squares / LONGEST_STEP);
         let worth_it = forecast > limits.gain * squares;
         let tried = DVector::from_column_slice(&free) + &step;
         let there = if worth_it { problem.residual(tried.as_slice()) } else { None };
@@ -160,11 +161,11 @@ impl Slopes {
     }
 
     /// The step from here, and by how much the sum of squares falls if all is linear.
-    fn step(&self, residual: &[f64], damping: f64) -> (DVector<f64>, f64) {
+    fn step(&self, residual: &[f64], damping: f64, idle: f64) -> (DVector<f64>, f64) {
         debug_assert!(damping > 0.0, "{damping}");
         let mut here = self.products.clone();
         here.residual = -self.toward(residual);
-        let step = here.damped(damping).solve_within(LONGEST_STEP);
+        let step = here.step_within(damping, idle, LONGEST_STEP);
         let forecast = here.fall(&step);
         (step, forecast)
     }

@@ -142,7 +142,7 @@ fn fold(
     gram_now.columns += &grams[out].columns * RESTRAINT;
     let mut damping = 1e-6;
     for _ in 0..STEPS {
-        let step = gram_now.damped(damping).solve_within(LONGEST_STEP);
+        let step = gram_now.step_within(damping, DONE * squares, LONGEST_STEP);
         let tried = &free + &step;
         let Some(damper) = fit.model.damper(&fit.model.values(tried.as_slice())) else {
             damping *= 100.0;

@@ -82,46 +82,34 @@ impl Gram {
         (eigen.eigenvectors * solved).component_mul(&scale)
     }
 
-    /// The same with no coefficient larger than `longest`: one that would be larger is held there
-    /// and the others are solved anew, so that a column that hardly acts does not shorten all.
-    pub(crate) fn solve_within(&self, longest: f64) -> DVector<f64> {
-        debug_assert!(longest > 0.0, "{longest}");
+    /// A step of at most `longest` in every coefficient along which the sum of squares falls:
+    /// a coefficient that would be longer is damped until it is not, the others stay free.
+    ///
+    /// `share` of every column's own weight is added to it, and `idle`, the squares that a change
+    /// by 1 has to be worth: a column that hardly acts stays where it is.
+    pub(crate) fn step_within(&self, share: f64, idle: f64, longest: f64) -> DVector<f64> {
+        debug_assert!(share >= 0.0 && idle >= 0.0 && longest > 0.0, "{share} {idle} {longest}");
         let count = self.columns.nrows();
-        let mut held: Vec<Option<f64>> = vec![None; count];
-        loop {
-            let mut rest = self.clone();
-            for (column, value) in held.iter().enumerate() {
-                let Some(value) = value else { continue };
-                rest.residual -= self.columns.column(column) * *value;
+        let own = |i: usize| self.columns[(i, i)] + idle;
+        let mut damping = vec![share; count];
+        let mut step = DVector::zeros(count);
+        for _ in 0..MOST_DAMPINGS {
+            let mut damped = self.clone();
+            for i in 0..count {
+                damped.columns[(i, i)] = own(i) * (1.0 + damping[i]);
             }
-            for column in (0..count).filter(|column| held[*column].is_some()) {
-                rest.residual[column] = 0.0;
-                rest.columns.row_mut(column).fill(0.0);
-                rest.columns.column_mut(column).fill(0.0);
+            step = damped.solve();
+            let mut is_within = true;
+            for i in (0..count).filter(|i| step[*i].abs() > longest) {
+                damping[i] = (10.0 * damping[i]).max(LEAST_DAMPING);
+                is_within = false;
             }
-            let mut solved = rest.solve();
-            let mut all_within = true;
-            for (column, held) in held.iter_mut().enumerate() {
-                if held.is_none() && solved[column].abs() > longest {
-                    *held = Some(longest.copysign(solved[column]));
-                    all_within = false;
-                }
-                solved[column] = held.unwrap_or(solved[column]);
-            }
-            if all_within {
-                return solved;
+            if is_within {
+                return step;
             }
         }
-    }
-
-    /// With a share of every column's own weight added: steps along weak directions become short.
-    #[must_use]
-    pub(crate) fn damped(&self, share: f64) -> Self {
-        let mut damped = self.clone();
-        for i in 0..self.columns.nrows() {
-            damped.columns[(i, i)] *= 1.0 + share;
-        }
-        damped
+        let most = step.amax();
+        step * (longest / most.max(longest))
     }
 
     /// How much the sum of squares falls when the given coefficients are used.
@@ -161,6 +149,9 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Least damping of a coefficient whose step is too long, and how often it is multiplied by ten.
+const LEAST_DAMPING: f64 = 1e-6;
+const MOST_DAMPINGS: usize = 16;
 /// Directions with less than this share of the largest eigenvalue are ignored.
 const SMALLEST_SHARE: f64 = 1e-11;
 
@@ -175,10 +166,24 @@ mod tests {
         let gram = Gram::over(&[&strong, &weak], &y);
         let free = gram.solve();
         assert!((free[1] - 1e6).abs() < 1.0, "{free}");
-        let held = gram.solve_within(4.0);
-        assert_eq!((held[0], held[1]), (0.5, 4.0));
-        // Where all are small, nothing changes.
-        assert_eq!(gram.solve_within(2e6), free);
+        let step = gram.step_within(0.0, 0.0, 4.0);
+        assert!((step[0] - 0.5).abs() < 1e-12 && (0.0..4.0).contains(&step[1]), "{step}");
+        // Not worth moving.
+        let step = gram.step_within(0.0, 1e-4, 4.0);
+        assert!((step[0] - 0.5).abs() < 1e-4 && step[1] < 0.1, "{step}");
+        // Where all are short, nothing changes.
+        assert_eq!(gram.step_within(0.0, 0.0, 2e6), free);
+    }
+
+    #[test]
+    fn along_a_step_the_sum_of_squares_falls_however_alike_the_columns_are() {
+        // The difference of the columns would have to be 1e4 times as large.
+        let (one, other) = ([1.0, 1.0, 1.0], [1.0, 1.0, 1.0 + 1e-4]);
+        let gram = Gram::over(&[&one, &other], &[0.3, -0.2, 1.5]);
+        assert!(gram.solve().amax() > 1e3);
+        let step = gram.step_within(0.0, 0.0, 1.0);
+        assert!(step.amax() <= 1.0, "{step}");
+        assert!(gram.fall(&step) > 0.5, "{} of {}", gram.fall(&step), gram.fall(&gram.solve()));
     }
 
     #[test]
