@@ -58,6 +58,15 @@ pub enum BenchError {
         /// The system's message.
         why: io::Error,
     },
+    /// The disk took nothing for too long, and the run was ended.
+    Unrecorded {
+        /// The file.
+        file: PathBuf,
+        /// The system's message.
+        why: io::Error,
+        /// Rows and frames that are lost.
+        dropped: u64,
+    },
     /// The report's parts do not fit each other.
     Report(report::Error),
     /// The summary cannot be written as JSON.
@@ -84,6 +93,7 @@ impl BenchError {
             Self::SilentRigs { .. }
             | Self::Interrupted
             | Self::File { .. }
+            | Self::Unrecorded { .. }
             | Self::Report(_)
             | Self::Summary(_)
             | Self::Thread { .. } => false,
@@ -137,6 +147,12 @@ impl fmt::Display for BenchError {
             Self::File { file, why } => {
                 write!(f, "{}: {why}", quoted(&file.display().to_string()))
             }
+            Self::Unrecorded { file, why, dropped } => write!(
+                f,
+                "{}: {why}: the run was ended because it could no longer be recorded; {dropped} \
+                 rows and frames are lost",
+                quoted(&file.display().to_string())
+            ),
             Self::Report(why) => write!(f, "report.html: {why}"),
             Self::Summary(why) => write!(f, "summary.json: {why}"),
             Self::Thread { name } => write!(f, "the thread that {name} failed"),
@@ -208,7 +224,8 @@ mod tests {
             (BenchError::RealtimeRefused, [true, false, false]),
             (BenchError::Folder(FolderError::Occupied(path.clone())), [true, false, false]),
             (BenchError::Folder(FolderError::Disk(path.clone(), disk())), [false, false, false]),
-            (BenchError::File { file: path, why: disk() }, [false, false, false]),
+            (BenchError::File { file: path.clone(), why: disk() }, [false, false, false]),
+            (BenchError::Unrecorded { file: path, why: disk(), dropped: 9 }, [false, false, false]),
             (BenchError::SilentRigs { nodes: vec![1, 3], bus: bus() }, [false, true, false]),
             (BenchError::Interrupted, [false, false, true]),
             (BenchError::Thread { name: "records the run" }, [false, false, false]),

@@ -2,6 +2,7 @@
 //!
 //! [`run`] reads from top to bottom: plan, check, open, greet, record, sum up, compare.
 
+mod handshake;
 mod plan;
 mod progress;
 mod recording;
@@ -19,8 +20,10 @@ use crate::control::{End, NoAnswer, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
 use crate::page::page;
 use crate::realtime::{self, RealtimeOptions};
+use crate::record::BusEvent;
 use crate::summary::{Outcome, Summary};
 use files::ResultFolder;
+use handshake::{Epoch, Heard};
 use plan::BusLoad;
 use recording::{Output, Recording, Task};
 use report::Section;
@@ -86,13 +89,18 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;
     }
-    greet(&session, &state, &mut buses, &options.bus, stop)?;
+    let epoch = Epoch::now();
+    let handshake = greet(&session, &state, &mut buses, &options.bus, epoch, stop)?;
 
     folder.create()?;
+    folder.write(SCENARIO, &run.effective.scenario)?;
+    folder.write(VEHICLE, &run.effective.vehicle)?;
     let output = Output {
         record: (folder.file(RECORD), folder.create_file(RECORD)?),
         log: (folder.file(LOG), folder.create_file(LOG)?),
         bus_names: plan.buses.iter().map(|bus| bus.interface().to_owned()).collect(),
+        epoch,
+        handshake,
     };
     let task = Task {
         session: &session,
@@ -101,10 +109,8 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         pace: &mut pace,
         cycles: run.cycles(),
     };
-    let recording = recording::record(task, &options.realtime, output, stop)?;
+    let recording = recording::record(task, &options.realtime, &output, stop)?;
 
-    folder.write(SCENARIO, &run.effective.scenario)?;
-    folder.write(VEHICLE, &run.effective.vehicle)?;
     let mut summary = summary(run, options, &session, &state, &buses, &load, &recording);
     let write = |summary: &Summary, compared: Option<Section>| -> Result<(), BenchError> {
         let json = serde_json::to_string_pretty(summary)?;
@@ -112,7 +118,12 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         let page = page(run, summary, &recording.columns, &load.lines, compared);
         Ok(folder.write(REPORT, &page.to_html()?)?)
     };
-    write(&summary, None)?;
+    let written = write(&summary, None);
+    if let Some(failure) = recording.failure {
+        // The cause comes first: summary and report may not have found room either.
+        return Err(failure);
+    }
+    written?;
     let mut interrupted = recording.end == End::Stopped;
     if let (Some(setup), Some(other), false) = (&run.compare, &other, interrupted) {
         let record = (folder.file(COMPARED), folder.create_file(COMPARED)?);
@@ -148,17 +159,21 @@ fn require_realtime(wanted: RealtimeOptions) -> Result<(), BenchError> {
     Err(BenchError::RealtimeRefused)
 }
 
+/// Waits for the rigs; gives the frames of the handshake.
 fn greet(
     session: &Session<'_>,
     state: &SessionState,
     buses: &mut [AnyBus],
     bus: &BusChoice,
+    epoch: Epoch,
     stop: &AtomicBool,
-) -> Result<(), BenchError> {
-    session.greet(state, buses, PATIENCE, stop).map_err(|why| match why {
+) -> Result<Vec<BusEvent>, BenchError> {
+    let mut heard = Heard::all(buses, epoch);
+    session.greet(state, &mut heard, PATIENCE, stop).map_err(|why| match why {
         NoAnswer::Silent(nodes) => BenchError::SilentRigs { nodes, bus: bus.to_string() },
         NoAnswer::Interrupted => BenchError::Interrupted,
-    })
+    })?;
+    Ok(Heard::events(heard))
 }
 
 fn summary(
@@ -183,6 +198,7 @@ fn summary(
             .fold(BusCounters::default(), BusCounters::plus),
         record_dropped: recording.dropped,
         wall_s: recording.wall_s,
+        cause: recording.failure.as_ref().map(BenchError::to_string),
         bus_load: load.most,
         watched: session.watched,
     };
