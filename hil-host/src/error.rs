@@ -36,6 +36,17 @@ pub enum BenchError {
         /// Its worst-case load, from 0 to 1.
         load: f64,
     },
+    /// A disk without room for the run.
+    Space {
+        /// The result folder.
+        folder: PathBuf,
+        /// Bytes that are free.
+        free: u64,
+        /// Bytes that the run needs.
+        needed: u64,
+        /// Control cycles of the run.
+        cycles: u64,
+    },
     /// A bus that cannot be opened.
     Bus(BusError),
     /// Rigs that did not answer before the run.
@@ -87,6 +98,7 @@ impl BenchError {
             | Self::Protocol(_)
             | Self::FastOnBus { .. }
             | Self::BusLoad { .. }
+            | Self::Space { .. }
             | Self::RealtimeRefused => true,
             Self::Bus(why) => why.is_bad_input(),
             Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
@@ -129,6 +141,14 @@ impl fmt::Display for BenchError {
                  several buses",
                 quoted(bus),
                 load * 100.0
+            ),
+            Self::Space { folder, free, needed, cycles } => write!(
+                f,
+                "{}: found {:.1} GB free on its disk, expected at least {:.1} GB for {cycles} \
+                 cycles: shorten the run or free space",
+                quoted(&folder.display().to_string()),
+                *free as f64 * 1e-9,
+                *needed as f64 * 1e-9
             ),
             Self::Bus(why) => why.fmt(f),
             Self::SilentRigs { nodes, bus } => {
@@ -216,6 +236,10 @@ mod tests {
             ),
             (BenchError::FastOnBus { bus: bus() }, [true, false, false]),
             (BenchError::BusLoad { bus: bus(), load: 1.08 }, [true, false, false]),
+            (
+                BenchError::Space { folder: path.clone(), free: 1, needed: 2, cycles: 3 },
+                [true, false, false],
+            ),
             (BenchError::Bus(BusError::NoCan), [true, false, false]),
             (
                 BenchError::Bus(BusError::Refused { interface: bus(), error: disk() }),

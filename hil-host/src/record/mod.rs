@@ -8,18 +8,22 @@
 //! test.
 
 mod bus_log;
+mod events;
 mod input_kind;
 mod loss;
 pub mod measured;
 mod npy;
 mod queues;
+mod reference;
 mod row;
 mod storage;
 
 pub use bus_log::{BusEvent, BusLog, Direction};
+pub(crate) use events::{Event, EventLog};
 pub use input_kind::InputKind;
 pub(crate) use loss::Loss;
 pub use npy::NpyWriter;
 pub use queues::{Drain, Outlet, Queues, ROWS, Recorder};
+pub(crate) use reference::column_reference;
 pub use row::{FrameBytes, Row};
 pub use storage::Storage;

@@ -2,11 +2,13 @@
 //!
 //! [`run`] reads from top to bottom: plan, check, open, greet, record, sum up, compare.
 
+mod about;
 mod handshake;
 mod plan;
 mod progress;
 mod recording;
 mod setup;
+mod space;
 
 pub(crate) use plan::Plan;
 pub(crate) use progress::bar;
@@ -20,8 +22,9 @@ use crate::control::{End, NoAnswer, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
 use crate::page::page;
 use crate::realtime::{self, RealtimeOptions};
-use crate::record::BusEvent;
+use crate::record::{BusEvent, column_reference};
 use crate::summary::{Outcome, Summary};
+use about::RunAbout;
 use files::ResultFolder;
 use handshake::{Epoch, Heard};
 use plan::BusLoad;
@@ -40,9 +43,13 @@ const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 const SCENARIO: &str = "scenario.toml";
 const VEHICLE: &str = "vehicle.toml";
+const ABOUT: &str = "run.json";
+const EVENTS: &str = "events.jsonl";
+const COLUMNS: &str = "record-columns.md";
 
 /// The files of a run.
-const FILES: [&str; 7] = [RECORD, COMPARED, LOG, SUMMARY, REPORT, SCENARIO, VEHICLE];
+const FILES: [&str; 10] =
+    [RECORD, COMPARED, LOG, SUMMARY, REPORT, SCENARIO, VEHICLE, ABOUT, EVENTS, COLUMNS];
 
 /// How long rigs may take to answer before a run.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -73,6 +80,8 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         ResultFolder::fresh(options.out.as_deref(), &options.name, "run", options.overwrite)?;
     folder.check(&FILES)?;
     folder.refuse_inputs(options.inputs.iter().map(PathBuf::as_path))?;
+    let needed = space::needed_bytes(run, &plan, options.profile);
+    space::check(folder.path(), folder.free_bytes(), needed, run.cycles())?;
     let other = run.compared(|slot| plan.is_emulated(slot))?;
     let mut buses = open_buses(run, options, &plan)?;
     // Only now: where the bus is refused, the error stands alone.
@@ -95,9 +104,13 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
     folder.create()?;
     folder.write(SCENARIO, &run.effective.scenario)?;
     folder.write(VEHICLE, &run.effective.vehicle)?;
+    let about = RunAbout::new(run, options, &session, &plan, &load, epoch.unix_ns);
+    folder.write(ABOUT, &format!("{}\n", serde_json::to_string_pretty(&about)?))?;
+    folder.write(COLUMNS, &column_reference())?;
     let output = Output {
         record: (folder.file(RECORD), folder.create_file(RECORD)?),
         log: (folder.file(LOG), folder.create_file(LOG)?),
+        events: (folder.file(EVENTS), folder.create_file(EVENTS)?),
         bus_names: plan.buses.iter().map(|bus| bus.interface().to_owned()).collect(),
         epoch,
         handshake,

@@ -7,7 +7,9 @@ use crate::bus::Bus;
 use crate::columns::Columns;
 use crate::control::{Buses, End, Pace, Session, SessionState};
 use crate::realtime::{self, RealtimeOptions};
-use crate::record::{BusEvent, BusLog, Drain, Loss, NpyWriter, Outlet, Queues, Row, Storage};
+use crate::record::{
+    BusEvent, BusLog, Drain, Event, EventLog, Loss, NpyWriter, Outlet, Queues, Row, Storage,
+};
 use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
 use std::fmt;
 use std::io;
@@ -30,6 +32,7 @@ pub(super) struct Task<'a, 's, B> {
 pub(super) struct Output<S> {
     pub(super) record: (PathBuf, S),
     pub(super) log: (PathBuf, S),
+    pub(super) events: (PathBuf, S),
     /// Names of the buses in the log.
     pub(super) bus_names: Vec<String>,
     /// Time zero of the log.
@@ -70,6 +73,8 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
     let begun = NpyWriter::begin(record).map_err(|why| failed(&output.record, why))?;
     let mut lines = BusLog::begin(log, epoch.unix_ns, output.bus_names.clone());
     lines.write(&output.handshake).map_err(|why| failed(&output.log, why))?;
+    let mut happened = EventLog::begin(&output.events.1);
+    happened.write(&of_run(0, 0.0, "run begun")).map_err(|why| failed(&output.events, why))?;
     let mut queues = Queues::for_rigs(session.ports.len());
     let (mut recorder, drain) = queues.split();
     recorder.rows_lost_at_most = 1_000_000_000 / cycle_ns;
@@ -78,7 +83,10 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
     let (running, ended) = bounded::<()>(0);
     std::thread::scope(|scope| {
         let (done, Drain { rows, events }) = (&done, drain);
-        let record = scope.spawn(move || write_rows(begun, &rows, done, cycle_ns, progress, stop));
+        let record = scope.spawn(move || {
+            let to = RowOutput { record: begun, events: happened, progress, cycle_ns };
+            write_rows(to, &rows, done, stop)
+        });
         let log = scope.spawn(move || write_events(lines, &events, done, stop));
         let storages = files.map(|(_, storage)| storage);
         let sync = scope.spawn(move || synchronise(storages, &ended, stop));
@@ -96,7 +104,10 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
         let wall_s = begin.elapsed().as_secs_f64();
         done.store(true, Ordering::Release);
         drop(running);
-        let (record, columns) = joined(record)?;
+        let (record, columns, mut happened) = joined(record)?;
+        let (cycle, time_s) = (state.line.cycle, state.line.cycle as f64 * session.line.cycle_s);
+        // A disk that does not take it is named below or has taken all rows.
+        let _ = happened.write(&of_run(cycle, time_s, ended_as(end)));
         let (log, [record_sync, log_sync]) = (joined(log)?, joined(sync)?);
         let dropped = recorder.dropped_rows + recorder.dropped_events + record.count + log.count;
         let mut slow = Loss::default();
@@ -122,15 +133,37 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
     })
 }
 
+/// Where the rows go.
+struct RowOutput<S> {
+    record: NpyWriter<S>,
+    events: EventLog<S>,
+    progress: Progress,
+    /// Wall time of a cycle.
+    cycle_ns: u64,
+}
+
+/// An event of the whole run.
+const fn of_run(cycle: u64, time_s: f64, event: &'static str) -> Event {
+    Event { time_s, cycle, event, slot: None, value: None, limit: None }
+}
+
+/// How a run ended, as an event.
+const fn ended_as(end: End) -> &'static str {
+    match end {
+        End::Completed => "run ended: completed",
+        End::Stopped => "run ended: stopped",
+        End::Safe => "run ended: safe",
+    }
+}
+
 /// Writes the rows, and collects what statistics and progress need.
 fn write_rows<S: Storage>(
-    mut record: NpyWriter<S>,
+    to: RowOutput<S>,
     rows: &Outlet<'_, Row>,
     done: &AtomicBool,
-    cycle_ns: u64,
-    mut progress: Progress,
     stop: &AtomicBool,
-) -> (Loss, Columns) {
+) -> (Loss, Columns, EventLog<S>) {
+    let RowOutput { mut record, mut events, mut progress, cycle_ns } = to;
     let (mut loss, mut columns) = (Loss::default(), Columns::default());
     rows.run(done, |rows| {
         let Some(last) = rows.last() else { return };
@@ -139,11 +172,13 @@ fn write_rows<S: Storage>(
         }
         for row in rows {
             columns.push(row);
+            // An event that finds no room is also in the rows.
+            let _ = events.take(row);
         }
         progress.take(last, &columns);
     });
     finish(&mut loss, record.finish().map(|_| ()));
-    (loss, columns)
+    (loss, columns, events)
 }
 
 fn write_events<S: Storage>(
@@ -221,6 +256,7 @@ mod tests {
         let output = Output {
             record: (path.clone(), File::create(&path).unwrap()),
             log: (PathBuf::from("bus.log"), full),
+            events: (path.clone(), File::options().write(true).open("/dev/null").unwrap()),
             bus_names: vec!["memory".to_owned()],
             epoch: Epoch::now(),
             handshake: Vec::new(),
