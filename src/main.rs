@@ -16,6 +16,7 @@ mod identify_on_mass;
 mod next_test;
 mod output;
 mod progress;
+mod report;
 mod reproduce;
 mod ride;
 mod rig;
@@ -46,6 +47,9 @@ enum Command {
     /// Run a scenario: the vehicle on its track, with dampers modelled or on a rig.
     #[command(after_help = "Example: yawbench run scenarios/ss9-160kmh.toml --duration 10")]
     Run(run::RunArgs),
+    /// Make the report of a run from the files in its folder, also of a run that was killed.
+    #[command(after_help = "Example: yawbench report runs/ss9-160kmh-1")]
+    Report(report::ReportArgs),
     /// Emulate the rig at the other end of a CAN bus: actuator, load cell and damper.
     #[command(
         after_help = "Example: yawbench rig scenarios/rigs/laboratory-rig.toml --bus socketcan:vcan0 --node 1"
@@ -151,6 +155,7 @@ fn parsed() -> Result<Cli, clap::Error> {
 fn run(command: &Command) -> Result<ExitCode, CommandError> {
     Ok(match command {
         Command::Run(args) => run::command(args)?,
+        Command::Report(args) => report::command(args).map(done)?,
         Command::Rig(args) => rig::command(args)?,
         Command::Characterise(args) => characterise::command(args)?,
         Command::Identify(args) => identify::command(args)?,

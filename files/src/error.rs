@@ -15,6 +15,9 @@ pub enum FolderError {
     /// It holds the result of another kind of command, which is never replaced: folder, the kind
     /// found, the kind expected.
     OtherCommand(PathBuf, String, &'static str),
+    /// It holds no result of the command: folder, the command whose result it holds, the command
+    /// expected.
+    NoResult(PathBuf, Option<String>, &'static str),
     /// It holds the result of another question: folder, name found, name expected, what differs.
     Other(PathBuf, String, String, Vec<String>),
     /// A file is in the way that the program did not write.
@@ -48,6 +51,13 @@ impl fmt::Display for FolderError {
                 quoted(&shown(path)),
                 quoted(found)
             ),
+            Self::NoResult(path, found, expected) => {
+                let found = found.as_ref().map_or("no result".to_owned(), |found| {
+                    format!("a result of `{}`", quoted(found))
+                });
+                let path = shown(path);
+                write!(f, "{}: found {found}, expected one of `{expected}`", quoted(&path))
+            }
             Self::Other(path, found, expected, changes) => write!(
                 f,
                 "--out {}: holds {found}, expected {expected} or a new folder; changed: {}",
@@ -78,6 +88,7 @@ impl FolderError {
             Self::NoPlace(..)
             | Self::Holds(..)
             | Self::OtherCommand(..)
+            | Self::NoResult(..)
             | Self::Other(..)
             | Self::Occupied(..)
             | Self::IsInput(..)

@@ -108,6 +108,19 @@ impl ResultFolder {
         &self.path
     }
 
+    /// The folder of a result of `command` that is there; its files may be replaced.
+    ///
+    /// # Errors
+    /// [`FolderError::NoResult`] where it holds none of that command.
+    pub fn existing(path: &Path, command: &'static str) -> Result<Self, FolderError> {
+        let found = Manifest::of(path)?.map(|held| held.command);
+        if found.as_deref() != Some(command) {
+            return Err(FolderError::NoResult(path.to_owned(), found, command));
+        }
+        let path = path.to_owned();
+        Ok(Self { path, command, identity: None, overwrite: true, by_default: false })
+    }
+
     /// A file in it.
     pub fn file(&self, name: &str) -> PathBuf {
         debug_assert!(manifest::is_inside(name), "{name} leads out of the folder");

@@ -1,9 +1,15 @@
 //! The record as columns, for statistics and plots.
+//!
+//! While a run goes on, only what does not grow is collected ([`Columns::count`]). The columns are
+//! read from the record when the run has ended ([`Columns::read`]).
 
-use crate::record::Row;
+use crate::BenchError;
+use crate::record::{InputKind, Row, each_row};
 use can_protocol::Watch;
+use files::{Limit, input};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use hdrhistogram::Histogram;
+use std::path::Path;
 
 /// Rows kept for statistics and plots: twenty minutes at 1 kHz. The record itself has no such
 /// limit.
@@ -44,6 +50,12 @@ pub(crate) struct Columns {
     pub(crate) lateness_ns: Histogram<u64>,
     /// Cycles in which nothing fresh arrived for a rig, after its first answer.
     pub(crate) stale: [u64; DAMPER_SLOTS],
+    /// Cycles in which a new measurement with a valid force arrived.
+    pub(crate) fresh: [u64; DAMPER_SLOTS],
+    /// Ticks that were skipped.
+    pub(crate) skipped: u64,
+    /// Number of the last cycle, and the trajectory hash after it.
+    pub(crate) last: (u64, u64),
 }
 
 /// What the watch over a rig showed in the course of a run.
@@ -117,22 +129,60 @@ impl Default for Columns {
             cycle_ns: histogram(),
             lateness_ns: histogram(),
             stale: [0; DAMPER_SLOTS],
+            fresh: [0; DAMPER_SLOTS],
+            skipped: 0,
+            last: (0, 0),
         }
     }
 }
 
 impl Columns {
-    /// Takes in a row.
-    pub(crate) fn push(&mut self, row: &Row) {
+    /// Takes in a row of a run that goes on: nothing that is kept grows.
+    pub(crate) fn count(&mut self, row: &Row) {
         self.compute_ns.saturating_record(u64::from(row.compute_ns));
         self.cycle_ns.saturating_record(u64::from(row.cycle_ns));
         self.lateness_ns.saturating_record(u64::from(row.lateness_ns));
-        for (stale, input) in self.stale.iter_mut().zip(row.input) {
-            *stale += u64::from(input.is_stale() && row.cycle > 1);
+        for (slot, input) in row.input.into_iter().enumerate() {
+            self.stale[slot] += u64::from(input.is_stale() && row.cycle > 1);
+            self.fresh[slot] += u64::from(input == InputKind::Fresh);
         }
+        self.skipped += u64::from(row.skipped);
+        self.last = (row.cycle, row.hash);
         for (slot, watched) in self.watch.iter_mut().enumerate() {
             watched.push(row, slot);
         }
+    }
+
+    /// Takes in a row of which everything is wanted.
+    pub(crate) fn push(&mut self, row: &Row) {
+        self.count(row);
+        self.keep(row);
+    }
+
+    /// Reads the columns of a run that was counted while it went on.
+    ///
+    /// # Errors
+    /// The record cannot be read.
+    pub(crate) fn read(&mut self, record: &Path) -> Result<(), BenchError> {
+        read(record, |row| self.keep(row))
+    }
+
+    /// The columns of a record.
+    ///
+    /// # Errors
+    /// The record cannot be read.
+    pub(crate) fn of_record(record: &Path) -> Result<Self, BenchError> {
+        let mut columns = Self::default();
+        read(record, |row| columns.push(row))?;
+        Ok(columns)
+    }
+
+    /// Rows read.
+    pub(crate) fn rows(&self) -> u64 {
+        self.time_s.len() as u64 + self.left_out
+    }
+
+    fn keep(&mut self, row: &Row) {
         if self.time_s.len() >= ROWS_MAX {
             self.left_out += 1;
             return;
@@ -165,5 +215,58 @@ impl Columns {
     /// Index of the first row that statistics count.
     pub(crate) fn first_after(&self, run_in_s: f64) -> usize {
         self.time_s.partition_point(|time| *time < run_in_s)
+    }
+}
+
+/// Hands every row of a record to `take`.
+fn read(record: &Path, take: impl FnMut(&Row)) -> Result<(), BenchError> {
+    let file = input::open(record, Limit::Stream)?;
+    let failed = |why| BenchError::File { file: record.to_owned(), why };
+    if each_row(file, take).map_err(failed)? {
+        return Ok(());
+    }
+    let found = "another layout".to_owned();
+    Err(BenchError::Kept { file: record.to_owned(), found, expected: "a record of this version" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bytes of all columns that can grow.
+    fn growing_bytes(columns: &Columns) -> usize {
+        let all = [
+            &columns.extension_m[..],
+            &columns.rate_m_per_s,
+            &columns.force_n,
+            &columns.measured_m,
+            &columns.measured_n,
+            &columns.residual_rms_n,
+            &columns.residual_limit_n,
+            &columns.acceleration,
+        ];
+        let columns =
+            all.into_iter().flatten().chain([&columns.time_s, &columns.wheelset_lateral_m]);
+        columns.map(|column| column.capacity() * size_of::<f64>()).sum()
+    }
+
+    #[test]
+    fn a_run_of_ten_times_the_cycles_keeps_nothing_more_while_it_goes_on() {
+        let kept = |cycles: u64| {
+            let mut columns = Columns::default();
+            for cycle in 1..=cycles {
+                let mut row = Row { cycle, time_s: cycle as f64 * 1e-3, ..Row::default() };
+                (row.cycle_ns, row.drift) = (cycle as u32, [Watch::Drift; DAMPER_SLOTS]);
+                columns.count(&row);
+            }
+            let buckets = columns.cycle_ns.distinct_values();
+            (growing_bytes(&columns), buckets, columns.cycle_ns.len() == cycles)
+        };
+        assert_eq!(kept(2_000), kept(20_000));
+        assert_eq!(kept(2_000).0, 0);
+        // The measure works.
+        let mut columns = Columns::default();
+        columns.push(&Row { cycle: 1, ..Row::default() });
+        assert!(growing_bytes(&columns) > 0);
     }
 }

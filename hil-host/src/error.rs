@@ -4,7 +4,7 @@
 //! input state, and the guard acts on it.
 
 use crate::bus::{BusError, InvalidBus};
-use files::{FolderError, quoted};
+use files::{FolderError, InputError, quoted};
 use scenario::source::ScenarioError;
 use std::fmt;
 use std::io;
@@ -78,6 +78,17 @@ pub enum BenchError {
         /// Rows and frames that are lost.
         dropped: u64,
     },
+    /// A file of a run that is not read.
+    Input(InputError),
+    /// A file of a run that holds something else.
+    Kept {
+        /// The file.
+        file: PathBuf,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: &'static str,
+    },
     /// The report's parts do not fit each other.
     Report(report::Error),
     /// The summary cannot be written as JSON.
@@ -99,8 +110,10 @@ impl BenchError {
             | Self::FastOnBus { .. }
             | Self::BusLoad { .. }
             | Self::Space { .. }
+            | Self::Kept { .. }
             | Self::RealtimeRefused => true,
             Self::Bus(why) => why.is_bad_input(),
+            Self::Input(why) => why.is_bad_input(),
             Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
             Self::SilentRigs { .. }
             | Self::Interrupted
@@ -173,6 +186,11 @@ impl fmt::Display for BenchError {
                  rows and frames are lost",
                 quoted(&file.display().to_string())
             ),
+            Self::Input(why) => why.fmt(f),
+            Self::Kept { file, found, expected } => {
+                let file = file.display().to_string();
+                write!(f, "{}: found {found}, expected {expected}", quoted(&file))
+            }
             Self::Report(why) => write!(f, "report.html: {why}"),
             Self::Summary(why) => write!(f, "summary.json: {why}"),
             Self::Thread { name } => write!(f, "the thread that {name} failed"),
@@ -204,6 +222,12 @@ impl From<BusError> for BenchError {
 impl From<FolderError> for BenchError {
     fn from(why: FolderError) -> Self {
         Self::Folder(why)
+    }
+}
+
+impl From<InputError> for BenchError {
+    fn from(why: InputError) -> Self {
+        Self::Input(why)
     }
 }
 

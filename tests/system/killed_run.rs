@@ -1,6 +1,6 @@
 //! A run that is killed leaves a record and a bus log that can be read.
 
-use crate::support::command::{folder, read, repository, yawbench};
+use crate::support::command::{folder, output, read, repository, yawbench};
 use crate::support::record::Record;
 use can_protocol::Node;
 use hil_host::record::measured::{read_bus_log, read_record};
@@ -64,4 +64,46 @@ fn a_run_that_is_killed_leaves_files_that_can_be_read() {
         std::fs::remove_dir_all(out).unwrap();
     }
     println!("{} kills, at most {longest:?} of the bus log lost", kills());
+}
+
+#[test]
+fn a_report_is_made_of_what_a_killed_run_left_and_says_so() {
+    // Without a row, and with half a second.
+    for (rows, bytes) in [(0, 1), (500, 500 * 584)] {
+        let (out, _) = killed("killed-report", bytes);
+        let report = || output(yawbench().arg("report").arg(&out));
+        let made = report();
+        let text = String::from_utf8_lossy(&made.stdout);
+        assert_eq!(made.status.code(), Some(0), "{}", String::from_utf8_lossy(&made.stderr));
+        assert!(text.contains("no end recorded"), "{text}");
+        let cycles: u64 = text.split(' ').next().unwrap().parse().unwrap();
+        assert!(cycles >= rows, "{text}");
+        let html = read(&out.join("report.html"));
+        assert!(html.contains("This run has no summary.json"), "no word of it");
+        assert!(!out.join("summary.json").exists());
+        // Once more, over the same report.
+        assert_eq!(report().stdout, made.stdout);
+        std::fs::remove_dir_all(out).unwrap();
+    }
+}
+
+#[test]
+fn a_report_of_a_run_that_ended_is_made_again_and_other_folders_are_refused() {
+    let out = folder("report-again");
+    let mut run = yawbench();
+    run.arg("run").arg(repository().join("scenarios/ss9-160kmh.toml"));
+    let done = output(run.args(["--pace", "fast", "--duration", "3", "--out"]).arg(&out));
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let first = read(&out.join("report.html"));
+    std::fs::remove_file(out.join("report.html")).unwrap();
+    let made = output(yawbench().arg("report").arg(&out));
+    assert_eq!(made.status.code(), Some(0), "{}", String::from_utf8_lossy(&made.stderr));
+    assert!(String::from_utf8_lossy(&made.stdout).starts_with("3000 cycles, completed\n"));
+    let again = read(&out.join("report.html"));
+    assert_eq!(again, first);
+    let refused = output(yawbench().arg("report").arg(repository().join("scenarios")));
+    let errors = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("found no result, expected one of `run`"), "{errors}");
+    std::fs::remove_dir_all(out).unwrap();
 }

@@ -5,7 +5,7 @@ use super::session::{Session, SessionState};
 use crate::bus::Bus;
 use crate::clock::{Pacer, Tick};
 use can_protocol::{Pace as WirePace, RunState};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -37,7 +37,7 @@ pub const SILENCE: Duration = Duration::from_secs(1);
 pub const STOP_CYCLES: u64 = 200;
 
 /// How a session ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum End {
     /// All cycles were run.

@@ -19,6 +19,18 @@ use spectra::spectra;
 use timing::{bus, timing};
 use watch::watch;
 
+/// How much is known of the end of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// It ended by itself.
+    Known,
+    /// It was killed.
+    Unknown {
+        /// Control cycles that it was asked for.
+        asked_cycles: u64,
+    },
+}
+
 /// The report of a run; with `compared`, also the section of its comparison.
 pub(crate) fn page(
     run: &Run,
@@ -26,6 +38,7 @@ pub(crate) fn page(
     columns: &Columns,
     bus_plan: &[String],
     compared: Option<Section>,
+    ending: Ending,
 ) -> Report {
     let first = columns.first_after(run.run_in_s);
     let mut report = Report::new(&run.title)
@@ -38,7 +51,7 @@ pub(crate) fn page(
             summary.pace.name()
         ))
         .fact("trajectory hash", &summary.trajectory_hash)
-        .section(overview(run, summary, columns));
+        .section(overview(run, summary, columns, ending));
     if let Some(section) = compared {
         report = report.section(section);
     }
@@ -49,9 +62,9 @@ pub(crate) fn page(
     if let Some(section) = watch(run, columns) {
         report = report.section(section);
     }
-    report
-        .section(spectra(run, columns, first))
-        .section(timing(summary, columns))
-        .section(bus(summary, bus_plan))
-        .section(about(run))
+    report = report.section(spectra(run, columns, first)).section(timing(summary, columns));
+    if ending == Ending::Known {
+        report = report.section(bus(summary, bus_plan));
+    }
+    report.section(about(run))
 }

@@ -1,17 +1,35 @@
 //! The overview: tiles, dampers, accelerations, and where the rest is.
 
+use super::Ending;
 use crate::columns::Columns;
 use crate::control::End;
 use crate::summary::{DamperSummary, Summary};
 use report::{Cell, Section, Table, Tile};
 use scenario::run::Run;
 
-pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns) -> Section {
-    let state = Tile::text("state", summary.state.name());
+pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns, ending: Ending) -> Section {
+    let is_bad = summary.state == End::Safe || summary.cause.is_some();
+    let state = match ending {
+        Ending::Known if is_bad => Tile::text("state", summary.state.name()).bad(),
+        Ending::Known => Tile::text("state", summary.state.name()).good(),
+        Ending::Unknown { .. } => Tile::text("state", "no end recorded").bad(),
+    };
     let lost = Tile::count("measurements lost", summary.frames.lost);
-    let mut section = Section::new("Overview")
+    let mut section = Section::new("Overview");
+    if let Ending::Unknown { asked_cycles } = ending {
+        section = section.warning(&format!(
+            "This run has no summary.json: its program was killed, or the power failed. The report \
+             is made from record.npy, which holds {} cycles of the {asked_cycles} that were asked \
+             for. How the run ended is not known; the frames on the bus are in bus.log.",
+            columns.rows()
+        ));
+    }
+    if let Some(cause) = &summary.cause {
+        section = section.warning(cause);
+    }
+    section = section
         .tiles([
-            if summary.state == End::Safe { state.bad() } else { state.good() },
+            state,
             Tile::count("cycles of 1 ms", summary.steps),
             Tile::number("vehicle step, median", summary.step_compute_us.p50, "µs"),
             Tile::count("ticks skipped", summary.overruns),
@@ -33,8 +51,10 @@ pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns) -> Secti
         ));
     }
     if summary.record_dropped > 0 {
-        section = section
-            .warning(&format!("The recorder had no room for {} entries.", summary.record_dropped));
+        section = section.warning(&format!(
+            "The recorder or the disk had no room for {} entries.",
+            summary.record_dropped
+        ));
     }
     section
 }

@@ -17,7 +17,8 @@ pub(crate) struct Event {
     /// The control cycle; zero before the first one.
     pub(crate) cycle: u64,
     /// What it is.
-    pub(crate) event: &'static str,
+    #[serde(rename = "event")]
+    pub(crate) what: &'static str,
     /// Number of the damper slot, from one; null for the whole run.
     pub(crate) slot: Option<usize>,
     /// The value, in the unit of the limit.
@@ -118,9 +119,9 @@ impl<S: Storage> EventLog<S> {
     }
 }
 
-fn of(row: &Row, event: &'static str) -> Event {
+fn of(row: &Row, what: &'static str) -> Event {
     let (time_s, cycle) = (row.time_s, row.cycle);
-    Event { time_s, cycle, event, slot: None, value: None, limit: None }
+    Event { time_s, cycle, what, slot: None, value: None, limit: None }
 }
 
 #[cfg(test)]

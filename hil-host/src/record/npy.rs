@@ -106,6 +106,15 @@ impl RowReader {
     }
 }
 
+/// Hands every row of a record to `take`; false for a file of another layout.
+pub(crate) fn each_row(file: File, mut take: impl FnMut(&Row)) -> io::Result<bool> {
+    let Some(mut rows) = RowReader::begin(file)? else { return Ok(false) };
+    while let Some(bytes) = rows.next_row()? {
+        take(&Row::get(bytes));
+    }
+    Ok(true)
+}
+
 /// Whether a header is that of this layout, whatever its number of rows.
 fn is_ours(found: &[u8], ours: &[u8]) -> bool {
     let Some(place) = count_place(ours) else { return false };

@@ -23,8 +23,8 @@ pub(crate) fn column_reference() -> String {
     }
     text.push_str(
         "\nCodes of `input`: 0 no rig, 1 a new measurement with a valid force, 2 nothing arrived, \
-         3 a frame that\nfailed a check or a force that the rig reports as invalid. Codes of \
-         `drift`: 0 no watch, 1 learning,\n2 steady, 3 drift.\n",
+         3 a frame\nthat failed a check or a force that the rig reports as invalid. Codes of \
+         `drift`: 0 no watch,\n1 learning, 2 steady, 3 drift.\n",
     );
     text
 }

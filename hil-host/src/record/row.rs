@@ -22,6 +22,8 @@ pub(super) trait Field {
     }
     /// Appends its bytes, little-endian.
     fn put(&self, bytes: &mut Vec<u8>);
+    /// Takes its bytes off the front; zero where there are none.
+    fn get(bytes: &mut &[u8]) -> Self;
 }
 
 macro_rules! plain_field {
@@ -32,6 +34,11 @@ macro_rules! plain_field {
             fn put(&self, bytes: &mut Vec<u8>) {
                 bytes.extend_from_slice(&self.to_le_bytes());
             }
+            fn get(bytes: &mut &[u8]) -> Self {
+                let Some((first, rest)) = bytes.split_first_chunk() else { return Self::ZERO };
+                *bytes = rest;
+                Self::from_le_bytes(*first)
+            }
         }
     )* };
 }
@@ -40,12 +47,15 @@ plain_field!(u8 => "|u1", u32 => "<u4", i32 => "<i4", u64 => "<u8", f64 => "<f8"
 
 macro_rules! code_field {
     ($($kind:ty => $zero:expr),*) => { $(
-        /// The record holds the code.
+        /// The record holds the code; one that no record holds is read as zero.
         impl Field for $kind {
             const KIND: &'static str = u8::KIND;
             const ZERO: Self = $zero;
             fn put(&self, bytes: &mut Vec<u8>) {
                 bytes.push(self.code());
+            }
+            fn get(bytes: &mut &[u8]) -> Self {
+                Self::from_code(u8::get(bytes)).unwrap_or(Self::ZERO)
             }
         }
     )* };
@@ -66,6 +76,9 @@ impl<T: Field, const N: usize> Field for [T; N] {
             value.put(bytes);
         }
     }
+    fn get(bytes: &mut &[u8]) -> Self {
+        std::array::from_fn(|_| T::get(bytes))
+    }
 }
 
 macro_rules! row {
@@ -78,6 +91,11 @@ macro_rules! row {
             /// Appends the row's bytes.
             pub(super) fn put(&self, bytes: &mut Vec<u8>) {
                 $(self.$name.put(bytes);)*
+            }
+
+            /// The row of these bytes.
+            pub(super) fn get(mut bytes: &[u8]) -> Self {
+                Self { $($name: <$kind as Field>::get(&mut bytes),)* }
             }
 
             /// What every field means, in order.
@@ -196,5 +214,17 @@ mod tests {
             })
             .sum();
         assert_eq!(bytes.len(), expected);
+    }
+
+    #[test]
+    fn a_row_is_read_back_as_it_was_written() {
+        let mut row = Row { cycle: 7, time_s: 0.25, hash: u64::MAX - 1, ..Row::default() };
+        row.input = InputKind::ALL;
+        row.drift[2] = Watch::Drift;
+        row.frame[3][15] = 9;
+        row.wheelset_lateral_m[5] = -1e-3;
+        let mut bytes = Vec::new();
+        row.put(&mut bytes);
+        assert_eq!(Row::get(&bytes), row);
     }
 }

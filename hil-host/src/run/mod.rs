@@ -4,12 +4,14 @@
 
 mod about;
 mod handshake;
+mod late_report;
 mod plan;
 mod progress;
 mod recording;
 mod setup;
 mod space;
 
+pub use late_report::{LateReport, report};
 pub(crate) use plan::Plan;
 pub(crate) use progress::bar;
 pub(crate) use setup::{Terms, session};
@@ -20,7 +22,7 @@ use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
 use crate::comparison::{self, SecondRun};
 use crate::control::{End, NoAnswer, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
-use crate::page::page;
+use crate::page::{Ending, page};
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{BusEvent, column_reference};
 use crate::summary::{Outcome, Summary};
@@ -122,13 +124,14 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         pace: &mut pace,
         cycles: run.cycles(),
     };
-    let recording = recording::record(task, &options.realtime, &output, stop)?;
+    let mut recording = recording::record(task, &options.realtime, &output, stop)?;
+    recording.columns.read(&folder.file(RECORD))?;
 
     let mut summary = summary(run, options, &session, &state, &buses, &load, &recording);
     let write = |summary: &Summary, compared: Option<Section>| -> Result<(), BenchError> {
         let json = serde_json::to_string_pretty(summary)?;
         folder.write(SUMMARY, &format!("{json}\n"))?;
-        let page = page(run, summary, &recording.columns, &load.lines, compared);
+        let page = page(run, summary, &recording.columns, &load.lines, compared, Ending::Known);
         Ok(folder.write(REPORT, &page.to_html()?)?)
     };
     let written = write(&summary, None);

@@ -143,8 +143,8 @@ struct RowOutput<S> {
 }
 
 /// An event of the whole run.
-const fn of_run(cycle: u64, time_s: f64, event: &'static str) -> Event {
-    Event { time_s, cycle, event, slot: None, value: None, limit: None }
+const fn of_run(cycle: u64, time_s: f64, what: &'static str) -> Event {
+    Event { time_s, cycle, what, slot: None, value: None, limit: None }
 }
 
 /// How a run ended, as an event.
@@ -156,7 +156,7 @@ const fn ended_as(end: End) -> &'static str {
     }
 }
 
-/// Writes the rows, and collects what statistics and progress need.
+/// Writes the rows, and counts what progress and summary need.
 fn write_rows<S: Storage>(
     to: RowOutput<S>,
     rows: &Outlet<'_, Row>,
@@ -171,7 +171,7 @@ fn write_rows<S: Storage>(
             stop.store(true, Ordering::Relaxed);
         }
         for row in rows {
-            columns.push(row);
+            columns.count(row);
             // An event that finds no room is also in the rows.
             let _ = events.take(row);
         }
@@ -270,6 +270,8 @@ mod tests {
         };
         let recording = record(task, &RealtimeOptions::NONE, &output, &stop).unwrap();
         assert_eq!(recording.end, End::Stopped);
+        // Nothing that grows is kept while a run goes on.
+        assert_eq!((recording.columns.rows(), recording.columns.last.0), (0, state.line.cycle));
         assert!(recording.dropped > 2000, "{}", recording.dropped);
         let error = recording.failure.unwrap();
         assert!(!error.is_bad_input() && !error.is_safe_state(), "{error:?}");

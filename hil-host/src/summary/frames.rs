@@ -3,10 +3,10 @@
 use super::outcome::Outcome;
 use crate::bus::BusCounters;
 use crate::options::PaceChoice;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Frames of the cyclic pair.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Frames {
     /// Commands that the bus took.
     pub sent: u64,
@@ -25,7 +25,7 @@ pub struct Frames {
 }
 
 /// Everything that passed the bus.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "documented at the bus")]
 pub struct BusCount {
     pub sent: u64,

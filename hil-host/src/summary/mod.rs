@@ -3,6 +3,7 @@
 mod accelerations;
 mod dampers;
 mod frames;
+mod late;
 mod outcome;
 mod times;
 
@@ -13,6 +14,7 @@ pub use times::{Percentiles, StepPercentiles};
 
 pub(crate) use accelerations::accelerations;
 pub(crate) use dampers::{SEGMENT_S, dampers};
+pub(crate) use late::{Asked, KeptSummary};
 pub(crate) use outcome::Outcome;
 pub(crate) use times::microseconds;
 

@@ -1,0 +1,66 @@
+//! `yawbench report`: the report of a run from the files in its folder, also of a killed one.
+
+use super::about::RunAbout;
+use super::{ABOUT, RECORD, REPORT, SCENARIO, SUMMARY};
+use crate::BenchError;
+use crate::columns::Columns;
+use crate::page::{Ending, page};
+use crate::summary::{Asked, KeptSummary, Summary};
+use files::{Limit, ResultFolder, input};
+use scenario::run::{Overrides, Run};
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+
+/// The report where the folder holds one with a comparison, which is not computed again.
+const ALONE: &str = "report-without-comparison.html";
+
+/// A report that was made from the files of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LateReport {
+    /// The report.
+    pub path: PathBuf,
+    /// What the record holds.
+    pub summary: Summary,
+    /// Whether the run has ended by itself: it has a summary.
+    pub has_ended: bool,
+}
+
+/// Makes the report of a run from what is in its folder.
+///
+/// # Errors
+/// The folder holds no run, or a file of it cannot be read; the report cannot be written.
+pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
+    let folder = ResultFolder::existing(folder, "run")?;
+    let about: RunAbout = read_json(&folder.file(ABOUT), "the run.json of a run")?;
+    let run = Run::load(&folder.file(SCENARIO), Overrides::default())?;
+    let columns = Columns::of_record(&folder.file(RECORD))?;
+    let summary = folder.file(SUMMARY);
+    let kept: Option<KeptSummary> = match summary.symlink_metadata() {
+        Ok(_) => Some(read_json(&summary, "the summary.json of a run")?),
+        Err(_) => None,
+    };
+    let asked = Asked {
+        bus: about.bus,
+        pace: about.pace,
+        bus_load: about.bus_load,
+        watched: about.watched,
+        rigs: about.rig_slots.len(),
+    };
+    let summary = Summary::of_record(&run, &asked, &columns, kept.as_ref());
+    let compared = kept.as_ref().is_some_and(|kept| kept.comparison.is_some());
+    let name = if compared { ALONE } else { REPORT };
+    let ending =
+        if kept.is_some() { Ending::Known } else { Ending::Unknown { asked_cycles: about.cycles } };
+    let page = page(&run, &summary, &columns, &about.bus_lines, None, ending);
+    folder.write(name, &page.to_html()?)?;
+    Ok(LateReport { path: folder.file(name), summary, has_ended: kept.is_some() })
+}
+
+fn read_json<T: DeserializeOwned>(file: &Path, expected: &'static str) -> Result<T, BenchError> {
+    let text = input::read_text(file, Limit::Text)?;
+    serde_json::from_str(&text).map_err(|why| BenchError::Kept {
+        file: file.to_owned(),
+        found: files::quote::message(&why.to_string()),
+        expected,
+    })
+}

@@ -1,0 +1,90 @@
+//! The summary of a run whose program is gone, from its files.
+
+use super::{Frames, Summary, accelerations, dampers, percentiles, step_percentiles};
+use crate::bus::BusCounters;
+use crate::columns::Columns;
+use crate::control::{End, HASH_ALGORITHM};
+use crate::options::PaceChoice;
+use scenario::run::{CYCLE_S, Run};
+use serde::Deserialize;
+
+/// What only the program knew and `summary.json` holds.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub(crate) struct KeptSummary {
+    pub(crate) wall_s: f64,
+    pub(crate) overruns: u64,
+    pub(crate) frames: Frames,
+    pub(crate) bus_counters: super::BusCount,
+    pub(crate) state: End,
+    pub(crate) cause: Option<String>,
+    pub(crate) trajectory_hash: String,
+    pub(crate) record_dropped: u64,
+    /// Null without one.
+    pub(crate) comparison: Option<serde_json::Value>,
+}
+
+/// What a run was asked for, as far as its summary needs it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Asked {
+    pub(crate) bus: String,
+    pub(crate) pace: PaceChoice,
+    pub(crate) bus_load: f64,
+    pub(crate) watched: [Option<usize>; 3],
+    /// Damper slots on rigs.
+    pub(crate) rigs: usize,
+}
+
+impl Summary {
+    /// Sums up a run from its record and, where it has ended by itself, from its summary. Without
+    /// one the frames are counted from the rows.
+    pub(crate) fn of_record(
+        run: &Run,
+        asked: &Asked,
+        columns: &Columns,
+        kept: Option<&KeptSummary>,
+    ) -> Self {
+        let first = columns.first_after(run.run_in_s);
+        let (steps, hash) = columns.last;
+        let counted = Frames {
+            sent: steps * asked.rigs as u64,
+            received: columns.fresh.iter().sum(),
+            lost: columns.stale.iter().sum(),
+            crc_errors: 0,
+            repeated: 0,
+            wrong_sequence: 0,
+            late: 0,
+        };
+        let clocked = asked.pace == PaceChoice::Realtime;
+        Self {
+            format: 1,
+            title: run.title.clone(),
+            vehicle: run.vehicle_name.clone(),
+            notes: run.about.clone(),
+            bus: asked.bus.clone(),
+            pace: asked.pace,
+            speed_kmh: run.speed_m_per_s * 3.6,
+            steps,
+            duration_s: steps as f64 * CYCLE_S,
+            run_in_s: run.run_in_s,
+            statistics_s: (columns.time_s.len() - first) as f64 * CYCLE_S,
+            wall_s: kept.map_or(0.0, |kept| kept.wall_s),
+            overruns: kept.map_or(columns.skipped, |kept| kept.overruns),
+            cycle_time_us: percentiles(&columns.cycle_ns),
+            step_compute_us: step_percentiles(&columns.compute_ns),
+            lateness_us: clocked.then(|| percentiles(&columns.lateness_ns)),
+            frames: kept.map_or(counted, |kept| kept.frames),
+            bus_counters: kept
+                .map_or_else(|| BusCounters::default().into(), |kept| kept.bus_counters),
+            damper: dampers(run, columns, first),
+            accelerations: accelerations(asked.watched, columns, first),
+            comparison: None,
+            state: kept.map_or(End::Stopped, |kept| kept.state),
+            cause: kept.and_then(|kept| kept.cause.clone()),
+            trajectory_hash: kept
+                .map_or_else(|| format!("{hash:016x}"), |kept| kept.trajectory_hash.clone()),
+            trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),
+            record_dropped: kept.map_or(steps - columns.rows(), |kept| kept.record_dropped),
+            bus_load: asked.bus_load,
+        }
+    }
+}
