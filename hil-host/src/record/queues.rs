@@ -172,7 +172,7 @@ mod tests {
         for cycle in 1..=ROWS as u64 + 1000 {
             recorder.row(Row { cycle, ..Row::default() });
         }
-        assert!(ROWS >= 4000);
+        const { assert!(ROWS >= 4000) };
         assert_eq!((recorder.dropped_rows, recorder.is_overrun()), (1000, false));
         recorder.row(Row::default());
         assert!(recorder.is_overrun());

@@ -234,13 +234,18 @@ mod tests {
     use can_protocol::Profile;
     use scenario::run::{Overrides, Run};
     use std::fs::File;
+    use std::os::unix::fs::FileExt as _;
     use std::path::Path;
+    use std::sync::atomic::AtomicU64;
 
-    #[test]
-    fn a_full_disk_ends_the_run_and_what_was_recorded_can_be_read() {
-        let Ok(full) = File::options().write(true).open("/dev/full") else { return };
+    /// Records so many seconds of a scenario, as fast as possible; gives the cycles done too.
+    fn recorded<S: Storage + fmt::Debug>(
+        seconds: f64,
+        [record_file, log, events]: [S; 3],
+        path: &Path,
+    ) -> (Recording, u64) {
         let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-        let overrides = Overrides { duration_s: Some(600.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(seconds), speed_kmh: None };
         let run = Run::load(&scenario, overrides).unwrap();
         let plan = Plan::new(&run, &BusChoice::Memory).unwrap();
         let track = run.track.view();
@@ -251,12 +256,10 @@ mod tests {
         let mut state = session.start(session.line.start(run.start.state.clone()));
         let stop = AtomicBool::new(false);
         session.greet(&state, &mut buses, Duration::from_secs(10), &stop).unwrap();
-        let name = format!("hil-host-full-disk-{}.npy", std::process::id());
-        let path = std::env::temp_dir().join(name);
         let output = Output {
-            record: (path.clone(), File::create(&path).unwrap()),
-            log: (PathBuf::from("bus.log"), full),
-            events: (path.clone(), File::options().write(true).open("/dev/null").unwrap()),
+            record: (path.to_owned(), record_file),
+            log: (PathBuf::from("bus.log"), log),
+            events: (PathBuf::from("events.jsonl"), events),
             bus_names: vec!["memory".to_owned()],
             epoch: Epoch::now(),
             handshake: Vec::new(),
@@ -269,9 +272,26 @@ mod tests {
             cycles: run.cycles(),
         };
         let recording = record(task, &RealtimeOptions::NONE, &output, &stop).unwrap();
-        assert_eq!(recording.end, End::Stopped);
         // Nothing that grows is kept while a run goes on.
         assert_eq!((recording.columns.rows(), recording.columns.last.0), (0, state.line.cycle));
+        (recording, state.line.cycle)
+    }
+
+    fn place(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("hil-host-{}-{name}.npy", std::process::id()))
+    }
+
+    fn nowhere() -> File {
+        File::options().write(true).open("/dev/null").unwrap()
+    }
+
+    #[test]
+    fn a_full_disk_ends_the_run_and_what_was_recorded_can_be_read() {
+        let Ok(full) = File::options().write(true).open("/dev/full") else { return };
+        let path = place("full-disk");
+        let files = [File::create(&path).unwrap(), full, nowhere()];
+        let (recording, cycles) = recorded(600.0, files, &path);
+        assert_eq!(recording.end, End::Stopped);
         assert!(recording.dropped > 2000, "{}", recording.dropped);
         let error = recording.failure.unwrap();
         assert!(!error.is_bad_input() && !error.is_safe_state(), "{error:?}");
@@ -280,7 +300,69 @@ mod tests {
         // It stopped long before its 600 s.
         let rows = read_record(&path, 1).unwrap().lines.len();
         assert!(rows > 1000 && rows < 500_000, "{rows} rows");
-        assert_eq!(rows as u64, state.line.cycle);
+        assert_eq!(rows as u64, cycles);
+        std::fs::remove_file(path).unwrap();
+    }
+
+    /// A disk on which every so many writes of rows fail halfway; zero: none.
+    #[derive(Debug)]
+    struct Flaky {
+        file: File,
+        every: u64,
+        writes: AtomicU64,
+    }
+
+    impl Storage for Flaky {
+        fn write_at(&self, bytes: &[u8], at: u64) -> io::Result<()> {
+            let is_rows = at > 0 && bytes.len() >= Row::size();
+            if is_rows && self.every > 0 {
+                let number = self.writes.fetch_add(1, Ordering::Relaxed) + 1;
+                if number.is_multiple_of(self.every) {
+                    self.file.write_all_at(&bytes[..bytes.len() / 2 + 1], at)?;
+                    return Err(io::ErrorKind::StorageFull.into());
+                }
+            }
+            Storage::write_at(&self.file, bytes, at)
+        }
+        fn cut(&self, length: u64) -> io::Result<()> {
+            self.file.cut(length)
+        }
+        fn sync(&self) -> io::Result<()> {
+            // As on a device that keeps nothing.
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_disk_that_fails_now_and_then_loses_counted_rows_and_the_run_goes_on() {
+        let path = place("flaky-disk");
+        let disk = |file, every| Flaky { file, every, writes: AtomicU64::new(0) };
+        let files = [disk(File::create(&path).unwrap(), 3), disk(nowhere(), 0), disk(nowhere(), 0)];
+        let (recording, cycles) = recorded(12.0, files, &path);
+        assert_eq!((recording.end, cycles), (End::Completed, 12_000));
+        assert!(recording.failure.is_none(), "{:?}", recording.failure);
+        let series = read_record(&path, 1).unwrap();
+        assert!(recording.dropped > 0, "no write failed");
+        assert_eq!(series.lines.len() as u64 + recording.dropped, cycles);
+        // Whole rows in order, with gaps.
+        let all = series.time_s.is_sorted_by(|a, b| a < b);
+        assert!(all && *series.time_s.last().unwrap() < 12.0);
+        std::fs::remove_file(path).unwrap();
+    }
+
+    #[test]
+    fn a_disk_that_takes_no_more_rows_ends_the_run_after_a_second() {
+        let path = place("dead-disk");
+        let disk = |file, every| Flaky { file, every, writes: AtomicU64::new(0) };
+        let files = [disk(File::create(&path).unwrap(), 1), disk(nowhere(), 0), disk(nowhere(), 0)];
+        let (recording, cycles) = recorded(60.0, files, &path);
+        // A second, the batch in which it ends, and what the queue holds by then.
+        assert_eq!(recording.end, End::Stopped);
+        assert!(cycles > 1000 && cycles < 20_000, "{cycles}");
+        assert_eq!(recording.dropped, cycles);
+        let text = recording.failure.unwrap().to_string();
+        assert!(text.contains("dead-disk.npy: no storage space: the run was ended"), "{text}");
+        assert_eq!(read_record(&path, 1).unwrap().lines.len(), 0);
         std::fs::remove_file(path).unwrap();
     }
 }

@@ -6,7 +6,7 @@ use firmware_core::track::Track;
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::{Pacer, Tick};
 use hil_host::control::{Buses, End, NoAnswer, Pace, Port, STOP_CYCLES, Session, SessionState};
-use hil_host::record::Queues;
+use hil_host::record::{Queues, ROWS};
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
 use std::collections::VecDeque;
@@ -171,4 +171,22 @@ fn a_stop_before_the_first_cycle_ends_the_wait_for_the_rigs() {
         &AtomicBool::new(true),
     );
     assert_eq!(greeting, Err(NoAnswer::Interrupted));
+}
+
+#[test]
+fn a_loop_whose_rows_find_no_room_for_more_than_a_second_ends_in_order() {
+    let run = scenario();
+    let track = run.track.view();
+    let session = session(&run, &track, WirePace::Clock);
+    let mut queues = Queues::default();
+    // Nobody takes the rows out: as on a disk that hangs.
+    let (mut recorder, _drain) = queues.split();
+    recorder.rows_lost_at_most = 1000;
+    let (mut state, mut bus) = greeted(&session, &run);
+    let mut buses = Buses::new(std::slice::from_mut(&mut bus), &mut recorder);
+    let mut pace = Pace::Realtime(Pacer::virtual_time(1_000_000));
+    let end = session.run(&mut state, &mut buses, &mut pace, 20_000, &AtomicBool::new(false));
+    assert_eq!((end, state.line.cycle), (End::Stopped, ROWS as u64 + 1001));
+    assert!(!state.line.safe);
+    assert_eq!((recorder.dropped_rows, recorder.is_overrun()), (1001, true));
 }
