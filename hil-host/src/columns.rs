@@ -164,7 +164,12 @@ impl Columns {
     /// # Errors
     /// The record cannot be read.
     pub(crate) fn read(&mut self, record: &Path) -> Result<(), BenchError> {
-        read(record, |row| self.keep(row))
+        let all = read(record, |row| {
+            self.keep(row);
+            self.time_s.len() < ROWS_MAX
+        })?;
+        self.left_out = all.saturating_sub(self.time_s.len() as u64);
+        Ok(())
     }
 
     /// The columns of a record.
@@ -173,11 +178,14 @@ impl Columns {
     /// The record cannot be read.
     pub(crate) fn of_record(record: &Path) -> Result<Self, BenchError> {
         let mut columns = Self::default();
-        read(record, |row| columns.push(row))?;
+        read(record, |row| {
+            columns.push(row);
+            true
+        })?;
         Ok(columns)
     }
 
-    /// Rows read.
+    /// Rows in the record.
     pub(crate) fn rows(&self) -> u64 {
         self.time_s.len() as u64 + self.left_out
     }
@@ -218,15 +226,16 @@ impl Columns {
     }
 }
 
-/// Hands every row of a record to `take`.
-fn read(record: &Path, take: impl FnMut(&Row)) -> Result<(), BenchError> {
+/// Hands the rows of a record to `take`, until it returns false; gives the number of rows.
+fn read(record: &Path, take: impl FnMut(&Row) -> bool) -> Result<u64, BenchError> {
     let file = input::open(record, Limit::Stream)?;
     let failed = |why| BenchError::File { file: record.to_owned(), why };
-    if each_row(file, take).map_err(failed)? {
-        return Ok(());
-    }
-    let found = "another layout".to_owned();
-    Err(BenchError::Kept { file: record.to_owned(), found, expected: "a record of this version" })
+    let expected = "a record of this version";
+    each_row(file, take).map_err(failed)?.ok_or_else(|| BenchError::Kept {
+        file: record.to_owned(),
+        found: "another layout".to_owned(),
+        expected,
+    })
 }
 
 #[cfg(test)]

@@ -106,13 +106,18 @@ impl RowReader {
     }
 }
 
-/// Hands every row of a record to `take`; false for a file of another layout.
-pub(crate) fn each_row(file: File, mut take: impl FnMut(&Row)) -> io::Result<bool> {
-    let Some(mut rows) = RowReader::begin(file)? else { return Ok(false) };
+/// Hands the rows of a record to `take`, until it returns false; gives the number of whole rows by
+/// the size of the file, or none for another layout.
+pub(crate) fn each_row(file: File, mut take: impl FnMut(&Row) -> bool) -> io::Result<Option<u64>> {
+    let length = file.metadata()?.len();
+    let Some(mut rows) = RowReader::begin(file)? else { return Ok(None) };
+    let all = length.saturating_sub(rows.start) / Row::size() as u64;
     while let Some(bytes) = rows.next_row()? {
-        take(&Row::get(bytes));
+        if !take(&Row::get(bytes)) {
+            break;
+        }
     }
-    Ok(true)
+    Ok(Some(all))
 }
 
 /// Whether a header is that of this layout, whatever its number of rows.

@@ -318,7 +318,7 @@ mod tests {
             if is_rows && self.every > 0 {
                 let number = self.writes.fetch_add(1, Ordering::Relaxed) + 1;
                 if number.is_multiple_of(self.every) {
-                    self.file.write_all_at(&bytes[..bytes.len() / 2 + 1], at)?;
+                    self.file.write_all_at(&bytes[..=bytes.len() / 2], at)?;
                     return Err(io::ErrorKind::StorageFull.into());
                 }
             }
