@@ -3,6 +3,8 @@
 //! | file | content |
 //! | --- | --- |
 //! | `state` | states and events of host and rig, and the outcome of each pair |
+//! | `belief` | everything that is checked about one rig, cycle by cycle |
+//! | `cause` | what stopped a bench |
 //! | `loss` | frames that do not arrive |
 //! | `age` | how old a measurement is |
 //! | `rule` | a limit on a signal, its debounce and its action |
@@ -15,6 +17,8 @@
 //! pressure dump are hard-wired, and the limits of the bench controller rule.
 
 mod age;
+mod belief;
+mod cause;
 mod limiter;
 mod loss;
 mod ramp;
@@ -24,6 +28,8 @@ mod stuck;
 mod work;
 
 pub use age::{Age, AgeJudge, OLDEST_CYCLES};
+pub use belief::{Arrival, Belief, Checks, Measured};
+pub use cause::{Cause, Signal};
 pub use limiter::{CommandLimits, Limited};
 pub use loss::{
     LONG_CYCLES, Loss, LossVerdict, MOST_IN_A_ROW, MOST_IN_LONG, MOST_IN_SHORT, SHORT_CYCLES,
@@ -32,4 +38,4 @@ pub use ramp::Ramp;
 pub use rule::{Action, Rule, RuleState};
 pub use state::{Event, Outcome, State, write_diagram};
 pub use stuck::{FEWEST_CYCLES, Stuck};
-pub use work::{LEAST_AMPLITUDE_M, SUMMED, Work, WorkVerdict};
+pub use work::{LEAST_AMPLITUDE_M, LEAST_FORCE_N, SUMMED, Work, WorkVerdict};

@@ -25,7 +25,7 @@ const KNOWN_CYCLES: u32 = 500;
 /// What the detector of one sensor remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Stuck {
-    code: Option<i32>,
+    code: Option<u64>,
     run_cycles: u32,
     longest_cycles: u32,
     moving_cycles: u32,
@@ -45,7 +45,7 @@ impl Stuck {
     /// let frozen = (0..40).position(|_| stuck.take(1234, 0, true));
     /// assert_eq!((noisy, frozen), (false, Some(19)));
     /// ```
-    pub fn take(&mut self, code: i32, resting: i32, moves: bool) -> bool {
+    pub fn take(&mut self, code: u64, resting: u64, moves: bool) -> bool {
         if self.code != Some(code) {
             // The run that made the sensor count as stuck is no measure of a live one.
             if !self.reported {
@@ -70,15 +70,15 @@ mod tests {
     use super::*;
 
     /// Cycle in which a sensor counts as stuck that freezes in a given cycle.
-    fn stuck_after(freeze: usize, code: impl Fn(usize) -> i32) -> Option<usize> {
+    fn stuck_after(freeze: usize, code: impl Fn(usize) -> u64) -> Option<usize> {
         let mut stuck = Stuck::default();
         (0..5000).position(|n| stuck.take(code(n.min(freeze)), 0, true))
     }
 
     /// A force of 16 kN in steps of 0.2 N at 3.5 Hz, with a flicker of one code.
-    fn force(n: usize) -> i32 {
+    fn force(n: usize) -> u64 {
         let wave = 80_000.0 * libm::sin(0.022 * n as f64);
-        wave as i32 + (n * n % 3) as i32
+        (wave as i64 + (n * n % 3) as i64) as u64
     }
 
     #[test]
@@ -87,7 +87,7 @@ mod tests {
         // The rest inside a clearance flickers too.
         assert_eq!(
             stuck_after(5000, |n| if (n / 100).is_multiple_of(2) {
-                (n % 3) as i32
+                (n % 3) as u64
             } else {
                 force(n)
             }),

@@ -11,15 +11,19 @@
 //!
 //! ```text
 //! one cycle       W < -1/3 of the most           sign
-//! ten cycles      sum W < 0                      phase
+//! ten cycles      sum W < -1/10 of the most      phase
 //! ```
 //!
 //! A cycle of the motion begins where the displacement comes up through its slow mean, once it was
-//! below by the least amplitude. Cycles of less than 0.5 mm amplitude do not count: there noise and
-//! zero errors decide.
+//! below by the least amplitude. Cycles of less than 0.5 mm amplitude do not count, nor those with a
+//! mean force of less than 500 N, such as within a clearance: there noise and zero errors decide.
 
 /// Amplitude of a cycle from which its work counts, m.
 pub const LEAST_AMPLITUDE_M: f64 = 0.5e-3;
+/// Mean force of a cycle from which its work counts, N.
+pub const LEAST_FORCE_N: f64 = 500.0;
+/// Share of the most in ten cycles below which the phase is wrong.
+const WRONG_PHASE: f64 = -0.1;
 /// Share of the most in one cycle below which the sign is wrong.
 const WRONG_SIGN: f64 = -1.0 / 3.0;
 /// Cycles of the longer sum.
@@ -32,7 +36,7 @@ const SLOW: f64 = 1.0 / 3000.0;
 pub enum WorkVerdict {
     /// No whole cycle yet, or nothing wrong.
     Passive,
-    /// Ten cycles in a row together give work back.
+    /// Ten cycles together give work back.
     GivesBack,
     /// A single cycle gives back a third of the most that it could, or more.
     WrongSign,
@@ -50,8 +54,9 @@ pub struct Work {
     most_j: f64,
     low_m: f64,
     high_m: f64,
-    /// Work of the last cycles, J.
+    /// Work of the last cycles that count, and the most that they could have, J.
     cycles_j: [f64; SUMMED],
+    mosts_j: [f64; SUMMED],
     counted: u32,
     next: usize,
     verdict: Option<WorkVerdict>,
@@ -107,18 +112,24 @@ impl Work {
     }
 
     fn end_cycle(&mut self) {
-        let is_large = self.high_m - self.low_m >= 2.0 * LEAST_AMPLITUDE_M;
+        let range_m = self.high_m - self.low_m;
+        let is_large =
+            range_m >= 2.0 * LEAST_AMPLITUDE_M && self.most_j >= 2.0 * range_m * LEAST_FORCE_N;
         // The first mark begins a cycle and ends none.
         if self.begun && is_large {
             if let Some(place) = self.cycles_j.get_mut(self.next) {
                 *place = self.taken_j;
             }
+            if let Some(place) = self.mosts_j.get_mut(self.next) {
+                *place = self.most_j;
+            }
             self.next = (self.next + 1) % SUMMED;
             self.counted = self.counted.saturating_add(1);
-            let sum_j: f64 = self.cycles_j.iter().sum();
+            let (sum_j, most_j): (f64, f64) =
+                (self.cycles_j.iter().sum(), self.mosts_j.iter().sum());
             let now = if self.taken_j < WRONG_SIGN * self.most_j {
                 WorkVerdict::WrongSign
-            } else if self.counted as usize >= SUMMED && sum_j < 0.0 {
+            } else if self.counted as usize >= SUMMED && sum_j < WRONG_PHASE * most_j {
                 WorkVerdict::GivesBack
             } else {
                 WorkVerdict::Passive
