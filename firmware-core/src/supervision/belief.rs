@@ -8,8 +8,8 @@
 //! [`Belief::take`] judges what arrived in a cycle. It gives the force to use, and the first cause
 //! that asks for an end. Every check counts cycles; none reads a clock.
 //!
-//! Limits: a gain error of 10 % or an offset within the limits is a possible damper, and no check of
-//! this kind can find it while the bench runs.
+//! Limits: a gain error of 10 % or an offset within the limits is a possible damper, and no check
+//! of this kind can find it while the bench runs.
 
 use super::age::{Age, AgeJudge};
 use super::cause::{Cause, Signal};
@@ -282,7 +282,9 @@ impl Belief {
         let is_within =
             force_n.abs() <= checks.force.limit && change_n.abs() <= checks.force_rate.limit;
         if !is_within {
-            // One such value is held over; the next is compared with the last that was believed.
+            // One such value is held over, as one that is lost; the next is compared with the last
+            // that was believed.
+            self.is_new = false;
             return ForceInput::Invalid;
         }
         self.last_force_n = Some(force_n);

@@ -1,8 +1,8 @@
 //! Commands within what the ram can do.
 //!
 //! A command that asks for more than the stroke, speed or acceleration allow is replaced by the
-//! nearest one that does not. With the last command `x, v`, the wanted one `x_w, v_w` and the period
-//! `T`,
+//! nearest one that does not. With the last command `x, v`, the wanted one `x_w, v_w` and the
+//! period `T`,
 //!
 //! ```text
 //! e   = x_w - x                              v_1 = e / T                   straight there

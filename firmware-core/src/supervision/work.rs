@@ -15,8 +15,8 @@
 //! ```
 //!
 //! A cycle of the motion begins where the displacement comes up through its slow mean, once it was
-//! below by the least amplitude. Cycles of less than 0.5 mm amplitude do not count, nor those with a
-//! mean force of less than 500 N, such as within a clearance: there noise and zero errors decide.
+//! below by the least amplitude. Cycles of less than 0.5 mm amplitude do not count, nor those with
+//! a mean force of less than 500 N, such as within a clearance: there noise and zero errors decide.
 
 /// Amplitude of a cycle from which its work counts, m.
 pub const LEAST_AMPLITUDE_M: f64 = 0.5e-3;

@@ -145,6 +145,16 @@ fn row_12_one_spike_never_reaches_the_vehicle_and_two_in_a_row_stop() {
 }
 
 #[test]
+fn row_12_a_spike_in_every_other_cycle_ends_the_run() {
+    let cause = found(changed(|since, measured| {
+        if since % 2 == 0 {
+            measured.force_n = Some(99e3);
+        }
+    }));
+    assert_eq!(cause, Some((Signal::LostMeasurements, 17, Action::RampOut)));
+}
+
+#[test]
 fn row_12_a_rate_that_no_damper_has_is_found_within_the_force_limit() {
     let cause = found(changed(|since, measured| {
         measured.force_n = Some(if since % 2 == 0 { 30e3 } else { -30e3 });

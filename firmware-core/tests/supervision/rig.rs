@@ -30,8 +30,8 @@ impl Bench {
         let w = std::f64::consts::TAU * 3.5;
         let phase = w * f64::from(cycle) * CYCLE_S;
         Command {
-            displacement_m: self.amplitude_m * phase.sin(),
-            velocity_m_per_s: self.amplitude_m * w * phase.cos(),
+            displacement_m: self.amplitude_m * libm::sin(phase),
+            velocity_m_per_s: self.amplitude_m * w * libm::cos(phase),
         }
     }
 
@@ -63,9 +63,9 @@ impl Bench {
     pub(crate) fn run(
         &mut self,
         cycles: u32,
-        mut fault: impl FnMut(u32, Measured) -> Arrival,
+        fault: impl FnMut(u32, Measured) -> Arrival,
     ) -> Option<(u32, Cause)> {
-        self.cycles(cycles, |cycle, measured| fault(cycle, measured)).1
+        self.cycles(cycles, fault).1
     }
 
     /// The same, with the largest force that reached the vehicle, N.
