@@ -4,12 +4,13 @@
 //! that repeats; a residual that follows the motion; a residual whose size follows the force; a
 //! residual in a few short stretches or in one test; a constant.
 
+use super::lone_test::LoneTest;
 use super::maps::CoordinateMap;
 use super::question::Answer;
 use super::{ResidualAnalysis, cycles, lines};
 use crate::test_set::TestSet;
 use report::significant;
-use signal::statistics::{percentile, rms};
+use signal::statistics::rms;
 
 /// Structure below this share of the noise floor is not reported.
 const LEAST_SHARE_OF_FLOOR: f64 = 0.25;
@@ -35,11 +36,6 @@ const MOST_BY_THE_BENCH: f64 = 0.5;
 const AT_SAMPLES: f64 = 1.5;
 /// Largest probability of structure by chance, over all coordinates.
 const LARGEST_P: f64 = 1e-3;
-/// Share of the squared residual from which one test holds most of it.
-const MOST_OF_ALL: f64 = 0.7;
-/// The same test is louder than the others from this ratio of its mean square to that of the middle
-/// one.
-const LOUDER: f64 = 6.0;
 /// A constant of a smaller share of the squared residual is not reported.
 const LEAST_SHARE_OF_CONSTANT: f64 = 0.03;
 /// Largest probability of a size that follows the force by chance.
@@ -98,43 +94,6 @@ pub(super) fn judge(
     }
 }
 
-/// The test that holds most of the squared residual, if one of several does.
-struct LoneTest<'a> {
-    name: &'a str,
-    /// Sum of its squared residual, N2.
-    square_n2: f64,
-    /// Its share of all.
-    share: f64,
-    /// Its mean square over the middle one of all tests.
-    ratio: f64,
-}
-
-impl<'a> LoneTest<'a> {
-    fn of(residual_n: &[Vec<f64>], tests: &'a TestSet) -> Option<Self> {
-        let each = tests.tests.iter().zip(residual_n).map(|(test, residual)| {
-            let counted = &residual[test.counted()];
-            let square_n2: f64 = counted.iter().map(|r| r * r).sum();
-            (square_n2, square_n2 / counted.len().max(1) as f64, test)
-        });
-        let all: Vec<_> = each.collect();
-        let total: f64 = all.iter().map(|(square, ..)| square).sum();
-        let means: Vec<f64> = all.iter().map(|(_, mean, _)| *mean).collect();
-        let middle = percentile(&means, 0.5)?;
-        let (square_n2, mean, test) = all.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let share = square_n2 / total;
-        (all.len() > 2 && share > MOST_OF_ALL).then(|| Self {
-            name: &test.record.name,
-            square_n2: *square_n2,
-            share,
-            ratio: mean / middle.max(f64::MIN_POSITIVE),
-        })
-    }
-
-    fn description(&self) -> String {
-        format!("test {} holds {:.0} % of the squared residual", self.name, 100.0 * self.share)
-    }
-}
-
 /// Most of the residual is in one test, though the noise of one bench is as large in all.
 fn in_one_test(
     lone: Option<&LoneTest<'_>>,
@@ -142,7 +101,7 @@ fn in_one_test(
     own_n: f64,
     tests: &TestSet,
 ) -> Option<Unexplained> {
-    let lone = lone.filter(|lone| lone.ratio > LOUDER && analysis.rms_n > own_n)?;
+    let lone = lone.filter(|lone| lone.is_louder() && analysis.rms_n > own_n)?;
     let rms_n = (lone.square_n2 / tests.counted_samples() as f64).sqrt().min(analysis.rms_n);
     Some(Unexplained {
         rms_n,

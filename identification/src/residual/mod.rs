@@ -25,6 +25,7 @@ mod cycles;
 mod features;
 mod judgement;
 pub(crate) mod lines;
+mod lone_test;
 pub(crate) mod maps;
 pub(crate) mod motion;
 pub(crate) mod noise;
