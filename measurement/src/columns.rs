@@ -163,6 +163,7 @@ fn series(
 
 /// A velocity takes the place of a displacement that neither the mapping names nor the file has.
 fn integrates(table: &Table, layout: &Layout) -> bool {
+    suspicion::report_temperature(&mut series, &quoted_name(&layout.temperature.reading));
     !layout.displacement.required && !table.has(&layout.displacement.reading.column)
 }
 

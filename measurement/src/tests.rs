@@ -474,3 +474,15 @@ fn records_of_other_laboratories_are_read_by_the_mappings_that_ship() {
         }
     }
 }
+
+#[test]
+fn a_temperature_of_another_unit_was_taken_as_it_was() {
+    let with = |degc: f64| {
+        let text = file(2000, |_, [t, x, f]| Some(format!("{t:.3},{x:.7},{f:.3},{degc}")));
+        let text = text.replacen("force_n", "force_n,temperature_degc", 1);
+        one("", &text).repairs.join("\n")
+    };
+    assert!(with(9000.0).contains("temperature_degc: 9000 to 9000 degC: another unit?"));
+    assert!(with(-273.0).contains("another unit?"));
+    assert!(!with(21.5).contains("another unit?") && !with(299.0).contains("another unit?"));
+}
