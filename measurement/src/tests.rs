@@ -486,3 +486,16 @@ fn a_temperature_of_another_unit_was_taken_as_it_was() {
     assert!(with(-273.0).contains("another unit?"));
     assert!(!with(21.5).contains("another unit?") && !with(299.0).contains("another unit?"));
 }
+
+#[test]
+fn lines_of_two_directions_were_taken_for_the_first_of_them() {
+    let good = file(2000, |_, row| plain(row));
+    let text = format!("# extension: negative\n# extension: positive\n{good}");
+    assert_eq!(
+        read("", &text).unwrap_err(),
+        "a.csv:2: extension: found \"positive\" after \"negative\" in line 1, expected one direction"
+    );
+    // A mapping decides before the file; twice the same is no contradiction.
+    assert!(read("extension = \"positive\"", &text).is_ok());
+    assert!(read("", &format!("# extension: negative\n# extension: negative\n{good}")).is_ok());
+}
