@@ -106,7 +106,8 @@ fn refuse_record(args: &CharacteriseArgs) -> Result<(), CommandError> {
         file: path.clone(),
         found: "a CSV file".to_owned(),
         expected: format!(
-            "the TOML file of a damper; characterise --from {} gives the figures of a measured record",
+            "the TOML file of a damper; characterise --from {} gives the figures of a measured \
+             record",
             files::quoted(&shown)
         ),
     })

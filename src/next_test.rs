@@ -80,7 +80,7 @@ impl NextTestArgs {
     /// # Errors
     /// Records of a motion that no rig makes, and no limit instead.
     pub(crate) fn check_records(&self, question: &Question) -> Result<(), CommandError> {
-        let records = Limits::of(question.train.iter().chain(&question.holdout));
+        let records = Limits::of(&question.train.iter().chain(&question.holdout));
         let limits = [
             ("--stroke-mm", self.stroke_mm, 1e3 * records.stroke_m, STROKE_MM),
             ("--speed-mm-per-s", self.speed_mm_per_s, 1e3 * records.speed_m_per_s, SPEED_MM_PER_S),
@@ -104,7 +104,7 @@ impl NextTestArgs {
         control: Control<'_>,
     ) -> Result<Proposed, CommandError> {
         let tests = found.train.tests.iter().chain(&found.holdout.tests);
-        let records = Limits::of(tests.map(|test| &test.record));
+        let records = Limits::of(&tests.map(|test| &test.record));
         let metres = |given: Option<f64>, own: f64| given.map_or(own, |value| 1e-3 * value);
         let limits = RigLimits {
             stroke_m: metres(self.stroke_mm, records.stroke_m),
@@ -141,7 +141,7 @@ struct Limits {
 }
 
 impl Limits {
-    fn of<'a>(records: impl Iterator<Item = &'a Measurement> + Clone) -> Self {
+    fn of<'a>(records: &(impl Iterator<Item = &'a Measurement> + Clone)) -> Self {
         let most = |values: &[f64]| min_max(values).map_or(0.0, |(low, high)| high.max(-low));
         let over = |of: &dyn Fn(&Measurement) -> f64| records.clone().map(of).fold(0.0, f64::max);
         Self {
@@ -201,7 +201,8 @@ fn none(result: &IdentifyResult) -> String {
     }
     if result.unexplained.is_some() {
         text.push_str(
-            "  open: the unexplained part of the residual, for which there is no model to compare\n",
+            "  open: the unexplained part of the residual, for which there is no model to \
+             compare\n",
         );
     }
     for effect in &result.not_testable {

@@ -499,8 +499,8 @@ mod tests {
         for (text, said) in [
             (
                 "[force]\ncolumn = \"displacement_m\"\n",
-                "map.toml:2: column \"displacement_m\" for displacement and force, expected a column \
-                 for each",
+                "map.toml:2: column \"displacement_m\" for displacement and force, expected a \
+                 column for each",
             ),
             (
                 "[displacement]\ncolumn = \"a\"\n[temperature]\ncolumn = \"force_n\"\n",
