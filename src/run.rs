@@ -99,9 +99,9 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     } else {
         let mut lines = summary_lines(&finished.summary);
         lines.extend(scenario.warnings.iter().map(|warning| format!("warning: {warning}")));
-        let mut files =
-            "report.html, summary.json, record.npy, bus.log, scenario.toml, vehicle.toml"
-                .to_owned();
+        let mut files = "report.html, summary.json, record.npy, record-columns.md, bus.log, \
+                         events.jsonl, run.json, scenario.toml, vehicle.toml"
+            .to_owned();
         if let Some(comparison) = &finished.summary.comparison {
             lines.push(comparison.to_string().trim_end().to_owned());
             let warnings = comparison.warnings(finished.summary.state);

@@ -158,6 +158,17 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Bytes that are free on the disk of the folder, or where it will be made; none where the
+    /// system does not say.
+    pub fn free_bytes(&self) -> Option<u64> {
+        let mut places = self.path.ancestors();
+        places.find_map(|path| {
+            let path = if path == Path::new("") { Path::new(".") } else { path };
+            let about = rustix::fs::statvfs(path).ok()?;
+            Some(about.f_bavail.saturating_mul(about.f_frsize))
+        })
+    }
+
     /// Refuses to replace a result that the command itself reads, under whatever name.
     ///
     /// # Errors

@@ -36,6 +36,17 @@ pub enum BenchError {
         /// Its worst-case load, from 0 to 1.
         load: f64,
     },
+    /// A disk without room for the run.
+    Space {
+        /// The result folder.
+        folder: PathBuf,
+        /// Bytes that are free.
+        free: u64,
+        /// Bytes that the run needs.
+        needed: u64,
+        /// Control cycles of the run.
+        cycles: u64,
+    },
     /// A bus that cannot be opened.
     Bus(BusError),
     /// Rigs that did not answer before the run.
@@ -58,6 +69,15 @@ pub enum BenchError {
         /// The system's message.
         why: io::Error,
     },
+    /// The disk took nothing for too long, and the run was ended.
+    Unrecorded {
+        /// The file.
+        file: PathBuf,
+        /// The system's message.
+        why: io::Error,
+        /// Rows and frames that are lost.
+        dropped: u64,
+    },
     /// The report's parts do not fit each other.
     Report(report::Error),
     /// The summary cannot be written as JSON.
@@ -78,12 +98,14 @@ impl BenchError {
             | Self::Protocol(_)
             | Self::FastOnBus { .. }
             | Self::BusLoad { .. }
+            | Self::Space { .. }
             | Self::RealtimeRefused => true,
             Self::Bus(why) => why.is_bad_input(),
             Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
             Self::SilentRigs { .. }
             | Self::Interrupted
             | Self::File { .. }
+            | Self::Unrecorded { .. }
             | Self::Report(_)
             | Self::Summary(_)
             | Self::Thread { .. } => false,
@@ -120,6 +142,14 @@ impl fmt::Display for BenchError {
                 quoted(bus),
                 load * 100.0
             ),
+            Self::Space { folder, free, needed, cycles } => write!(
+                f,
+                "{}: found {:.1} GB free on its disk, expected at least {:.1} GB for {cycles} \
+                 cycles: shorten the run or free space",
+                quoted(&folder.display().to_string()),
+                *free as f64 * 1e-9,
+                *needed as f64 * 1e-9
+            ),
             Self::Bus(why) => why.fmt(f),
             Self::SilentRigs { nodes, bus } => {
                 let nodes: Vec<String> = nodes.iter().map(u8::to_string).collect();
@@ -137,6 +167,12 @@ impl fmt::Display for BenchError {
             Self::File { file, why } => {
                 write!(f, "{}: {why}", quoted(&file.display().to_string()))
             }
+            Self::Unrecorded { file, why, dropped } => write!(
+                f,
+                "{}: {why}: the run was ended because it could no longer be recorded; {dropped} \
+                 rows and frames are lost",
+                quoted(&file.display().to_string())
+            ),
             Self::Report(why) => write!(f, "report.html: {why}"),
             Self::Summary(why) => write!(f, "summary.json: {why}"),
             Self::Thread { name } => write!(f, "the thread that {name} failed"),
@@ -200,6 +236,10 @@ mod tests {
             ),
             (BenchError::FastOnBus { bus: bus() }, [true, false, false]),
             (BenchError::BusLoad { bus: bus(), load: 1.08 }, [true, false, false]),
+            (
+                BenchError::Space { folder: path.clone(), free: 1, needed: 2, cycles: 3 },
+                [true, false, false],
+            ),
             (BenchError::Bus(BusError::NoCan), [true, false, false]),
             (
                 BenchError::Bus(BusError::Refused { interface: bus(), error: disk() }),
@@ -208,7 +248,8 @@ mod tests {
             (BenchError::RealtimeRefused, [true, false, false]),
             (BenchError::Folder(FolderError::Occupied(path.clone())), [true, false, false]),
             (BenchError::Folder(FolderError::Disk(path.clone(), disk())), [false, false, false]),
-            (BenchError::File { file: path, why: disk() }, [false, false, false]),
+            (BenchError::File { file: path.clone(), why: disk() }, [false, false, false]),
+            (BenchError::Unrecorded { file: path, why: disk(), dropped: 9 }, [false, false, false]),
             (BenchError::SilentRigs { nodes: vec![1, 3], bus: bus() }, [false, true, false]),
             (BenchError::Interrupted, [false, false, true]),
             (BenchError::Thread { name: "records the run" }, [false, false, false]),

@@ -3,12 +3,12 @@
 use crate::bus::BusChoice;
 use crate::realtime::RealtimeOptions;
 use can_protocol::Profile;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::num::NonZeroU8;
 use std::path::PathBuf;
 
 /// Who sets the pace.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PaceChoice {
     /// Absolute deadlines of a monotonic clock.

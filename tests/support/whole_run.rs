@@ -15,9 +15,8 @@ pub(crate) fn run_through(run: &Run) -> (End, u64) {
     let (mut recorder, drain) = queues.split();
     let done = AtomicBool::new(false);
     let end = std::thread::scope(|scope| {
-        let (events, _kept) = crossbeam_channel::unbounded();
         let done = &done;
-        scope.spawn(move || drain.run(done, &[], &events));
+        scope.spawn(move || drain.discard(done));
         let stop = AtomicBool::new(false);
         let mut buses = Buses::new(&mut buses, &mut recorder);
         let end = session.run(&mut state, &mut buses, &mut Pace::Fast, run.cycles(), &stop);

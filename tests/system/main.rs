@@ -24,6 +24,7 @@ mod identify_command;
 mod identify_empirical;
 mod identify_page;
 mod interrupted_study;
+mod killed_run;
 mod layout;
 mod measured_run;
 mod on_mass;

@@ -85,17 +85,29 @@ fn the_bus_log_is_candump_and_accounts_for_every_frame() {
     let (out, summary) = run("ss9-160kmh.toml", "2");
     let log = std::fs::read_to_string(out.join("bus.log")).unwrap();
     let (mut commands, mut measurements) = (0, 0);
+    // The handshake comes first: the host's announcement, and the rig's heartbeat.
+    let first: Vec<&str> = log.lines().take(2).map(|line| &line[20..]).collect();
+    assert!(first[0].starts_with("memory 080#") && first[1].starts_with("memory 7"), "{first:?}");
     for line in log.lines() {
+        let (line, direction) = line.rsplit_once(' ').unwrap();
         let frame = line.rsplit(' ').next().unwrap();
         let (id, data) = frame.split_once('#').unwrap();
         let bytes: Vec<u8> = (0..data.len() / 2)
             .map(|byte| u8::from_str_radix(&data[2 * byte..2 * byte + 2], 16).unwrap())
             .collect();
-        match Message::decode(u16::from_str_radix(id, 16).unwrap(), &bytes).unwrap() {
-            Message::Command(_) => commands += 1,
-            Message::Measurement(_) => measurements += 1,
-            _ => {}
-        }
+        let sent = match Message::decode(u16::from_str_radix(id, 16).unwrap(), &bytes).unwrap() {
+            Message::Command(_) => {
+                commands += 1;
+                true
+            }
+            Message::Measurement(_) => {
+                measurements += 1;
+                false
+            }
+            Message::Sync(_) | Message::Residual(_) => true,
+            _ => false,
+        };
+        assert_eq!(direction, if sent { "T" } else { "R" }, "{line}");
         assert!(line.starts_with('(') && line.contains(") memory "), "{line}");
     }
     // The last command ends the run and is no cycle.

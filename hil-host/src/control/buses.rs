@@ -1,7 +1,8 @@
-//! The buses of a session. Every frame that passes one of them goes to the recorder.
+//! The buses of a session. Every frame that passes one of them goes to the recorder; a frame that a
+//! bus did not take has not passed it.
 
 use crate::bus::{Bus, Sent, WireFrame};
-use crate::record::{BusEvent, Recorder};
+use crate::record::{BusEvent, Direction, Recorder};
 use can_protocol::Frame;
 use std::time::{Duration, Instant};
 
@@ -19,6 +20,13 @@ impl<'a, 'r, B: Bus> Buses<'a, 'r, B> {
         Self { all: buses, recorder, begin: Instant::now() }
     }
 
+    /// The same buses with the times of their log counted from `begin`.
+    #[must_use]
+    pub const fn counted_from(mut self, begin: Instant) -> Self {
+        self.begin = begin;
+        self
+    }
+
     /// The recorder.
     pub fn recorder(&mut self) -> &mut Recorder<'r> {
         self.recorder
@@ -32,7 +40,7 @@ impl<'a, 'r, B: Bus> Buses<'a, 'r, B> {
     /// The oldest frame of a bus that was not taken yet.
     pub(super) fn receive(&mut self, bus: usize) -> Option<WireFrame> {
         let frame = self.all.get_mut(bus)?.receive()?;
-        self.keep(bus, frame.clone());
+        self.keep(bus, Direction::Received, frame.clone());
         Some(frame)
     }
 
@@ -41,7 +49,9 @@ impl<'a, 'r, B: Bus> Buses<'a, 'r, B> {
         debug_assert!(bus < self.all.len(), "there is no bus {bus}");
         let Some(on) = self.all.get_mut(bus) else { return Sent::Down };
         let sent = on.send(frame);
-        self.keep(bus, WireFrame::from(frame));
+        if sent == Sent::Away {
+            self.keep(bus, Direction::Sent, WireFrame::from(frame));
+        }
         sent
     }
 
@@ -53,8 +63,8 @@ impl<'a, 'r, B: Bus> Buses<'a, 'r, B> {
         }
     }
 
-    fn keep(&mut self, bus: usize, frame: WireFrame) {
+    fn keep(&mut self, bus: usize, direction: Direction, frame: WireFrame) {
         let time_ns = self.begin.elapsed().as_nanos() as u64;
-        self.recorder.event(BusEvent { time_ns, bus: bus as u8, frame });
+        self.recorder.event(BusEvent { time_ns, bus: bus as u8, direction, frame });
     }
 }

@@ -43,7 +43,7 @@ pub const STOP_CYCLES: u64 = 200;
 pub enum End {
     /// All cycles were run.
     Completed,
-    /// The user interrupted it.
+    /// The user interrupted it, or the record could not be kept.
     Stopped,
     /// A guard tripped or a peer was lost: the rigs were brought to rest.
     Safe,
@@ -61,7 +61,8 @@ impl End {
 }
 
 impl Session<'_> {
-    /// Runs until the cycles are done, the user stops it, or the safe state has been reached.
+    /// Runs until the cycles are done, the user stops it, the record cannot be kept, or the safe
+    /// state has been reached.
     pub fn run<B: Bus>(
         &self,
         state: &mut SessionState,
@@ -86,7 +87,9 @@ impl Session<'_> {
             match safe_since {
                 Some(since) if state.line.cycle >= since + STOP_CYCLES => break End::Safe,
                 None if state.line.cycle >= cycles => break End::Completed,
-                None if stop.load(Ordering::Relaxed) => break End::Stopped,
+                None if stop.load(Ordering::Relaxed) || buses.recorder().is_overrun() => {
+                    break End::Stopped;
+                }
                 Some(_) | None => {}
             }
             tick = self.wait(state, buses, pace);

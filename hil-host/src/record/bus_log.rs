@@ -1,57 +1,84 @@
-//! Every frame sent and received, in the format of `candump -L`: can-utils, python-can and SavvyCAN
-//! read it.
+//! Every frame sent and received, in the format of `candump -L -x`: can-utils, python-can and
+//! SavvyCAN read it.
 
+use super::storage::{Appender, Storage};
 use crate::bus::WireFrame;
+use std::fmt::Write as _;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io;
 
 /// A frame that passed the bus.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BusEvent {
-    /// Time since the start of the run (ns).
+    /// Time since the start of the log (ns).
     pub time_ns: u64,
     /// Number of the bus.
     pub bus: u8,
+    /// Which way the frame went.
+    pub direction: Direction,
     /// The frame.
     pub frame: WireFrame,
 }
 
-/// Writes bus events to a file.
-#[derive(Debug)]
-pub struct BusLog {
-    file: BufWriter<File>,
-    start_ns: u64,
-    names: Vec<String>,
+/// Which way a frame went, seen from the host.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// The host received it.
+    Received,
+    /// The host sent it.
+    Sent,
 }
 
-impl BusLog {
+impl Direction {
+    /// The letter that `candump -x` writes.
+    const fn letter(self) -> char {
+        match self {
+            Self::Received => 'R',
+            Self::Sent => 'T',
+        }
+    }
+}
+
+/// Writes bus events to a file.
+#[derive(Debug)]
+pub struct BusLog<S = File> {
+    file: Appender<S>,
+    start_ns: u64,
+    names: Vec<String>,
+    lines: String,
+}
+
+impl<S: Storage> BusLog<S> {
     /// Begins a new file; times count from `start_ns` since the epoch, `names` are those of the
     /// buses.
-    pub fn begin(file: File, start_ns: u64, names: Vec<String>) -> Self {
-        Self { file: BufWriter::with_capacity(1 << 20, file), start_ns, names }
+    pub fn begin(file: S, start_ns: u64, names: Vec<String>) -> Self {
+        Self { file: Appender::new(file), start_ns, names, lines: String::new() }
     }
 
-    /// Appends events.
+    /// Appends events: all of them or none.
     ///
     /// # Errors
     /// The disk is full, or gone.
     pub fn write(&mut self, events: &[BusEvent]) -> io::Result<()> {
+        self.lines.clear();
         for event in events {
             let time_us = (self.start_ns + event.time_ns) / 1000;
             let (seconds, micros) = (time_us / 1_000_000, time_us % 1_000_000);
             let name = self.names.get(usize::from(event.bus));
             debug_assert!(name.is_some(), "bus {} has no name", event.bus);
             let name = name.map_or("can", String::as_str);
-            writeln!(self.file, "({seconds:010}.{micros:06}) {name} {}", event.frame)?;
+            let (frame, way) = (&event.frame, event.direction.letter());
+            // Writing to a string cannot fail.
+            let _ = writeln!(self.lines, "({seconds:010}.{micros:06}) {name} {frame} {way}");
         }
-        Ok(())
+        self.file.append(self.lines.as_bytes())
     }
 
-    /// Closes the file.
+    /// Waits until the disk holds the log.
     ///
     /// # Errors
     /// The disk is full, or gone.
-    pub fn finish(mut self) -> io::Result<()> {
-        self.file.flush()
+    pub fn finish(self) -> io::Result<()> {
+        self.file.sync()
     }
 }

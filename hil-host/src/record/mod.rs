@@ -1,19 +1,29 @@
 //! The record: rows and frames leave the loop through bounded queues and never hold it up.
 //!
-//! The loop pushes into two heapless single-producer queues. One ordinary thread drains them and
-//! sends what it finds to the record file, the bus log, and the progress and statistics. A full
-//! queue drops and counts where a clock sets the pace; without a clock the loop waits for room.
-//! [`measured`] reads a record or a bus log back as a damper test.
+//! The loop puts entries into two queues that hold four seconds. One ordinary thread per queue
+//! polls it and writes what it finds at once, so that a program that is killed leaves all but the
+//! last hundredths of a second; a third thread has the disk synchronised. A full queue drops and
+//! counts where a clock sets the pace; without a clock the loop waits for room. What the disk does
+//! not take is dropped and counted too. [`measured`] reads a record or a bus log back as a damper
+//! test.
 
 mod bus_log;
+mod events;
 mod input_kind;
+mod loss;
 pub mod measured;
 mod npy;
 mod queues;
+mod reference;
 mod row;
+mod storage;
 
-pub use bus_log::{BusEvent, BusLog};
+pub use bus_log::{BusEvent, BusLog, Direction};
+pub(crate) use events::{Event, EventLog};
 pub use input_kind::InputKind;
+pub(crate) use loss::Loss;
 pub use npy::NpyWriter;
-pub use queues::{Batch, Drain, EVENTS, Queues, ROWS, Recorder};
+pub use queues::{Drain, Outlet, Queues, ROWS, Recorder};
+pub(crate) use reference::column_reference;
 pub use row::{FrameBytes, Row};
+pub use storage::Storage;

@@ -1,16 +1,22 @@
 //! The lossless record as a `NumPy` file: `numpy.load("record.npy")` gives a structured array.
 //!
 //! Format 1.0: magic, version, header length, a Python dictionary padded with spaces, then the
-//! rows. The number of rows is written last, over spaces kept free for it.
+//! rows. The number of rows stands in a field of fixed width and is replaced after every batch of
+//! rows. After a power cut it may be ahead of the rows: [`RowReader`] ignores it and goes by the
+//! size of the file.
 
 use super::row::Row;
+use super::storage::{Appender, Storage};
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 
 /// Writes rows to a file.
+///
+/// Rows are written first, then their number. A program that is killed therefore leaves a file that
+/// `NumPy` reads up to the last batch.
 #[derive(Debug)]
-pub struct NpyWriter {
-    file: BufWriter<File>,
+pub struct NpyWriter<S = File> {
+    file: Appender<S>,
     rows: u64,
     bytes: Vec<u8>,
 }
@@ -18,45 +24,51 @@ pub struct NpyWriter {
 /// Width kept free for the number of rows.
 const COUNT_WIDTH: usize = 20;
 
-impl NpyWriter {
+impl<S: Storage> NpyWriter<S> {
     /// Begins a new file with a header for zero rows.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn begin(file: File) -> io::Result<Self> {
-        let mut file = BufWriter::with_capacity(1 << 20, file);
-        file.write_all(&header(0))?;
-        // A run that is killed leaves a file that can be read.
-        file.flush()?;
-        Ok(Self { file, rows: 0, bytes: Vec::with_capacity(1024) })
+    pub fn begin(file: S) -> io::Result<Self> {
+        let mut file = Appender::new(file);
+        file.append(&header(0))?;
+        Ok(Self { file, rows: 0, bytes: Vec::new() })
     }
 
-    /// Appends rows.
+    /// Appends rows: all of them or none.
     ///
     /// # Errors
     /// The disk is full, or gone.
     pub fn write(&mut self, rows: &[Row]) -> io::Result<()> {
+        self.bytes.clear();
         for row in rows {
-            self.bytes.clear();
             row.put(&mut self.bytes);
-            self.file.write_all(&self.bytes)?;
-            self.rows += 1;
         }
-        Ok(())
+        self.file.append(&self.bytes)?;
+        self.rows += rows.len() as u64;
+        self.count()
     }
 
-    /// Writes the number of rows and closes the file.
+    /// Puts the number of rows into the header.
+    fn count(&self) -> io::Result<()> {
+        let place = count_place(&header(0)).unwrap_or(0) as u64;
+        self.file.replace(format!("{:<COUNT_WIDTH$}", self.rows).as_bytes(), place)
+    }
+
+    /// Waits until the disk holds the rows; gives their number.
     ///
     /// # Errors
     /// The disk is full, or gone.
-    pub fn finish(mut self) -> io::Result<u64> {
-        self.file.flush()?;
-        let file = self.file.get_mut();
-        file.seek(SeekFrom::Start(0))?;
-        file.write_all(&header(self.rows))?;
-        file.sync_data()?;
+    pub fn finish(self) -> io::Result<u64> {
+        self.count()?;
+        self.file.sync()?;
         Ok(self.rows)
     }
+}
+
+/// Where the number of rows begins in a header.
+fn count_place(header: &[u8]) -> Option<usize> {
+    header.iter().rposition(|byte| *byte == b'(').map(|open| open + 1)
 }
 
 /// Reads the rows of a record one by one.
@@ -78,12 +90,14 @@ impl RowReader {
         Ok(is_ours(&found, &ours).then(|| Self { file, start, row: Vec::new() }))
     }
 
-    /// The next row; a row that was cut off is no row.
+    /// The next row. A row that was cut off is no row; nor is one of zeros, which some file systems
+    /// leave at the end after a power cut: every cycle has a number.
     pub(super) fn next_row(&mut self) -> io::Result<Option<&[u8]>> {
         let size = Row::size();
         self.row.clear();
         self.file.by_ref().take(size as u64).read_to_end(&mut self.row)?;
-        Ok((self.row.len() == size).then_some(self.row.as_slice()))
+        let is_row = self.row.len() == size && self.row.iter().take(8).any(|byte| *byte != 0);
+        Ok(is_row.then_some(self.row.as_slice()))
     }
 
     /// Goes back to the first row.
@@ -92,11 +106,10 @@ impl RowReader {
     }
 }
 
-/// Whether a header is that of this layout, whatever its number of rows: a run that was killed has
-/// not written it.
+/// Whether a header is that of this layout, whatever its number of rows.
 fn is_ours(found: &[u8], ours: &[u8]) -> bool {
-    let Some(open) = ours.iter().rposition(|byte| *byte == b'(') else { return false };
-    let (before, after) = (0..=open, open + 1 + COUNT_WIDTH..ours.len());
+    let Some(place) = count_place(ours) else { return false };
+    let (before, after) = (0..place, place + COUNT_WIDTH..ours.len());
     found.len() == ours.len()
         && found.get(before.clone()) == ours.get(before)
         && found.get(after.clone()) == ours.get(after)
@@ -132,6 +145,7 @@ fn header(rows: u64) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Mutex;
 
     #[test]
     fn the_header_keeps_its_length_and_alignment() {
@@ -142,5 +156,51 @@ mod tests {
         assert!(text.contains("('extension_m', '<f8', (4,))"), "{text}");
         assert!(text.contains("('frame', '|u1', (4, 16,))"), "{text}");
         assert!(text.contains("'shape': (18446744073709551615,)"), "{text}");
+    }
+
+    /// A disk that takes so many bytes and then is full, in the middle of a write.
+    struct Small {
+        bytes: Mutex<Vec<u8>>,
+        room: usize,
+    }
+
+    impl Storage for Small {
+        fn write_at(&self, bytes: &[u8], at: u64) -> io::Result<()> {
+            let mut disk = self.bytes.lock().unwrap();
+            for (index, byte) in (at as usize..).zip(bytes) {
+                if index >= self.room {
+                    return Err(io::ErrorKind::StorageFull.into());
+                }
+                if index >= disk.len() {
+                    disk.resize(index + 1, 0);
+                }
+                disk[index] = *byte;
+            }
+            Ok(())
+        }
+        fn cut(&self, length: u64) -> io::Result<()> {
+            self.bytes.lock().unwrap().truncate(length as usize);
+            Ok(())
+        }
+        fn sync(&self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_full_disk_takes_a_batch_whole_or_not_at_all() {
+        let start = header(0).len();
+        let room = start + 10 * Row::size() + 5;
+        let disk = Small { bytes: Mutex::default(), room };
+        let mut writer = NpyWriter::begin(&disk).unwrap();
+        writer.write(&[Row::default(); 7]).unwrap();
+        assert!(writer.write(&[Row::default(); 4]).is_err());
+        // Another file was deleted: the next rows find room.
+        writer.write(&[Row::default(); 3]).unwrap();
+        assert!(writer.write(&[Row::default()]).is_err());
+        assert_eq!(writer.finish().unwrap(), 10);
+        let bytes = disk.bytes.into_inner().unwrap();
+        assert_eq!(bytes.len(), start + 10 * Row::size());
+        assert_eq!(bytes[..start], header(10));
     }
 }

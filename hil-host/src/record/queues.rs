@@ -1,134 +1,191 @@
 //! The queues between the loop and the threads that write.
+//!
+//! The loop tries to put an entry in and goes on; the other end polls. As nobody ever waits at a
+//! queue, neither end takes a lock, and the room is allocated before the run.
 
 use super::bus_log::BusEvent;
 use super::row::Row;
-use crossbeam_channel::Sender;
-use heapless::spsc::{Consumer, Producer, Queue};
-use std::sync::Arc;
+use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
+use firmware_core::vehicle::DAMPER_SLOTS;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Rows that fit between loop and recorder: a second at 1 kHz.
-pub const ROWS: usize = 1024;
-/// Frames that fit: a second with two rigs.
-pub const EVENTS: usize = 4096;
+/// Time that the queues hold at one cycle per millisecond (s).
+const HELD_S: usize = 4;
+
+/// Rows in a second.
+const ROWS_PER_S: usize = 1024;
+
+/// Rows that fit between the loop and the thread that writes them.
+pub const ROWS: usize = HELD_S * ROWS_PER_S;
+
+/// Frames in a second for each rig: a command and a measurement in every cycle, and slow messages.
+const FRAMES_PER_S: usize = 2 * ROWS_PER_S + 128;
+
+/// Time between two looks into an empty queue.
+const POLL: Duration = Duration::from_millis(10);
+
+/// Entries that are taken out together.
+const BATCH: usize = 1024;
 
 /// The queues between the loop and the recorder.
 #[derive(Debug)]
 pub struct Queues {
-    rows: Box<Queue<Row, ROWS>>,
-    events: Box<Queue<BusEvent, EVENTS>>,
+    rows: (Sender<Row>, Receiver<Row>),
+    events: (Sender<BusEvent>, Receiver<BusEvent>),
 }
 
 impl Default for Queues {
+    /// Queues for as many rigs as there can be.
     fn default() -> Self {
-        Self { rows: Box::new(Queue::new()), events: Box::new(Queue::new()) }
+        Self::for_rigs(DAMPER_SLOTS)
     }
 }
 
 impl Queues {
+    /// Queues that hold four seconds of a run with so many rigs.
+    pub fn for_rigs(rigs: usize) -> Self {
+        Self { rows: bounded(ROWS), events: bounded(HELD_S * FRAMES_PER_S * rigs.max(1)) }
+    }
+
     /// The loop's end and the recorder's end.
     pub fn split(&mut self) -> (Recorder<'_>, Drain<'_>) {
-        let (rows_in, rows_out) = self.rows.split();
-        let (events_in, events_out) = self.events.split();
         (
             Recorder {
-                rows: rows_in,
-                events: events_in,
+                rows: &self.rows.0,
+                events: &self.events.0,
                 may_wait: false,
+                rows_lost_at_most: u64::MAX,
                 dropped_rows: 0,
                 dropped_events: 0,
+                dropped_in_a_row: 0,
             },
-            Drain { rows: rows_out, events: events_out },
+            Drain { rows: Outlet(&self.rows.1), events: Outlet(&self.events.1) },
         )
     }
 }
 
 /// The loop's end: neither allocates nor locks.
 pub struct Recorder<'a> {
-    rows: Producer<'a, Row>,
-    events: Producer<'a, BusEvent>,
+    rows: &'a Sender<Row>,
+    events: &'a Sender<BusEvent>,
     /// Whether the loop may wait for room: there is no clock that it would miss.
     pub may_wait: bool,
+    /// Rows that may be lost one after the other.
+    pub rows_lost_at_most: u64,
     /// Rows that found no room.
     pub dropped_rows: u64,
     /// Frames that found no room.
     pub dropped_events: u64,
+    /// Rows that found no room since the last one that did.
+    dropped_in_a_row: u64,
 }
 
 impl Recorder<'_> {
     /// Hands over a row.
-    pub fn row(&mut self, mut row: Row) {
-        while let Err(back) = self.rows.enqueue(row) {
-            if !self.may_wait {
-                self.dropped_rows += 1;
-                return;
-            }
-            row = back;
-            std::thread::yield_now();
+    pub fn row(&mut self, row: Row) {
+        if put(self.rows, row, self.may_wait) {
+            self.dropped_in_a_row = 0;
+        } else {
+            self.dropped_rows += 1;
+            self.dropped_in_a_row += 1;
         }
     }
 
     /// Hands over a frame.
-    pub fn event(&mut self, mut event: BusEvent) {
-        while let Err(back) = self.events.enqueue(event) {
-            if !self.may_wait {
-                self.dropped_events += 1;
-                return;
+    pub fn event(&mut self, event: BusEvent) {
+        if !put(self.events, event, self.may_wait) {
+            self.dropped_events += 1;
+        }
+    }
+
+    /// Whether more rows were lost one after the other than may be.
+    pub const fn is_overrun(&self) -> bool {
+        self.dropped_in_a_row > self.rows_lost_at_most
+    }
+}
+
+/// Puts an entry into a queue; false where there is no room.
+fn put<T>(queue: &Sender<T>, mut entry: T, may_wait: bool) -> bool {
+    while let Err(TrySendError::Full(back)) = queue.try_send(entry) {
+        if !may_wait {
+            return false;
+        }
+        entry = back;
+        std::thread::yield_now();
+    }
+    // The queue itself holds the other end: it is never closed.
+    true
+}
+
+/// The recorder's end.
+#[derive(Debug)]
+pub struct Drain<'a> {
+    /// Rows out of the loop.
+    pub rows: Outlet<'a, Row>,
+    /// Frames out of the loop.
+    pub events: Outlet<'a, BusEvent>,
+}
+
+impl Drain<'_> {
+    /// Empties both queues until `done` is set and they are empty, and keeps nothing.
+    pub fn discard(self, done: &AtomicBool) {
+        std::thread::scope(|scope| {
+            scope.spawn(|| self.events.run(done, |_| {}));
+            self.rows.run(done, |_| {});
+        });
+    }
+}
+
+/// The end of a queue that is emptied.
+#[derive(Debug)]
+pub struct Outlet<'a, T>(&'a Receiver<T>);
+
+impl<T> Outlet<'_, T> {
+    /// Hands what is in the queue to `take`, in batches, until `done` is set and nothing is left.
+    pub fn run(&self, done: &AtomicBool, mut take: impl FnMut(&[T])) {
+        let mut batch = Vec::with_capacity(BATCH);
+        loop {
+            // Read before emptying: what was queued before `done` is taken after it.
+            let last = done.load(Ordering::Acquire);
+            batch.clear();
+            batch.extend(self.0.try_iter().take(BATCH));
+            match () {
+                () if !batch.is_empty() => take(&batch),
+                () if last => return,
+                // Polling keeps the loop free of wake-up calls.
+                () => std::thread::sleep(POLL),
             }
-            event = back;
-            std::thread::yield_now();
         }
     }
 }
 
-/// Rows that left the loop together.
-pub type Batch = Arc<[Row]>;
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The recorder's end.
-pub struct Drain<'a> {
-    rows: Consumer<'a, Row>,
-    events: Consumer<'a, BusEvent>,
-}
-
-impl Drain<'_> {
-    /// Empties both queues until `done` is set and they are empty, sending on what it finds.
-    pub fn run(
-        mut self,
-        done: &AtomicBool,
-        rows: &[Sender<Batch>],
-        events: &Sender<Vec<BusEvent>>,
-    ) {
-        loop {
-            // Read before draining: what was queued before `done` is drained after it.
-            let last = done.load(Ordering::Acquire);
-            let mut found = false;
-            loop {
-                let batch: Vec<Row> =
-                    std::iter::from_fn(|| self.rows.dequeue()).take(ROWS).collect();
-                if batch.is_empty() {
-                    break;
-                }
-                found = true;
-                let batch: Batch = batch.into();
-                for channel in rows {
-                    // A receiver that has ended reports the reason itself.
-                    let _ = channel.send(Arc::clone(&batch));
-                }
-            }
-            let frames: Vec<BusEvent> =
-                std::iter::from_fn(|| self.events.dequeue()).take(EVENTS).collect();
-            if !frames.is_empty() {
-                found = true;
-                let _ = events.send(frames);
-            }
-            if last && !found {
-                return;
-            }
-            if !found {
-                // Polling keeps the loop free of wake-up calls.
-                std::thread::sleep(Duration::from_millis(2));
-            }
+    #[test]
+    fn the_queues_hold_four_seconds_and_count_what_is_lost_behind_them() {
+        let mut queues = Queues::for_rigs(1);
+        let (mut recorder, drain) = queues.split();
+        recorder.rows_lost_at_most = 1000;
+        for cycle in 1..=ROWS as u64 + 1000 {
+            recorder.row(Row { cycle, ..Row::default() });
         }
+        const { assert!(ROWS >= 4000) };
+        assert_eq!((recorder.dropped_rows, recorder.is_overrun()), (1000, false));
+        recorder.row(Row::default());
+        assert!(recorder.is_overrun());
+        // Every row that found room comes out, in order.
+        let mut last = 0;
+        drain.rows.run(&AtomicBool::new(true), |rows| {
+            for row in rows {
+                assert_eq!(row.cycle, last + 1);
+                last = row.cycle;
+            }
+        });
+        assert_eq!(last, ROWS as u64);
+        recorder.row(Row::default());
+        assert!(!recorder.is_overrun());
     }
 }

@@ -69,15 +69,20 @@ impl<T: Field, const N: usize> Field for [T; N] {
 }
 
 macro_rules! row {
-    ($($(#[$doc:meta])* $name:ident: $kind:ty,)*) => {
+    ($($(#[doc = $doc:literal])* $name:ident: $kind:ty,)*) => {
         /// A row.
         #[derive(Debug, Clone, Copy, PartialEq)]
-        pub struct Row { $($(#[$doc])* pub $name: $kind,)* }
+        pub struct Row { $($(#[doc = $doc])* pub $name: $kind,)* }
 
         impl Row {
             /// Appends the row's bytes.
             pub(super) fn put(&self, bytes: &mut Vec<u8>) {
                 $(self.$name.put(bytes);)*
+            }
+
+            /// What every field means, in order.
+            pub(super) fn meanings() -> Vec<String> {
+                vec![$(concat!($($doc),*).trim().to_owned(),)*]
             }
 
             /// Name, type and shape of every field, in order.
@@ -101,7 +106,7 @@ macro_rules! row {
             }
 
             /// Bytes of a row.
-            pub(super) fn size() -> usize {
+            pub(crate) fn size() -> usize {
                 let fields = Self::fields();
                 fields.iter().map(|(_, kind, shape)| bytes_of(kind, shape)).sum()
             }

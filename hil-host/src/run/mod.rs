@@ -2,10 +2,13 @@
 //!
 //! [`run`] reads from top to bottom: plan, check, open, greet, record, sum up, compare.
 
+mod about;
+mod handshake;
 mod plan;
 mod progress;
 mod recording;
 mod setup;
+mod space;
 
 pub(crate) use plan::Plan;
 pub(crate) use progress::bar;
@@ -19,8 +22,11 @@ use crate::control::{End, NoAnswer, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
 use crate::page::page;
 use crate::realtime::{self, RealtimeOptions};
+use crate::record::{BusEvent, column_reference};
 use crate::summary::{Outcome, Summary};
+use about::RunAbout;
 use files::ResultFolder;
+use handshake::{Epoch, Heard};
 use plan::BusLoad;
 use recording::{Output, Recording, Task};
 use report::Section;
@@ -37,9 +43,13 @@ const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 const SCENARIO: &str = "scenario.toml";
 const VEHICLE: &str = "vehicle.toml";
+const ABOUT: &str = "run.json";
+const EVENTS: &str = "events.jsonl";
+const COLUMNS: &str = "record-columns.md";
 
 /// The files of a run.
-const FILES: [&str; 7] = [RECORD, COMPARED, LOG, SUMMARY, REPORT, SCENARIO, VEHICLE];
+const FILES: [&str; 10] =
+    [RECORD, COMPARED, LOG, SUMMARY, REPORT, SCENARIO, VEHICLE, ABOUT, EVENTS, COLUMNS];
 
 /// How long rigs may take to answer before a run.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -70,6 +80,8 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         ResultFolder::fresh(options.out.as_deref(), &options.name, "run", options.overwrite)?;
     folder.check(&FILES)?;
     folder.refuse_inputs(options.inputs.iter().map(PathBuf::as_path))?;
+    let needed = space::needed_bytes(run, &plan, options.profile);
+    space::check(folder.path(), folder.free_bytes(), needed, run.cycles())?;
     let other = run.compared(|slot| plan.is_emulated(slot))?;
     let mut buses = open_buses(run, options, &plan)?;
     // Only now: where the bus is refused, the error stands alone.
@@ -86,13 +98,22 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;
     }
-    greet(&session, &state, &mut buses, &options.bus, stop)?;
+    let epoch = Epoch::now();
+    let handshake = greet(&session, &state, &mut buses, &options.bus, epoch, stop)?;
 
     folder.create()?;
+    folder.write(SCENARIO, &run.effective.scenario)?;
+    folder.write(VEHICLE, &run.effective.vehicle)?;
+    let about = RunAbout::new(run, options, &session, &plan, &load, epoch.unix_ns);
+    folder.write(ABOUT, &format!("{}\n", serde_json::to_string_pretty(&about)?))?;
+    folder.write(COLUMNS, &column_reference())?;
     let output = Output {
         record: (folder.file(RECORD), folder.create_file(RECORD)?),
         log: (folder.file(LOG), folder.create_file(LOG)?),
+        events: (folder.file(EVENTS), folder.create_file(EVENTS)?),
         bus_names: plan.buses.iter().map(|bus| bus.interface().to_owned()).collect(),
+        epoch,
+        handshake,
     };
     let task = Task {
         session: &session,
@@ -101,10 +122,8 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         pace: &mut pace,
         cycles: run.cycles(),
     };
-    let recording = recording::record(task, &options.realtime, output, stop)?;
+    let recording = recording::record(task, &options.realtime, &output, stop)?;
 
-    folder.write(SCENARIO, &run.effective.scenario)?;
-    folder.write(VEHICLE, &run.effective.vehicle)?;
     let mut summary = summary(run, options, &session, &state, &buses, &load, &recording);
     let write = |summary: &Summary, compared: Option<Section>| -> Result<(), BenchError> {
         let json = serde_json::to_string_pretty(summary)?;
@@ -112,7 +131,12 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         let page = page(run, summary, &recording.columns, &load.lines, compared);
         Ok(folder.write(REPORT, &page.to_html()?)?)
     };
-    write(&summary, None)?;
+    let written = write(&summary, None);
+    if let Some(failure) = recording.failure {
+        // The cause comes first: summary and report may not have found room either.
+        return Err(failure);
+    }
+    written?;
     let mut interrupted = recording.end == End::Stopped;
     if let (Some(setup), Some(other), false) = (&run.compare, &other, interrupted) {
         let record = (folder.file(COMPARED), folder.create_file(COMPARED)?);
@@ -148,17 +172,21 @@ fn require_realtime(wanted: RealtimeOptions) -> Result<(), BenchError> {
     Err(BenchError::RealtimeRefused)
 }
 
+/// Waits for the rigs; gives the frames of the handshake.
 fn greet(
     session: &Session<'_>,
     state: &SessionState,
     buses: &mut [AnyBus],
     bus: &BusChoice,
+    epoch: Epoch,
     stop: &AtomicBool,
-) -> Result<(), BenchError> {
-    session.greet(state, buses, PATIENCE, stop).map_err(|why| match why {
+) -> Result<Vec<BusEvent>, BenchError> {
+    let mut heard = Heard::all(buses, epoch);
+    session.greet(state, &mut heard, PATIENCE, stop).map_err(|why| match why {
         NoAnswer::Silent(nodes) => BenchError::SilentRigs { nodes, bus: bus.to_string() },
         NoAnswer::Interrupted => BenchError::Interrupted,
-    })
+    })?;
+    Ok(Heard::events(heard))
 }
 
 fn summary(
@@ -183,6 +211,7 @@ fn summary(
             .fold(BusCounters::default(), BusCounters::plus),
         record_dropped: recording.dropped,
         wall_s: recording.wall_s,
+        record_fault: recording.failure.as_ref().map(BenchError::to_string),
         bus_load: load.most,
         watched: session.watched,
     };

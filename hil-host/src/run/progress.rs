@@ -1,10 +1,11 @@
-//! The line of progress, and the columns that it is made from.
+//! The line of progress. It is drawn by a thread of its own: a terminal that takes nothing must not
+//! hold up the record.
 
 use crate::columns::{Columns, Watched};
-use crate::record::Batch;
+use crate::record::Row;
 use crate::summary::microseconds;
 use can_protocol::Watch;
-use crossbeam_channel::Receiver;
+use crossbeam_channel::{Receiver, Sender, bounded};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
@@ -12,35 +13,59 @@ use std::time::{Duration, Instant};
 /// Time after which the line is printed again.
 const REFRESH: Duration = Duration::from_millis(100);
 
-/// Collects the columns and shows progress.
-pub(super) fn collect(rows: &Receiver<Batch>, cycles: u64, speed_kmh: f64) -> Columns {
-    let mut columns = Columns::default();
+/// A line of progress.
+#[derive(Debug)]
+pub(super) struct Line {
+    cycle: u64,
+    text: String,
+}
+
+/// Makes a line from time to time.
+#[derive(Debug)]
+pub(super) struct Progress {
+    lines: Sender<Line>,
+    shown: Instant,
+    speed_kmh: f64,
+}
+
+impl Progress {
+    /// The progress of a run, and its lines.
+    pub(super) fn new(speed_kmh: f64) -> (Self, Receiver<Line>) {
+        let (lines, shown) = bounded(1);
+        (Self { lines, shown: Instant::now(), speed_kmh }, shown)
+    }
+
+    /// Takes in the last row.
+    pub(super) fn take(&mut self, row: &Row, columns: &Columns) {
+        if self.shown.elapsed() <= REFRESH || self.lines.is_full() {
+            return;
+        }
+        self.shown = Instant::now();
+        let (speed_kmh, stale): (f64, u64) = (self.speed_kmh, columns.stale.iter().sum());
+        let text = format!(
+            "{:6.1} s {speed_kmh:3.0} km/h {:7.0} m  stroke {:6.2} mm  force {:6.1} kN  \
+             cycle p50 {:.0} p99 {:.0} µs  lost {stale}{}",
+            row.time_s,
+            row.distance_m,
+            row.extension_m[0] * 1e3,
+            row.force_n[0] * 1e-3,
+            microseconds(&columns.cycle_ns, 0.5),
+            microseconds(&columns.cycle_ns, 0.99),
+            watch_text(&columns.watch),
+        );
+        // A line that finds no room is outdated.
+        let _ = self.lines.try_send(Line { cycle: row.cycle, text });
+    }
+}
+
+/// Draws lines until there are no more.
+pub(super) fn show(lines: &Receiver<Line>, cycles: u64) {
     let bar = bar(cycles, ProgressDrawTarget::stderr_with_hz(10));
-    let mut shown = Instant::now();
-    for batch in rows {
-        for row in batch.iter() {
-            columns.push(row);
-        }
-        let Some(row) = batch.last() else { continue };
-        if shown.elapsed() > REFRESH {
-            shown = Instant::now();
-            bar.set_position(row.cycle);
-            let stale: u64 = columns.stale.iter().sum();
-            bar.set_message(format!(
-                "{:6.1} s {speed_kmh:3.0} km/h {:7.0} m  stroke {:6.2} mm  force {:6.1} kN  \
-                 cycle p50 {:.0} p99 {:.0} µs  lost {stale}{}",
-                row.time_s,
-                row.distance_m,
-                row.extension_m[0] * 1e3,
-                row.force_n[0] * 1e-3,
-                microseconds(&columns.cycle_ns, 0.5),
-                microseconds(&columns.cycle_ns, 0.99),
-                watch_text(&columns.watch),
-            ));
-        }
+    for line in lines {
+        bar.set_position(line.cycle);
+        bar.set_message(line.text);
     }
     bar.finish_and_clear();
-    columns
 }
 
 /// A bar for so many cycles.

@@ -1,22 +1,22 @@
-//! The loop with the threads around it: record, bus log, progress.
+//! The loop with the threads around it: record, bus log, disk, progress.
 
-use super::progress;
+use super::handshake::Epoch;
+use super::progress::{self, Progress};
 use crate::BenchError;
 use crate::bus::Bus;
 use crate::columns::Columns;
 use crate::control::{Buses, End, Pace, Session, SessionState};
 use crate::realtime::{self, RealtimeOptions};
-use crate::record::{Batch, BusEvent, BusLog, NpyWriter, Queues};
-use crossbeam_channel::{Receiver, bounded};
-use std::fs::File;
+use crate::record::{
+    BusEvent, BusLog, Drain, Event, EventLog, Loss, NpyWriter, Outlet, Queues, Row, Storage,
+};
+use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
+use std::fmt;
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::ScopedJoinHandle;
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
-
-/// Batches that may wait for a thread that writes.
-const WAITING: usize = 64;
+use std::time::{Duration, Instant};
 
 /// The loop with everything that it changes.
 pub(super) struct Task<'a, 's, B> {
@@ -29,11 +29,16 @@ pub(super) struct Task<'a, 's, B> {
 
 /// What the loop writes while it runs: opened files and their names for messages.
 #[derive(Debug)]
-pub(super) struct Output {
-    pub(super) record: (PathBuf, File),
-    pub(super) log: (PathBuf, File),
+pub(super) struct Output<S> {
+    pub(super) record: (PathBuf, S),
+    pub(super) log: (PathBuf, S),
+    pub(super) events: (PathBuf, S),
     /// Names of the buses in the log.
     pub(super) bus_names: Vec<String>,
+    /// Time zero of the log.
+    pub(super) epoch: Epoch,
+    /// What passed the buses before the first cycle.
+    pub(super) handshake: Vec<BusEvent>,
 }
 
 /// What is known when the loop has ended.
@@ -41,37 +46,51 @@ pub(super) struct Output {
 pub(super) struct Recording {
     pub(super) end: End,
     pub(super) columns: Columns,
-    /// Rows and frames that the recorder had no room for.
+    /// Rows and frames that the recorder had no room for, or the disk.
     pub(super) dropped: u64,
     pub(super) wall_s: f64,
+    /// Why the record could not be kept and the run was ended.
+    pub(super) failure: Option<BenchError>,
 }
 
+/// Time between two synchronisations of the disk: with the write of a batch, a power cut loses at
+/// most two seconds.
+const SYNC: Duration = Duration::from_secs(1);
+
 /// Runs the loop on this thread and records it.
-pub(super) fn record<B: Bus>(
+pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
     task: Task<'_, '_, B>,
     realtime_options: &RealtimeOptions,
-    output: Output,
+    output: &Output<S>,
     stop: &AtomicBool,
 ) -> Result<Recording, BenchError> {
     let Task { session, state, buses, pace, cycles } = task;
-    let now_ns = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos() as u64);
-    let Output { record: (record_path, record), log: (log_path, log), bus_names } = output;
-    let log = BusLog::begin(log, now_ns, bus_names);
-    let mut queues = Queues::default();
+    let cycle_ns = session.line.cycle_s * 1e9 * f64::from(session.slow_down.get());
+    let cycle_ns = (cycle_ns as u64).max(1);
+    let (files, epoch) = ([&output.record, &output.log], output.epoch);
+    let [record, log] = files.map(|(_, storage)| storage);
+    let failed = |(path, _): &(PathBuf, S), why| BenchError::File { file: path.clone(), why };
+    let begun = NpyWriter::begin(record).map_err(|why| failed(&output.record, why))?;
+    let mut lines = BusLog::begin(log, epoch.unix_ns, output.bus_names.clone());
+    lines.write(&output.handshake).map_err(|why| failed(&output.log, why))?;
+    let mut happened = EventLog::begin(&output.events.1);
+    happened.write(&of_run(0, 0.0, "run begun")).map_err(|why| failed(&output.events, why))?;
+    let mut queues = Queues::for_rigs(session.ports.len());
     let (mut recorder, drain) = queues.split();
+    recorder.rows_lost_at_most = 1_000_000_000 / cycle_ns;
     let done = AtomicBool::new(false);
-    let begin = Instant::now();
-    let speed_kmh = session.line.speed_m_per_s * 3.6;
+    let (progress, shown) = Progress::new(session.line.speed_m_per_s * 3.6);
+    let (running, ended) = bounded::<()>(0);
     std::thread::scope(|scope| {
-        let (to_file, file_rows) = bounded::<Batch>(WAITING);
-        let (to_progress, progress_rows) = bounded::<Batch>(WAITING);
-        let (to_log, log_events) = bounded::<Vec<BusEvent>>(WAITING);
-        let rows = [to_file, to_progress];
-        let done = &done;
-        scope.spawn(move || drain.run(done, &rows, &to_log));
-        let record = scope.spawn(move || or_stop(write_rows(record, &file_rows), stop));
-        let log = scope.spawn(move || or_stop(write_events(log, &log_events), stop));
-        let columns = scope.spawn(move || progress::collect(&progress_rows, cycles, speed_kmh));
+        let (done, Drain { rows, events }) = (&done, drain);
+        let record = scope.spawn(move || {
+            let to = RowOutput { record: begun, events: happened, progress, cycle_ns };
+            write_rows(to, &rows, done, stop)
+        });
+        let log = scope.spawn(move || write_events(lines, &events, done, stop));
+        let storages = files.map(|(_, storage)| storage);
+        let sync = scope.spawn(move || synchronise(storages, &ended, stop));
+        scope.spawn(move || progress::show(&shown, cycles));
 
         // After the other threads have started: they must not inherit the loop's processor.
         if let Pace::Realtime(_) = pace {
@@ -79,39 +98,126 @@ pub(super) fn record<B: Bus>(
                 eprintln!("real-time: {line}");
             }
         }
-        let end = session.run(state, &mut Buses::new(buses, &mut recorder), pace, cycles, stop);
+        let begin = Instant::now();
+        let mut buses = Buses::new(buses, &mut recorder).counted_from(epoch.begin);
+        let end = session.run(state, &mut buses, pace, cycles, stop);
         let wall_s = begin.elapsed().as_secs_f64();
-        let dropped = recorder.dropped_rows + recorder.dropped_events;
         done.store(true, Ordering::Release);
-        let written = [(record, record_path), (log, log_path)];
-        for (thread, file) in written {
-            joined(thread)?.map_err(|why| BenchError::File { file, why })?;
+        drop(running);
+        let (record, columns, mut happened) = joined(record)?;
+        let (cycle, time_s) = (state.line.cycle, state.line.cycle as f64 * session.line.cycle_s);
+        // A disk that does not take it is named below or has taken all rows.
+        let _ = happened.write(&of_run(cycle, time_s, ended_as(end)));
+        let (log, [record_sync, log_sync]) = (joined(log)?, joined(sync)?);
+        let dropped = recorder.dropped_rows + recorder.dropped_events + record.count + log.count;
+        let mut slow = Loss::default();
+        if recorder.is_overrun() {
+            finish(&mut slow, Err(io::Error::other("the disk is too slow")));
         }
-        Ok(Recording { end, columns: joined(columns)?, dropped, wall_s })
+        let [of_record, of_log] = files;
+        let losses = [
+            (of_record, record),
+            (of_record, slow),
+            (of_record, record_sync),
+            (of_log, log),
+            (of_log, log_sync),
+        ];
+        let mut failure = None;
+        for ((path, _), loss) in losses {
+            let Some(why) = loss.why.filter(|_| loss.too_long && failure.is_none()) else {
+                continue;
+            };
+            failure = Some(BenchError::Unrecorded { file: path.clone(), why, dropped });
+        }
+        Ok(Recording { end, columns, dropped, wall_s, failure })
     })
 }
 
-/// A file that cannot be written ends the run: a bench is not driven without its record.
-fn or_stop(written: io::Result<()>, stop: &AtomicBool) -> io::Result<()> {
-    if written.is_err() {
-        stop.store(true, Ordering::Relaxed);
-    }
-    written
+/// Where the rows go.
+struct RowOutput<S> {
+    record: NpyWriter<S>,
+    events: EventLog<S>,
+    progress: Progress,
+    /// Wall time of a cycle.
+    cycle_ns: u64,
 }
 
-fn write_rows(file: File, rows: &Receiver<Batch>) -> io::Result<()> {
-    let mut record = NpyWriter::begin(file)?;
-    for batch in rows {
-        record.write(&batch)?;
-    }
-    record.finish().map(|_| ())
+/// An event of the whole run.
+const fn of_run(cycle: u64, time_s: f64, what: &'static str) -> Event {
+    Event { time_s, cycle, what, slot: None, value: None, limit: None }
 }
 
-fn write_events(mut log: BusLog, events: &Receiver<Vec<BusEvent>>) -> io::Result<()> {
-    for events in events {
-        log.write(&events)?;
+/// How a run ended, as an event.
+const fn ended_as(end: End) -> &'static str {
+    match end {
+        End::Completed => "run ended: completed",
+        End::Stopped => "run ended: stopped",
+        End::Safe => "run ended: safe",
     }
-    log.finish()
+}
+
+/// Writes the rows, and collects what statistics and progress need.
+fn write_rows<S: Storage>(
+    to: RowOutput<S>,
+    rows: &Outlet<'_, Row>,
+    done: &AtomicBool,
+    stop: &AtomicBool,
+) -> (Loss, Columns, EventLog<S>) {
+    let RowOutput { mut record, mut events, mut progress, cycle_ns } = to;
+    let (mut loss, mut columns) = (Loss::default(), Columns::default());
+    rows.run(done, |rows| {
+        let Some(last) = rows.last() else { return };
+        if loss.take(record.write(rows), rows.len() as u64, last.cycle * cycle_ns) {
+            stop.store(true, Ordering::Relaxed);
+        }
+        for row in rows {
+            columns.push(row);
+            // An event that finds no room is also in the rows.
+            let _ = events.take(row);
+        }
+        progress.take(last, &columns);
+    });
+    finish(&mut loss, record.finish().map(|_| ()));
+    (loss, columns, events)
+}
+
+fn write_events<S: Storage>(
+    mut log: BusLog<S>,
+    events: &Outlet<'_, BusEvent>,
+    done: &AtomicBool,
+    stop: &AtomicBool,
+) -> Loss {
+    let mut loss = Loss::default();
+    events.run(done, |events| {
+        let Some(last) = events.last() else { return };
+        if loss.take(log.write(events), events.len() as u64, last.time_ns) {
+            stop.store(true, Ordering::Relaxed);
+        }
+    });
+    finish(&mut loss, log.finish());
+    loss
+}
+
+/// What is not on the disk at the end is lost, however short.
+fn finish(loss: &mut Loss, finished: io::Result<()>) {
+    if let (Err(why), false) = (finished, loss.too_long) {
+        loss.why = Some(why);
+        loss.too_long = true;
+    }
+}
+
+/// Has the disk synchronised from time to time, until the run has ended. The writing threads do not
+/// wait for it.
+fn synchronise<S: Storage>(files: [&S; 2], ended: &Receiver<()>, stop: &AtomicBool) -> [Loss; 2] {
+    let (begin, mut losses) = (Instant::now(), [Loss::default(), Loss::default()]);
+    while ended.recv_timeout(SYNC) == Err(RecvTimeoutError::Timeout) {
+        for (file, loss) in files.iter().zip(&mut losses) {
+            if loss.take(file.sync(), 0, begin.elapsed().as_nanos() as u64) {
+                stop.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+    losses
 }
 
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> Result<T, BenchError> {
@@ -127,8 +233,8 @@ mod tests {
     use crate::run::{Plan, Terms, session};
     use can_protocol::Profile;
     use scenario::run::{Overrides, Run};
+    use std::fs::File;
     use std::path::Path;
-    use std::time::Duration;
 
     #[test]
     fn a_full_disk_ends_the_run_and_what_was_recorded_can_be_read() {
@@ -150,7 +256,10 @@ mod tests {
         let output = Output {
             record: (path.clone(), File::create(&path).unwrap()),
             log: (PathBuf::from("bus.log"), full),
+            events: (path.clone(), File::options().write(true).open("/dev/null").unwrap()),
             bus_names: vec!["memory".to_owned()],
+            epoch: Epoch::now(),
+            handshake: Vec::new(),
         };
         let task = Task {
             session: &session,
@@ -159,7 +268,10 @@ mod tests {
             pace: &mut Pace::Fast,
             cycles: run.cycles(),
         };
-        let error = record(task, &RealtimeOptions::NONE, output, &stop).unwrap_err();
+        let recording = record(task, &RealtimeOptions::NONE, &output, &stop).unwrap();
+        assert_eq!(recording.end, End::Stopped);
+        assert!(recording.dropped > 2000, "{}", recording.dropped);
+        let error = recording.failure.unwrap();
         assert!(!error.is_bad_input() && !error.is_safe_state(), "{error:?}");
         let text = error.to_string();
         assert!(text.starts_with("bus.log: No space left"), "{text}");

@@ -74,11 +74,13 @@ pub struct Summary {
     pub state: End,
     /// What stopped it; null unless it ended in the safe state.
     pub cause: Option<StopSummary>,
+    /// Why the record could not be kept and the run was ended; null otherwise.
+    pub record_fault: Option<String>,
     /// 16 hex digits over host state and received forces of every cycle.
     pub trajectory_hash: String,
     /// How the hash is made.
     pub trajectory_hash_algorithm: String,
-    /// Rows and frames that the recorder had no room for.
+    /// Rows and frames that the recorder or the disk had no room for.
     pub record_dropped: u64,
     /// Worst-case share of the bus that the cyclic pair takes.
     pub bus_load: f64,
@@ -123,6 +125,7 @@ impl Summary {
             comparison: None,
             state: outcome.end,
             cause: state.stop.map(|stop| stop.summary()),
+            record_fault: outcome.record_fault.clone(),
             trajectory_hash: format!("{:016x}", state.hash),
             trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),
             record_dropped: outcome.record_dropped,

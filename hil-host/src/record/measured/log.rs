@@ -17,7 +17,9 @@ use files::{Limit, input, quoted};
 use measurement::{MeasurementError, Series};
 use socketcan::dump::{ParseError, Reader};
 use socketcan::{CanAnyFrame, EmbeddedFrame, Frame as _};
-use std::io::BufReader;
+use std::fs::File;
+use std::io::{self, BufReader, Read as _};
+use std::os::unix::fs::FileExt as _;
 use std::path::Path;
 
 /// Lost frames in a row that the receiver accepts; below half the 4-bit counter.
@@ -39,8 +41,10 @@ pub fn read_bus_log(
         expected: "a candump log".to_owned(),
     };
     let file = input::open(path, Limit::Stream).map_err(|why| unreadable(why.reason()))?;
-    let mut reader = Reader::from_reader(BufReader::new(file));
+    let whole = whole_lines(&file).map_err(|why| unreadable(why.to_string()))?;
+    let mut reader = Reader::from_reader(BufReader::new((&file).take(whole)));
     let mut seen = Seen::new(path, node)?;
+    seen.is_cut_off = file.metadata().is_ok_and(|about| about.len() > whole);
     let mut line = 0;
     loop {
         line += 1;
@@ -72,6 +76,22 @@ pub fn read_bus_log(
     seen.series()
 }
 
+/// Bytes of a log up to its last line end: the last line of a run that was killed may be cut off.
+fn whole_lines(file: &File) -> io::Result<u64> {
+    let mut end = file.metadata()?.len();
+    let mut bytes = [0; 4096];
+    while end > 0 {
+        let start = end.saturating_sub(bytes.len() as u64);
+        let part = &mut bytes[..(end - start) as usize];
+        file.read_exact_at(part, start)?;
+        if let Some(at) = part.iter().rposition(|byte| *byte == b'\n') {
+            return Ok(start + at as u64 + 1);
+        }
+        end = start;
+    }
+    Ok(0)
+}
+
 /// What has been read of a log so far.
 struct Seen {
     series: Series,
@@ -83,6 +103,7 @@ struct Seen {
     numbers: Vec<u64>,
     stamps_us: Vec<u64>,
     sync: Option<Sync>,
+    is_cut_off: bool,
     unused: u64,
     not_running: u64,
     invalid: u64,
@@ -109,6 +130,7 @@ impl Seen {
             numbers: Vec::new(),
             stamps_us: Vec::new(),
             sync: None,
+            is_cut_off: false,
             unused: 0,
             not_running: 0,
             invalid: 0,
@@ -217,6 +239,9 @@ impl Seen {
             if count > 0 {
                 self.series.repairs.push(format!("{count} {what}"));
             }
+        }
+        if self.is_cut_off {
+            self.series.repairs.push("the last line is cut off and left out".to_owned());
         }
         Ok(self.series)
     }

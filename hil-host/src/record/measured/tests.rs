@@ -2,7 +2,7 @@
 
 use super::{read_bus_log, read_record};
 use crate::bus::WireFrame;
-use crate::record::{BusEvent, BusLog, InputKind, NpyWriter, Row};
+use crate::record::{BusEvent, BusLog, Direction, InputKind, NpyWriter, Row};
 use can_protocol::{Measurement, MeasurementFlags, Node, Pace, Profile, RunState, Sync};
 use measurement::Measurement as Test;
 use std::fs::File;
@@ -35,6 +35,7 @@ fn log(name: &str, change: impl Fn(u64, &mut Measurement) -> bool) -> PathBuf {
     let event = |time_ns, frame: &can_protocol::Frame| BusEvent {
         time_ns,
         bus: 0,
+        direction: Direction::Received,
         frame: WireFrame::from(frame),
     };
     log.write(&[event(0, &sync.encode())]).unwrap();
@@ -175,5 +176,31 @@ fn a_record_gives_every_slot_its_own_signals() {
     assert_eq!((rig.displacement_m[49], rig.force_n[49]), (2.0 * sample(50).0, 3.0 * sample(50).1));
     assert_eq!(rig.repairs, ["1 cycles without a fresh measurement left out"]);
     assert!(read_record(&path, 4).is_err());
+    std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn what_a_kill_cut_off_is_left_out() {
+    let path = log("cut.log", |_, _| true);
+    let whole = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &whole[..whole.len() - 5]).unwrap();
+    let series = read_bus_log(&path, Node::ALL[1], None).unwrap();
+    assert_eq!(series.time_s.len(), 1499);
+    assert_eq!(series.repairs, ["the last line is cut off and left out"]);
+    std::fs::remove_file(path).unwrap();
+
+    let path = place("cut.npy");
+    let mut writer = NpyWriter::begin(File::create(&path).unwrap()).unwrap();
+    let rows: Vec<Row> = (1..=20).map(|cycle| Row { cycle, ..Row::default() }).collect();
+    writer.write(&rows).unwrap();
+    drop(writer);
+    let file = File::options().write(true).open(&path).unwrap();
+    let length = file.metadata().unwrap().len();
+    file.set_len(length - 3).unwrap();
+    assert_eq!(read_record(&path, 0).unwrap().time_s.len(), 19);
+    // A file system that had no time for the rows, but for the size of the file.
+    file.set_len(length + 1000).unwrap();
+    let read = read_record(&path, 0).unwrap();
+    assert!((19..=20).contains(&read.time_s.len()), "{}", read.time_s.len());
     std::fs::remove_file(path).unwrap();
 }

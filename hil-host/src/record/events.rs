@@ -1,0 +1,159 @@
+//! `events.jsonl`: what happened in a run, one line of JSON per event, written when it happens.
+
+use super::input_kind::InputKind;
+use super::row::Row;
+use super::storage::{Appender, Storage};
+use can_protocol::Watch;
+use firmware_core::vehicle::DAMPER_SLOTS;
+use serde::Serialize;
+use std::fs::File;
+use std::io;
+
+/// Something that happened.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct Event {
+    /// Model time (s).
+    pub(crate) time_s: f64,
+    /// The control cycle; zero before the first one.
+    pub(crate) cycle: u64,
+    /// What it is.
+    #[serde(rename = "event")]
+    pub(crate) what: &'static str,
+    /// Number of the damper slot, from one; null for the whole run.
+    pub(crate) slot: Option<usize>,
+    /// The value, in the unit of the limit.
+    pub(crate) value: Option<f64>,
+    /// The limit.
+    pub(crate) limit: Option<f64>,
+}
+
+/// Cycles in a row without a force that are an event: the guard trips in the fifth.
+const STALE_CYCLES: u32 = 5;
+
+/// Time for which further skipped ticks are the same event (s).
+const SKIPPED_S: f64 = 1.0;
+
+/// Writes the events of a run.
+#[derive(Debug)]
+pub(crate) struct EventLog<S = File> {
+    file: Appender<S>,
+    drift: [Watch; DAMPER_SLOTS],
+    /// Cycles in a row without a force.
+    stale: [u32; DAMPER_SLOTS],
+    /// Ticks skipped since the last event, and the time from which the next may come.
+    skipped: (u64, f64),
+}
+
+impl<S: Storage> EventLog<S> {
+    pub(crate) fn begin(file: S) -> Self {
+        Self {
+            file: Appender::new(file),
+            drift: [Watch::None; DAMPER_SLOTS],
+            stale: [0; DAMPER_SLOTS],
+            skipped: (0, 0.0),
+        }
+    }
+
+    /// Writes an event.
+    ///
+    /// # Errors
+    /// The disk is full, or gone.
+    pub(crate) fn write(&mut self, event: &Event) -> io::Result<()> {
+        let line = serde_json::to_string(event)?;
+        self.file.append(format!("{line}\n").as_bytes())
+    }
+
+    /// Writes what happened in a cycle.
+    ///
+    /// # Errors
+    /// The disk is full, or gone.
+    pub(crate) fn take(&mut self, row: &Row) -> io::Result<()> {
+        for slot in 0..DAMPER_SLOTS {
+            self.watch(row, slot)?;
+            self.input(row, slot)?;
+        }
+        self.skipped.0 += u64::from(row.skipped);
+        if self.skipped.0 > 0 && row.time_s >= self.skipped.1 {
+            self.write(&Event { value: Some(self.skipped.0 as f64), ..of(row, "ticks skipped") })?;
+            self.skipped = (0, row.time_s + SKIPPED_S);
+        }
+        Ok(())
+    }
+
+    fn watch(&mut self, row: &Row, slot: usize) -> io::Result<()> {
+        let (before, now) = (self.drift[slot], row.drift[slot]);
+        self.drift[slot] = now;
+        let what = match (before == Watch::Drift, now == Watch::Drift) {
+            (false, true) => "drift raised",
+            (true, false) => "drift cleared",
+            _ => return Ok(()),
+        };
+        let (value, limit) = (row.residual_rms_n[slot], row.residual_limit_n[slot]);
+        self.write(&Event {
+            slot: Some(slot + 1),
+            value: Some(value),
+            limit: Some(limit),
+            ..of(row, what)
+        })
+    }
+
+    fn input(&mut self, row: &Row, slot: usize) -> io::Result<()> {
+        let before = self.stale[slot];
+        let is_stale = row.input[slot].is_stale() && row.cycle > 1;
+        self.stale[slot] = if is_stale { before.saturating_add(1) } else { 0 };
+        let event = |what, cycles: u32| Event {
+            slot: Some(slot + 1),
+            value: Some(f64::from(cycles)),
+            limit: Some(f64::from(STALE_CYCLES)),
+            ..of(row, what)
+        };
+        match () {
+            () if self.stale[slot] == STALE_CYCLES => {
+                self.write(&event("no valid force", STALE_CYCLES))
+            }
+            () if row.input[slot] == InputKind::Fresh && before >= STALE_CYCLES => {
+                self.write(&event("valid force again", before))
+            }
+            () => Ok(()),
+        }
+    }
+}
+
+fn of(row: &Row, what: &'static str) -> Event {
+    let (time_s, cycle) = (row.time_s, row.cycle);
+    Event { time_s, cycle, what, slot: None, value: None, limit: None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drift_lost_force_and_skipped_ticks_are_events_with_their_cycles() {
+        let name = format!("hil-host-events-{}.jsonl", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        let mut log = EventLog::begin(File::create(&path).unwrap());
+        for cycle in 1..=3000 {
+            let mut row = Row { cycle, time_s: (cycle - 1) as f64 / 1e3, ..Row::default() };
+            row.input[1] = InputKind::Fresh;
+            // Four are no event, seven are one.
+            if matches!(cycle, 101..=104 | 201..=207) {
+                row.input[1] = InputKind::Missing;
+            }
+            row.drift[0] = if (500..600).contains(&cycle) { Watch::Drift } else { Watch::Steady };
+            (row.residual_rms_n[0], row.residual_limit_n[0]) = (30.0, 20.0);
+            row.skipped = u32::from(matches!(cycle, 1000..=1009));
+            log.take(&row).unwrap();
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::remove_file(path).unwrap();
+        let expected = r#"{"time_s":0.204,"cycle":205,"event":"no valid force","slot":2,"value":5.0,"limit":5.0}
+{"time_s":0.207,"cycle":208,"event":"valid force again","slot":2,"value":7.0,"limit":5.0}
+{"time_s":0.499,"cycle":500,"event":"drift raised","slot":1,"value":30.0,"limit":20.0}
+{"time_s":0.599,"cycle":600,"event":"drift cleared","slot":1,"value":30.0,"limit":20.0}
+{"time_s":0.999,"cycle":1000,"event":"ticks skipped","slot":null,"value":1.0,"limit":null}
+{"time_s":1.999,"cycle":2000,"event":"ticks skipped","slot":null,"value":9.0,"limit":null}
+"#;
+        assert_eq!(text, expected);
+    }
+}

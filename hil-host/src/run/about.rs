@@ -1,0 +1,58 @@
+//! `run.json`: what a run was asked for, written before its first cycle.
+
+use super::plan::{BusLoad, Plan};
+use crate::control::Session;
+use crate::options::{PaceChoice, RunOptions};
+use scenario::run::Run;
+use serde::{Deserialize, Serialize};
+
+/// What a run was asked for, and which program ran it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct RunAbout {
+    /// Version of this format.
+    pub(crate) format: u32,
+    /// Name and version of the program.
+    pub(crate) program: String,
+    /// Start of the log, since 1970 (s).
+    pub(crate) started_unix_s: f64,
+    pub(crate) title: String,
+    pub(crate) bus: String,
+    pub(crate) pace: PaceChoice,
+    pub(crate) slow_down: u8,
+    /// Control cycles that were asked for.
+    pub(crate) cycles: u64,
+    /// Numbers of the damper slots on rigs, from one.
+    pub(crate) rig_slots: Vec<usize>,
+    /// Worst-case share of the fullest bus.
+    pub(crate) bus_load: f64,
+    /// The load of every bus, one line each.
+    pub(crate) bus_lines: Vec<String>,
+    /// Bodies whose accelerations are recorded: carbody, front bogie, first wheelset.
+    pub(crate) watched: [Option<usize>; 3],
+}
+
+impl RunAbout {
+    pub(super) fn new(
+        run: &Run,
+        options: &RunOptions,
+        session: &Session<'_>,
+        plan: &Plan,
+        load: &BusLoad,
+        started_ns: u64,
+    ) -> Self {
+        Self {
+            format: 1,
+            program: concat!("yawbench ", env!("CARGO_PKG_VERSION")).to_owned(),
+            started_unix_s: started_ns as f64 * 1e-9,
+            title: run.title.clone(),
+            bus: options.bus.to_string(),
+            pace: options.pace,
+            slow_down: options.slow_down.get(),
+            cycles: run.cycles(),
+            rig_slots: plan.rigs.iter().map(|rig| rig.slot + 1).collect(),
+            bus_load: load.most,
+            bus_lines: load.lines.clone(),
+            watched: session.watched,
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! A run that is killed leaves a record and a bus log that can be read.
+
+use crate::support::command::{folder, read, repository, yawbench};
+use crate::support::record::Record;
+use can_protocol::Node;
+use hil_host::record::measured::{read_bus_log, read_record};
+use std::path::PathBuf;
+use std::process::Stdio;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+/// Starts a run at the pace of the clock and kills it when its record has so many bytes; gives its
+/// folder and the time since 1970 at which it was killed.
+fn killed(name: &str, bytes: u64) -> (PathBuf, Duration) {
+    let out = folder(name);
+    let mut run = yawbench();
+    run.arg("run").arg(repository().join("scenarios/ss9-160kmh.toml")).arg("--out").arg(&out);
+    run.args(["--duration", "60", "--fifo-priority", "0"]).stderr(Stdio::null());
+    let mut run = run.spawn().unwrap();
+    while std::fs::metadata(out.join("record.npy")).map_or(0, |file| file.len()) < bytes {
+        assert_eq!(run.try_wait().unwrap(), None, "it ended by itself");
+        std::thread::yield_now();
+    }
+    run.kill().unwrap();
+    let at = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+    assert_eq!(run.wait().unwrap().code(), None);
+    (out, at)
+}
+
+/// The time of the last whole line of a log, since 1970.
+fn last_time(log: &str) -> Duration {
+    let (whole, _) = log.rsplit_once('\n').unwrap();
+    let stamp = whole.lines().last().unwrap().split(['(', ')']).nth(1).unwrap();
+    Duration::from_secs_f64(stamp.parse().unwrap())
+}
+
+/// The number of kills: `YAWBENCH_KILLS`, or 20.
+fn kills() -> u64 {
+    std::env::var("YAWBENCH_KILLS").map_or(20, |kills| kills.parse().unwrap())
+}
+
+#[test]
+fn a_run_that_is_killed_leaves_files_that_can_be_read() {
+    let mut longest = Duration::ZERO;
+    for kill in 0..kills() {
+        let (out, at) = killed("killed", 1 + kill % 20 * 10 * 584);
+        let record = Record::read_killed(&out.join("record.npy"));
+        for row in 0..record.rows() {
+            assert_eq!(record.integer(row, "cycle", 0), row as u64 + 1, "kill {kill}");
+        }
+        let rows = read_record(&out.join("record.npy"), 1).unwrap().time_s.len();
+        assert!(rows >= record.rows(), "kill {kill}: {rows} of {}", record.rows());
+        let log = read(&out.join("bus.log"));
+        // The handshake is in the file before the first row: a sync from the host.
+        let first = log.lines().next().unwrap();
+        assert!(first.contains(" memory 080#") && first.ends_with(" T"), "{first}");
+        longest = longest.max(at.saturating_sub(last_time(&log)));
+        if record.rows() > 100 {
+            let test = read_bus_log(&out.join("bus.log"), Node::ALL[0], None).unwrap();
+            assert!(!test.time_s.is_empty());
+        }
+        for name in ["scenario.toml", "vehicle.toml"] {
+            assert!(out.join(name).is_file(), "no {name}");
+        }
+        std::fs::remove_dir_all(out).unwrap();
+    }
+    println!("{} kills, at most {longest:?} of the bus log lost", kills());
+}
