@@ -80,6 +80,7 @@ pub(crate) fn command(args: &CharacteriseArgs) -> Result<ExitCode, CommandError>
     if let Some(first) = args.from.first() {
         return of_records(args, first, &datasheet);
     }
+    refuse_record(args)?;
     let list = test_list(&args.tests)?;
     let (path, visit) = match (&args.physical, &args.model) {
         (Some(path), _) => (path, Visit::of_hydraulic(path, list, args.seed)?),
@@ -89,6 +90,27 @@ pub(crate) fn command(args: &CharacteriseArgs) -> Result<ExitCode, CommandError>
         }
     };
     of_visit(args, path, &visit, &datasheet)
+}
+
+/// Refuses a measured record in the place of a damper.
+fn refuse_record(args: &CharacteriseArgs) -> Result<(), CommandError> {
+    let is_table =
+        |path: &&PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    let Some(path) =
+        args.model.iter().chain(&args.physical).find(|path| is_table(path) && path.is_file())
+    else {
+        return Ok(());
+    };
+    let shown = path.display().to_string();
+    Err(CommandError::Input {
+        file: path.clone(),
+        found: "a CSV file".to_owned(),
+        expected: format!(
+            "the TOML file of a damper; characterise --from {} gives the figures of a measured \
+             record",
+            files::quoted(&shown)
+        ),
+    })
 }
 
 /// The tests by their name or file.

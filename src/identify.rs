@@ -88,6 +88,7 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     let stop = stop::flag();
     args.next_test.check()?;
     let (question, warnings) = question(args)?;
+    args.next_test.check_records(&question)?;
     let out = args.out.as_deref();
     let mut folder = ResultFolder::fresh(out, "identify", "identify", args.overwrite)?;
     let options = args.datasheet.iter().chain(&args.mapping);
@@ -112,7 +113,7 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     let html = page(&identification).to_html()?;
     folder.create()?;
     write(&folder, &identification, &json, &html)?;
-    if let Some(Proposed { list, .. }) = &proposed {
+    if let Some(Proposed { list: Some(list), .. }) = &proposed {
         folder.write(NEXT_TEST, list)?;
     }
     if args.json {

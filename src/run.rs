@@ -112,10 +112,8 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         print(&lines.join("\n"))?;
     }
     Ok(if finished.summary.state == End::Safe {
-        eprintln!(
-            "ended in the safe state: no valid force for 5 cycles, a silent rig, a bus that went \
-             down, or a model that left its track; rigs were brought to rest"
-        );
+        let cause = finished.summary.cause.as_ref().map_or("", |cause| cause.message.as_str());
+        eprintln!("ended in the safe state {cause}; rigs were brought to rest");
         ExitCode::from(SAFE_STATE)
     } else if finished.interrupted {
         eprintln!("interrupted: the files hold the run up to this point");

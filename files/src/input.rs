@@ -135,7 +135,10 @@ fn absent(path: &Path, why: &io::Error) -> InputError {
     let similar = suggestion::file_like(path).map(|file| file.display().to_string());
     let similar =
         similar.map_or(String::new(), |file| format!("; did you mean {}?", quoted(&file)));
-    InputError::Unreadable(path.to_owned(), format!("{why}{similar}"))
+    let link = std::fs::read_link(path).map_or(String::new(), |target| {
+        format!("; it is a link to {}", quoted(&target.display().to_string()))
+    });
+    InputError::Unreadable(path.to_owned(), format!("{why}{link}{similar}"))
 }
 
 /// The bytes of a file that should hold text in any encoding.
@@ -226,6 +229,19 @@ mod tests {
         for other in ["xyz.toml", "tone", "none/notes.txt"] {
             assert!(said(other).ends_with("(os error 2)"), "{other}");
         }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_link_to_nothing_was_suggested_in_its_own_place() {
+        let folder = folder("dangling");
+        let link = folder.join("work.csv");
+        std::os::unix::fs::symlink("nowhere.csv", &link).unwrap();
+        let said = || read_text(&link, Limit::Text).unwrap_err().reason();
+        assert!(said().ends_with("(os error 2); it is a link to nowhere.csv"), "{}", said());
+        std::fs::write(folder.join("works.csv"), "").unwrap();
+        let expected = format!("; did you mean {}?", folder.join("works.csv").display());
+        assert!(said().ends_with(&expected), "{}", said());
         std::fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -26,6 +26,8 @@ pub(crate) fn file_like(path: &Path) -> Option<PathBuf> {
     let folder = path.parent().filter(|folder| *folder != Path::new(""));
     let entries = std::fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;
     let names = entries.take(ENTRIES_MAX).flatten().map(|entry| PathBuf::from(entry.file_name()));
+    // A link to nothing is listed and absent.
+    let names = names.filter(|name| path.file_name() != Some(name.as_os_str()));
     let score = |name: PathBuf| {
         let (other, other_ending) = (name.file_stem()?.to_str()?, name.extension()?);
         let score = if other == stem {

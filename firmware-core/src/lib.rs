@@ -12,15 +12,16 @@
 //!    damper lacks.
 //! 5. [`wheel_rail`]: contact tables, Hertz, Kalker, the creep laws, one file each.
 //! 6. [`track`]: curvature, cant, irregularity.
-//! 7. [`compensation`]: what is done to the displacement on its way to a rig.
-//! 8. [`lanes`] and [`fnv`], on which the rest stands: one number per vehicle of a batch, and a
+//! 7. [`supervision`]: the states of a bench, what is believed, and how motion ends.
+//! 8. [`compensation`]: what is done to the displacement on its way to a rig.
+//! 9. [`lanes`] and [`fnv`], on which the rest stands: one number per vehicle of a batch, and a
 //!    hash.
 //!
 //! The layers, each using only those to its right:
 //!
 //! ```text
 //! line -> vehicle -> wheel_rail, track -> lanes
-//!      -> guard, compensation, damper
+//!      -> guard, supervision, compensation, damper
 //! ```
 //!
 //! Parameters are `&self`, memory is `&mut state`; every state can be copied as a snapshot.
@@ -39,6 +40,7 @@ pub mod fnv;
 pub mod guard;
 pub mod lanes;
 pub mod line;
+pub mod supervision;
 pub mod track;
 pub mod vehicle;
 pub mod wheel_rail;

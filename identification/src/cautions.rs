@@ -13,7 +13,7 @@ const BEYOND: f64 = 0.1;
 /// Ratio of forces beyond which a wrong unit is suspected.
 const OTHER_UNIT: f64 = 30.0;
 /// Multiple of the training error from which held-out tests count as not followed.
-const NOT_FOLLOWED: f64 = 5.0;
+const NOT_FOLLOWED: f64 = 2.0;
 
 /// A signal of a test.
 type Signal = fn(&Test) -> &[f64];

@@ -179,9 +179,10 @@ fn scores(
         };
         for block in tests.blocks(piece).flat_map(cut) {
             let (mut score, mut square) = (0.0, 0.0);
-            for i in block.start - piece.samples.start..block.end - piece.samples.start {
+            let inside = block.start - piece.samples.start..block.end - piece.samples.start;
+            for (i, residual) in inside.clone().zip(&residual[inside]) {
                 let change = unexplained(columns, explained, i);
-                score += change * residual[i];
+                score += change * residual;
                 square += change * change;
             }
             scores.plain.push(score);

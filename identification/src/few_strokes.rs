@@ -5,7 +5,7 @@
 //! change `d` over the `n` samples that carry it, and `k` parameters of the effect,
 //!
 //! ```text
-//! b = d'r / d'd        s^2 = |r - b d|^2 / (n - k)        t = b |d| / s, with n - k degrees of freedom
+//! b = d'r / d'd      s^2 = |r - b d|^2 / (n - k)      t = b |d| / s with n - k degrees of freedom
 //! ```
 //!
 //! Limits: any pulse of the right length resembles a stop, so the test holds only where the rest of

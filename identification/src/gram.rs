@@ -95,8 +95,8 @@ impl Gram {
         let mut step = DVector::zeros(count);
         for _ in 0..MOST_DAMPINGS {
             let mut damped = self.clone();
-            for i in 0..count {
-                damped.columns[(i, i)] = own(i) * (1.0 + damping[i]);
+            for (i, damping) in damping.iter().enumerate() {
+                damped.columns[(i, i)] = own(i) * (1.0 + damping);
             }
             step = damped.solve();
             let mut is_within = true;

@@ -49,6 +49,8 @@ impl Question {
         let datasheet = files.datasheet.map(Datasheet::load).transpose()?;
         refuse_files_given_twice(&files)?;
         let (train, holdout) = read_records(&files)?;
+        // Both parts of a test that is cut have what was repaired in it.
+        let of_one = (train.len() == 1 && holdout.is_empty()).then(|| repairs(&train, &[]));
         let (train, holdout, how) = held_out(train, holdout);
         let mut notes = Vec::new();
         let mut warnings = Vec::new();
@@ -58,7 +60,7 @@ impl Question {
             notes.extend(warnings.iter().cloned());
         }
         notes.extend(how);
-        notes.extend(repairs(&train, &holdout));
+        notes.extend(of_one.unwrap_or_else(|| repairs(&train, &holdout)));
         notes.extend(bandwidths(train.iter().chain(&holdout)));
         let datasheet = datasheet.map(|sheet| sheet.nominal);
         let question = Self { train, holdout, datasheet, empirical: false, thorough: false, notes };
@@ -153,4 +155,34 @@ fn bandwidths<'a>(records: impl Iterator<Item = &'a Measurement>) -> Vec<String>
         )
     });
     lines.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fmt::Write as _;
+
+    #[test]
+    fn one_file_was_counted_as_all_2_records() {
+        let mut csv = "time_s,displacement_m,force_n,velocity_m_per_s\n".to_owned();
+        for n in 0..2000 {
+            let angle = 0.05 * f64::from(n);
+            let (x, f) = (5e-3 * libm::sin(angle), 1e4 * libm::cos(angle));
+            // A velocity of the wrong sign is noted.
+            writeln!(csv, "{},{x},{f},{}", 2e-3 * f64::from(n), -0.125 * libm::cos(angle)).unwrap();
+        }
+        let file = std::env::temp_dir().join(format!("one-file-{}.csv", std::process::id()));
+        std::fs::write(&file, csv).unwrap();
+        let train = std::slice::from_ref(&file);
+        let files = QuestionFiles { train, holdout: &[], datasheet: None, mapping: None };
+        let (question, _) = Question::read(files).unwrap();
+        std::fs::remove_file(&file).unwrap();
+        let notes = question.notes.join("\n");
+        assert!(!notes.contains("all 2 records"), "{notes}");
+        assert!(
+            notes.contains(": velocity column not used") && notes.contains("one-file-"),
+            "{notes}"
+        );
+        assert_eq!(question.holdout.len(), 1);
+    }
 }

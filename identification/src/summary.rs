@@ -46,8 +46,9 @@ fn harmless(text: &str) -> String {
 /// Effects that describe the training tests alone.
 fn resembles(result: &IdentifyResult) -> Option<String> {
     let names = result.resembles.join(", ");
+    let describe = if result.resembles.len() == 1 { "describes" } else { "describe" };
     (!names.is_empty()).then(|| {
-        format!("the residual resembles {names}, which describe the training tests alone\n")
+        format!("the residual resembles {names}, which {describe} the training tests alone\n")
     })
 }
 

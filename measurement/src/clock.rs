@@ -11,6 +11,7 @@
 
 use crate::error::MeasurementError;
 use crate::interpolant;
+use crate::number::{self, of_stamp};
 use crate::series::Series;
 use std::cmp::Ordering;
 
@@ -65,6 +66,9 @@ pub(crate) fn make_uniform(series: &mut Series) -> Result<f64, MeasurementError>
 
 /// A size as text without the noise of binary fractions.
 fn seconds(size_s: f64) -> String {
+    if !(1e-12..1e12).contains(&size_s) {
+        return files::number(size_s).to_string();
+    }
     let text = format!("{size_s:.12}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
@@ -146,20 +150,35 @@ fn refuse_coarse(series: &Series) -> Result<(), MeasurementError> {
     };
     let steps = time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
     let tick = steps.fold(f64::INFINITY, f64::min);
-    let span_s = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
-    let rate_hz = (time_s.len() - 1) as f64 / span_s;
+    let timer = if tick.is_finite() {
+        format!("a timer that counts in {} s", seconds(tick))
+    } else {
+        "a timer that stands still".to_owned()
+    };
     let found = format!(
-        "{} of {} rows with the stamp of the row before and other values, a timer that counts in \
-         {} s",
+        "{} of {} rows with the stamp of the row before and other values, {timer}",
         shared.len(),
-        time_s.len(),
-        seconds(tick)
+        time_s.len()
     );
-    let expected = format!(
-        "a stamp for every row: {WAY_OUT}, if the rows are equally spaced (here about \
-         {rate_hz:.0} a second)"
-    );
+    let rate = rate_of_coarse(time_s).map_or(String::new(), |rate_hz| {
+        format!(" (here about {} a second)", number::fixed(rate_hz, 0))
+    });
+    let expected =
+        format!("a stamp for every row: {WAY_OUT}, if the rows are equally spaced{rate}");
     Err(series.error_of_time(first + 1, found, expected))
+}
+
+/// Rows a second (Hz) between the first and the last change of the stamp: the rows of the first
+/// stamp and those of the last one may be a part of a tick.
+fn rate_of_coarse(time_s: &[f64]) -> Option<f64> {
+    let rises = |n: &usize| time_s[*n] > time_s[n - 1];
+    let mut changes = (1..time_s.len()).filter(rises);
+    let first = changes.next()?;
+    let last = changes.next_back().unwrap_or(first);
+    if first == last {
+        return None;
+    }
+    Some((last - first) as f64 / (time_s[last] - time_s[first]))
 }
 
 /// Step of the least-squares line through the stamps, and the greatest distance from it (s).
@@ -201,7 +220,7 @@ fn drop_repeats(series: &mut Series) -> Result<(), MeasurementError> {
             continue;
         }
         let same = |values: &[f64]| at(values, sample - 1) == at(values, sample);
-        let found = format!("{now} s after {before} s");
+        let found = format!("{} s after {} s", of_stamp(now), of_stamp(before));
         if now < before {
             let expected =
                 format!("rising time; split_by separates several tests of a file, and {WAY_OUT}");
@@ -247,15 +266,16 @@ fn check_steps(series: &Series, median_s: f64) -> Result<Vec<(usize, usize)>, Me
     for (sample, pair) in series.time_s.windows(2).enumerate() {
         let steps = (pair[1] - pair[0]) / median_s;
         let whole = libm::round(steps).max(1.0);
-        let expected = format!("steps of {median_s:.6} s, each within 30 %");
+        let expected = format!("steps of {} s, each within 30 %", number::fixed(median_s, 6));
         if (steps - whole).abs() > JITTER_SHARE {
-            let found = format!("a step of {:.6} s", pair[1] - pair[0]);
+            let found = format!("a step of {} s", number::fixed(pair[1] - pair[0], 6));
             let expected = format!("{expected}; {WAY_OUT}");
             return Err(series.error_of_time(sample + 1, found, expected));
         }
         let lost = whole as usize - 1;
         if lost > FILLED_IN_A_ROW {
-            let found = format!("a gap of {:.6} s, {lost} samples", pair[1] - pair[0]);
+            let gap = number::fixed(pair[1] - pair[0], 6);
+            let found = format!("a gap of {gap} s, {lost} samples");
             let expected = format!(
                 "{expected}; up to {FILLED_IN_A_ROW} missing samples are filled; {WAY_OUT}"
             );

@@ -41,6 +41,13 @@ pub(crate) fn tests_of(table: &Table, layout: &Layout) -> Result<Vec<Series>, Me
 /// Which sign means extension: the mapping decides before the file, the file before the convention
 /// of this project's own columns.
 fn extension_of(table: &Table, layout: &Layout) -> Result<Extension, MeasurementError> {
+    if let (None, Some((line, name)), Some((first, other))) =
+        (layout.extension, &table.other_extension, &table.extension)
+    {
+        let (name, other) = (quoted(name), quoted(other));
+        let found = format!("\"{name}\" after \"{other}\" in line {first}");
+        return Err(table.cell_error(*line, "extension", found, "one direction"));
+    }
     match (layout.extension, &table.extension) {
         (Some(extension), _) => Ok(extension),
         (None, Some((line, name))) => Extension::of_name(name).ok_or_else(|| {
@@ -156,6 +163,7 @@ fn series(
         let remark = unit_of(table, reading)?.remark();
         series.repairs.extend(remark.map(|said| format!("{}: {said}", quoted_name(reading))));
     }
+    suspicion::report_temperature(&mut series, &quoted_name(&layout.temperature.reading));
     suspicion::report(&mut series, |reading| is_stated(table, reading), displacement, force);
     debug_assert!(series.is_complete(), "every column has every row");
     Ok(series)

@@ -19,6 +19,8 @@ pub(crate) struct Lines {
     pub(crate) numbers: Vec<usize>,
     /// What a comment line says about the direction: line, text.
     pub(crate) extension: Option<(usize, String)>,
+    /// The first comment line that says something else.
+    pub(crate) other_extension: Option<(usize, String)>,
     /// Text below the last row of numbers: the first line of it, its text.
     pub(crate) footer: Option<(usize, String)>,
 }
@@ -34,7 +36,11 @@ impl Lines {
             if comment {
                 let said = line.trim_start().trim_start_matches(&layout.comment).trim_start();
                 if let Some(sign) = said.strip_prefix("extension:") {
-                    lines.extension = Some((at + 1, sign.trim().to_owned()));
+                    let said = (at + 1, sign.trim().to_owned());
+                    let first = lines.extension.get_or_insert_with(|| said.clone());
+                    if first.1 != said.1 {
+                        lines.other_extension.get_or_insert(said);
+                    }
                 }
             }
             // The first line of some spreadsheets names the separator.

@@ -55,7 +55,8 @@ pub use crate::layout::Extension;
 
 use crate::drive::{BodyStart, OnMass};
 use crate::error::MeasurementError;
-use crate::layout::{Decimal, Layout, OptionalReading, Reading, Separator, Wanted};
+use crate::layout::{Decimal, Layout, OPEN, OptionalReading, Reading, Separator, Wanted};
+use crate::suspicion::RATE_MOST_HZ;
 use crate::unit::Kind;
 use files::quoted;
 use firmware_core::damper::effects::CATALOGUE;
@@ -218,7 +219,7 @@ impl Mapping {
     fn checked(&self, source: &Source) -> Result<Layout, ScenarioError> {
         let comment = self.comment.clone().unwrap_or_else(|| "#".to_owned());
         let rate = match &self.sample_rate_hz {
-            Some(rate) => Some(positive(source, rate, "sample_rate_hz")?),
+            Some(rate) => Some(self::rate(source, rate, "sample_rate_hz")?),
             None => None,
         };
         if let (Some(rate), Some(_)) = (&self.sample_rate_hz, &self.time) {
@@ -246,6 +247,7 @@ impl Mapping {
             };
             force = names.iter().filter_map(of).collect();
         }
+        self.refuse_shared_columns(source)?;
         let own_columns = [&self.displacement, &self.force].iter().all(|column| column.is_none())
             && self.force_column.is_none();
         Ok(Layout {
@@ -290,6 +292,50 @@ impl Mapping {
     }
 }
 
+impl Mapping {
+    /// Refuses one column for two signals.
+    fn refuse_shared_columns(&self, source: &Source) -> Result<(), ScenarioError> {
+        let of = |key: &'static str, column: &Option<Column>, name: &str| {
+            let given = column.as_ref().and_then(|column| column.name.as_ref());
+            let column = given.map_or(name, |given| given.get_ref()).to_owned();
+            (key, column, given.map(Spanned::span))
+        };
+        let mut all = vec![of("displacement", &self.displacement, "displacement_m")];
+        if self.sample_rate_hz.is_none() {
+            all.push(of("time", &self.time, "time_s"));
+        }
+        match &self.force_column {
+            Some(chosen) => {
+                let names = match chosen.get_ref() {
+                    OneOrMany::One(name) => std::slice::from_ref(name),
+                    OneOrMany::Many(names) => names.as_slice(),
+                };
+                let span = || Some(chosen.span());
+                all.extend(names.iter().map(|name| ("force", name.clone(), span())));
+            }
+            None => all.push(of("force", &self.force, "force_n")),
+        }
+        all.push(of("velocity", &self.velocity, "velocity_m_per_s"));
+        all.push(of("temperature", &self.temperature, "temperature_degc"));
+        if self.acceleration.is_some() {
+            all.push(of("acceleration", &self.acceleration, "acceleration_m_per_s2"));
+        }
+        // Open questions of a proposal.
+        all.retain(|(_, column, _)| column != OPEN);
+        for (index, (key, column, span)) in all.iter().enumerate() {
+            let same = |other: &&(&str, String, _)| other.1 == *column && other.0 != *key;
+            let Some((other, _, span_of_other)) = all[..index].iter().find(same) else { continue };
+            let Some(span) = span.as_ref().or(span_of_other.as_ref()) else { continue };
+            let message = format!(
+                "column \"{}\" for {other} and {key}, expected a column for each",
+                quoted(column)
+            );
+            return Err(source.error(span, message));
+        }
+        Ok(())
+    }
+}
+
 fn reading(
     source: &Source,
     column: Option<&Column>,
@@ -309,7 +355,8 @@ fn reading(
     };
     let sign = match &given.sign {
         Some(sign) if sign.get_ref().abs() != 1.0 => {
-            let message = format!("sign = {}, expected 1 or -1", sign.get_ref());
+            let found = files::number(*sign.get_ref());
+            let message = format!("sign = {found}, expected 1 or -1");
             return Err(source.error(&sign.span(), message));
         }
         Some(sign) => *sign.get_ref(),
@@ -376,12 +423,14 @@ fn destroyed(
     each.collect()
 }
 
-fn positive(source: &Source, value: &Spanned<f64>, key: &str) -> Result<f64, ScenarioError> {
+fn rate(source: &Source, value: &Spanned<f64>, key: &str) -> Result<f64, ScenarioError> {
     let number = *value.get_ref();
-    if number > 0.0 && number.is_finite() {
+    if number > 0.0 && number <= RATE_MOST_HZ {
         return Ok(number);
     }
-    Err(source.error(&value.span(), format!("{key} = {number}, expected a positive number")))
+    let found = files::number(number);
+    let message = format!("{key} = {found}, expected a positive number, at most {RATE_MOST_HZ}");
+    Err(source.error(&value.span(), message))
 }
 
 /// A name against a pattern with `*` for any text.
@@ -446,6 +495,34 @@ mod tests {
     }
 
     #[test]
+    fn one_column_was_taken_for_two_signals() {
+        for (text, said) in [
+            (
+                "[force]\ncolumn = \"displacement_m\"\n",
+                "map.toml:2: column \"displacement_m\" for displacement and force, expected a \
+                 column for each",
+            ),
+            (
+                "[displacement]\ncolumn = \"a\"\n[temperature]\ncolumn = \"force_n\"\n",
+                "map.toml:4: column \"force_n\" for force and temperature, expected",
+            ),
+            (
+                "force_column = [\"a\", \"time_s\"]\n",
+                "map.toml:1: column \"time_s\" for time and force, expected",
+            ),
+            (
+                "[displacement]\ncolumn = \"force_n\"\n",
+                "map.toml:2: column \"force_n\" for displacement and force, expected",
+            ),
+        ] {
+            let found = layout(text, "a.csv").unwrap_err();
+            assert!(found.starts_with(said), "{found}");
+        }
+        let without_time = "sample_rate_hz = 500\n[displacement]\ncolumn = \"time_s\"\n";
+        assert!(layout(without_time, "a.csv").is_ok());
+    }
+
+    #[test]
     fn patterns_match_whole_names() {
         for (name, pattern, fits) in [
             ("a.csv", "a.csv", true),
@@ -486,6 +563,11 @@ mod tests {
             ("[on_mass]\nperiod_samples = 3\n", "map.toml:1: period_samples = 3, expected 16"),
             ("[on_mass]\nstart = \"periodic\"\n", "map.toml:1: start = \"periodic\" without"),
             ("[on_mass]\ninter_sample = \"x\"\n", "map.toml:2: unknown variant `x`"),
+            (
+                "sample_rate_hz = 1e308\n",
+                "map.toml:1: sample_rate_hz = 1e308, expected a positive number, at most 1000000",
+            ),
+            ("[force]\nsign = 1e308\n", "map.toml:2: sign = 1e308, expected 1 or -1"),
             ("named = \"*\"\n", "map.toml: named belongs in a [[file]] table"),
         ] {
             let found = layout(text, "a.csv").unwrap_err();

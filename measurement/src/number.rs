@@ -94,6 +94,24 @@ fn ungrouped(cell: &str, decimal: Decimal, declared: bool) -> Option<String> {
     Some(number)
 }
 
+/// A number in a message with a fixed number of decimals; short where it is very large.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    if value.abs() < 1e12 {
+        format!("{value:.decimals$}")
+    } else {
+        files::number(value).to_string()
+    }
+}
+
+/// A time stamp in a message: with all its digits, unless there are hundreds of zeros.
+pub(crate) fn of_stamp(stamp_s: f64) -> String {
+    if stamp_s == 0.0 || (1e-9..1e15).contains(&stamp_s.abs()) {
+        stamp_s.to_string()
+    } else {
+        files::number(stamp_s).to_string()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! Whether a record can be a test of a damper: its size, its motion, its length.
 
 use crate::error::MeasurementError;
+use crate::number;
 use crate::series::Series;
 use crate::suspicion;
 
@@ -21,6 +22,8 @@ const MOTION_SHARE: f64 = 0.99;
 const SPEED_MOST_M_PER_S: f64 = 10.0;
 /// Longest travel of a damper, end to end (m).
 const TRAVEL_MOST_M: f64 = 2.0;
+/// So many readings beyond what a damper can do are false ones; more are another unit.
+const OUTLIERS_MOST: usize = 3;
 /// Largest force of a damper (N).
 const FORCE_MOST_N: f64 = 20.0e6;
 
@@ -36,6 +39,17 @@ pub(crate) fn check_size(series: &Series) -> Result<(), MeasurementError> {
     }
     let [_, displacement, force] = &series.columns;
     let (travel_m, reach_n) = (span(&series.displacement_m), span(&series.force_n));
+    for (values, range, most, name) in [
+        (&series.displacement_m, travel_m, TRAVEL_MOST_M, displacement),
+        (&series.force_n, reach_n, FORCE_MOST_N, force),
+    ] {
+        let beyond = || (0..count).filter(|at| range > most && values[*at].abs() > most);
+        if let Some(first) = beyond().next().filter(|_| beyond().count() <= OUTLIERS_MOST) {
+            let found = files::number(values[first]).to_string();
+            let expected = format!("at most {most}, as in the other rows: a false reading?");
+            return Err(series.error_of(first, name, found, expected));
+        }
+    }
     if travel_m > TRAVEL_MOST_M {
         let expected =
             format!("a travel below {TRAVEL_MOST_M} m: another unit, or columns swapped?");
@@ -48,11 +62,11 @@ pub(crate) fn check_size(series: &Series) -> Result<(), MeasurementError> {
         return Err(series.error(found, format!("less than {FORCE_MOST_N} N: another unit?")));
     }
     if travel_m < 1e-6 {
-        let found = format!("{displacement} constant within {travel_m} m");
+        let found = format!("{displacement} constant within {} m", files::number(travel_m));
         return Err(series.error(found, "a damper that moves".to_owned()));
     }
     if reach_n < 1e-6 {
-        let found = format!("{force} constant within {reach_n} N");
+        let found = format!("{force} constant within {} N", files::number(reach_n));
         return Err(series.error(found, "a force that answers".to_owned()));
     }
     Ok(())
@@ -65,7 +79,7 @@ pub(crate) fn check_size(series: &Series) -> Result<(), MeasurementError> {
 /// about one cycle (travel below 1.75 times the range) without holds of 30 % of the record in all.
 pub(crate) fn check_length(series: &Series, step_s: f64) -> Result<(), MeasurementError> {
     let rate_hz = 1.0 / step_s;
-    let found = || format!("{rate_hz:.6} samples per second");
+    let found = || format!("{} samples per second", number::fixed(rate_hz, 6));
     if rate_hz < RATE_LEAST_HZ * (1.0 - 1e-6) {
         let expected = format!("at least {RATE_LEAST_HZ}{}", suspicion::of_rate(rate_hz));
         return Err(series.error(found(), expected));

@@ -120,10 +120,21 @@ impl Series {
         found: String,
         expected: String,
     ) -> MeasurementError {
+        self.error_of(sample, &self.columns[0], found, expected)
+    }
+
+    /// An error of one reading.
+    pub(crate) fn error_of(
+        &self,
+        sample: usize,
+        column: &str,
+        found: String,
+        expected: String,
+    ) -> MeasurementError {
         MeasurementError::Cell {
             file: self.file.clone(),
             row: self.line(sample),
-            column: self.columns[0].clone(),
+            column: column.to_owned(),
             found,
             expected,
         }

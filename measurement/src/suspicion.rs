@@ -11,7 +11,9 @@ const TRAVEL_MUCH_M: f64 = 0.5;
 /// A stamp every so many seconds, or seldom, is more likely in milliseconds.
 const RATE_LEAST_HZ: f64 = 20.0;
 /// More samples a second than these are no converter's.
-const RATE_MOST_HZ: f64 = 1e6;
+pub(crate) const RATE_MOST_HZ: f64 = 1e6;
+/// Temperatures of a damper: from the coldest climate to oil on fire, degrees Celsius.
+const TEMPERATURES_DEGC: std::ops::RangeInclusive<f64> = -60.0..=300.0;
 
 /// Reports what looks like another unit, where neither the mapping nor the file states one.
 pub(crate) fn report(
@@ -54,6 +56,15 @@ pub(crate) fn report(
         }
     }
     series.repairs.extend(said);
+}
+
+/// Reports temperatures that no damper has.
+pub(crate) fn report_temperature(series: &mut Series, name: &str) {
+    let Some((low, high)) = series.temperature_degc.as_deref().and_then(min_max) else { return };
+    if !(TEMPERATURES_DEGC.contains(&low) && TEMPERATURES_DEGC.contains(&high)) {
+        let (low, high) = (files::number(low), files::number(high));
+        series.repairs.push(format!("{name}: {low} to {high} degC: another unit?"));
+    }
 }
 
 /// What a clock of this rate may be in truth; empty where it can be what it says.

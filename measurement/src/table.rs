@@ -29,6 +29,8 @@ pub(crate) struct Table {
     pub(crate) lines: Vec<usize>,
     /// What its comment lines say about the direction: line, text.
     pub(crate) extension: Option<(usize, String)>,
+    /// The first comment line that says something else: line, text.
+    pub(crate) other_extension: Option<(usize, String)>,
     /// What had to be repaired to read it.
     pub(crate) repairs: Vec<String>,
     rows: Vec<StringRecord>,
@@ -50,6 +52,7 @@ impl Table {
         let lines = Lines::of(&text.content, layout);
         check_decimal_commas(path, &lines, layout)?;
         let (extension, footer) = (lines.extension.clone(), lines.footer.clone());
+        let other_extension = lines.other_extension.clone();
         let blocks = lines.blocks(layout);
         let several = blocks.len() > 1;
         let begins: Vec<String> =
@@ -58,6 +61,7 @@ impl Table {
         for (index, block) in blocks.iter().enumerate() {
             let mut table = Self::of_block(path, block, layout)?;
             table.extension.clone_from(&extension);
+            table.other_extension.clone_from(&other_extension);
             table.repairs.clone_from(&text.repairs);
             if several {
                 table.block = Some(index + 1);
@@ -114,6 +118,7 @@ impl Table {
             units,
             lines: numbers,
             extension: None,
+            other_extension: None,
             repairs: Vec::new(),
             rows,
             decimal: layout.decimal.unwrap_or_default(),

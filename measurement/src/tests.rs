@@ -474,3 +474,78 @@ fn records_of_other_laboratories_are_read_by_the_mappings_that_ship() {
         }
     }
 }
+
+#[test]
+fn lines_of_two_directions_were_taken_for_the_first_of_them() {
+    let good = file(2000, |_, row| plain(row));
+    let text = format!("# extension: negative\n# extension: positive\n{good}");
+    assert_eq!(
+        read("", &text).unwrap_err(),
+        "a.csv:2: extension: found \"positive\" after \"negative\" in line 1, expected one direction"
+    );
+    // A mapping decides before the file; twice the same is no contradiction.
+    assert!(read("extension = \"positive\"", &text).is_ok());
+    assert!(read("", &format!("# extension: negative\n# extension: negative\n{good}")).is_ok());
+}
+
+#[test]
+fn messages_held_hundreds_of_digits_and_no_line() {
+    let with = |line: &'static str| {
+        move |n: usize, row| if n == 700 { Some(line.to_owned()) } else { plain(row) }
+    };
+    for (text, said) in [
+        (
+            file(2000, with("1.4,1e300,0")),
+            "a.csv:702: displacement_m: found 1e300, expected at most 2,",
+        ),
+        (
+            file(2000, with("1.4,0,-1e308")),
+            "a.csv:702: force_n: found -1e308, expected at most 20000000,",
+        ),
+        (
+            file(2000, with("1e300,0,10")),
+            "a.csv:703: time_s: found 1.402 s after 1e300 s, expected",
+        ),
+        (
+            file(2000, |_, [t, x, f]| Some(format!("{t:.3},{:e},{f:.3}", 1e-300 * x))),
+            "a.csv: found displacement_m constant within",
+        ),
+        (
+            file(2000, |_, [t, x, f]| Some(format!("{:e},{x},{f:.3}", 1e-300 * t))),
+            "a.csv: found 5e302 samples per second, expected a clock",
+        ),
+        (
+            file(2000, |_, [_, x, f]| Some(format!("5,{x},{f:.3}"))),
+            "a.csv:3: time_s: found 1999 of 2000 rows with the stamp of the row before and other \
+             values, a timer that stands still, expected a stamp for every row: sample_rate_hz in \
+             a mapping takes the place of the time column, if the rows are equally spaced",
+        ),
+    ] {
+        let found = read("", &text).unwrap_err();
+        assert!(found.starts_with(said) && found.len() < 260, "{found}");
+        assert!(!found.contains("00000000000"), "{found}");
+    }
+}
+
+#[test]
+fn the_rate_of_stamps_in_whole_seconds_counted_parts_of_seconds() {
+    // 1000 rows a second from 0.3 s to 5.1 s: 700, four times 1000, and 100 rows.
+    let text = file(4800, |n, [_, x, f]| Some(format!("{},{x},{f}", (300 + n) / 1000)));
+    let found = read("", &text).unwrap_err();
+    assert!(found.ends_with("equally spaced (here about 1000 a second)"), "{found}");
+    // Two stamps have no whole second between them.
+    let text = file(1000, |n, [_, x, f]| Some(format!("{},{x},{f}", (300 + n) / 1000)));
+    assert!(read("", &text).unwrap_err().ends_with("equally spaced"));
+}
+
+#[test]
+fn a_temperature_of_another_unit_was_taken_as_it_was() {
+    let with = |degc: f64| {
+        let text = file(2000, |_, [t, x, f]| Some(format!("{t:.3},{x:.7},{f:.3},{degc}")));
+        let text = text.replacen("force_n", "force_n,temperature_degc", 1);
+        one("", &text).repairs.join("\n")
+    };
+    assert!(with(9000.0).contains("temperature_degc: 9000 to 9000 degC: another unit?"));
+    assert!(with(-273.0).contains("another unit?"));
+    assert!(!with(21.5).contains("another unit?") && !with(299.0).contains("another unit?"));
+}

@@ -232,6 +232,12 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
         }
         assert!(result.stdout.is_empty() && !place.join("out").exists(), "{args:?}");
     }
+    // A record in the place of the damper was read as TOML: "key with no value, expected `=`".
+    let refused = characterise(&place, &["short.csv", "--out", "out"]);
+    let text = String::from_utf8_lossy(&refused.stderr).trim().to_owned();
+    assert_eq!((refused.status.code(), text.lines().count()), (Some(2), 1), "{text}");
+    assert!(text.contains("short.csv: found a CSV file, expected the TOML file"), "{text}");
+    assert!(text.contains("--from short.csv"), "{text}");
     // No damper at all, or two.
     for args in [&[][..], &["model.toml", "--physical", damper], &["model.toml", "--from", "a.csv"]]
     {

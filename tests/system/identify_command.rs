@@ -253,7 +253,7 @@ fn few_tests_are_cut_into_cycles_and_the_number_of_cores_changes_no_byte() {
     assert!(files[0] == files[1], "another result with another number of threads");
     let result: Value = serde_json::from_str(&files[0][0]).unwrap();
     let lines = notes(&result);
-    assert!(lines.contains("no hold-out was given: 1 of 3 whole tests are held out"), "{lines}");
+    assert!(lines.contains("no hold-out was given: 1 of 3 whole tests is held out"), "{lines}");
     assert!(lines.contains("training tests: 2, fewer than four"), "{lines}");
     assert!(
         lines.contains("folds leave out 6 runs of whole cycles") && lines.contains("guard gap"),
@@ -413,7 +413,11 @@ fn bad_input_gets_one_line_and_nothing_is_written() {
     write("oil.toml", "[temperature]\ncolumn = \"oil\"\n".to_owned());
     write("wrong.toml", "[force]\nunit = \"furlong\"\n".to_owned());
     let work = "bench/work.csv";
-    let cases: [(&[&str], &[&str]); 17] = [
+    let cases: [(&[&str], &[&str]); 18] = [
+        (
+            &["--train", "none.csv", "--next-test", "--stroke-mm", "1e300"],
+            &["--stroke-mm 1e300: expected 0.1 to 1000"],
+        ),
         (&["--train", "none.csv"], &["none.csv", "cannot be read"]),
         (&["--train", work, "--holdout", "none.csv"], &["none.csv", "cannot be read"]),
         (&["--train", "nan.csv"], &["nan.csv", "displacement_m", "nan"]),

@@ -2,20 +2,28 @@
 
 use super::buses::Buses;
 use super::hash;
+use super::port::Port;
 use super::session::{Session, SessionState};
 use crate::bus::{Bus, Sent};
 use crate::clock::Tick;
 use crate::record::{FrameBytes, InputKind, Row};
-use can_protocol::{Frame, RunState};
+use can_protocol::{Frame, Heartbeat, Profile, RunState, Sender};
 use core::time::Duration;
 use firmware_core::guard::ForceInput;
 use firmware_core::line::Slot;
+use firmware_core::supervision::{Action, Cause, Signal};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 use std::time::Instant;
 
 /// Cycles between two frames with the residual of a watched rig: 20 Hz.
 const RESIDUAL_CYCLES: u64 = 50;
+
+/// Cycles between two heartbeats: 50 Hz.
+const HEARTBEAT_CYCLES: u64 = 20;
+
+/// Cycles in a row in which the bus has no room, after which the session ends.
+const MOST_LATE_IN_A_ROW: u32 = 2;
 
 /// Cycles between two syncs: 10 Hz.
 const SYNC_CYCLES: u64 = 100;
@@ -48,6 +56,7 @@ impl Session<'_> {
         let woken = Instant::now();
         self.receive(state, buses);
         let inputs = self.decode(state);
+        self.judge(state);
         let compute = self.guard_step_and_compensate(state, &inputs);
         let commands = self.encode(state);
         self.send(state, buses, &commands);
@@ -98,11 +107,27 @@ impl Session<'_> {
         inputs
     }
 
+    /// Stops on the first cause that a rig has given.
+    fn judge(&self, state: &mut SessionState) {
+        let ports = self.ports.iter().zip(&state.ports);
+        let mut causes = ports.map(|(port, memory)| (port.node.number(), port.cause(memory)));
+        let first = causes.find_map(|(node, cause)| Some((node, cause?)));
+        if let Some((node, cause)) = first {
+            self.stop(state, Some(node), cause);
+        }
+    }
+
     /// Guard, vehicle step, compensate: the three arrows of [`firmware_core::line`].
     fn guard_step_and_compensate(&self, state: &mut SessionState, inputs: &Inputs) -> Duration {
         let (begin, cycle) = (Instant::now(), state.line.cycle);
         self.line.step(&mut state.line, &inputs.force);
         debug_assert_eq!(state.line.cycle, cycle + 1, "a step is one cycle");
+        if state.line.safe && state.stop.is_none() {
+            let tripped = |port: &&Port| state.line.slots[port.slot].guard.tripped;
+            let silent = self.ports.iter().find(tripped).map(|port| port.node.number());
+            let signal = if silent.is_some() { Signal::SilentRig } else { Signal::Vehicle };
+            self.stop(state, silent, Self::fact(signal));
+        }
         begin.elapsed()
     }
 
@@ -124,16 +149,27 @@ impl Session<'_> {
         commands: &[Frame],
     ) {
         debug_assert_eq!(commands.len(), self.ports.len(), "a port without a command");
+        let mut is_late = false;
         for (port, command) in self.ports.iter().zip(commands) {
             match buses.send(port.bus, command) {
                 Sent::Away => {}
-                Sent::Dropped => state.late += 1,
+                Sent::Dropped => {
+                    state.late += 1;
+                    is_late = true;
+                }
                 Sent::Down => {
                     state.late += 1;
                     state.lost = true;
-                    state.line.safe = true;
+                    let node = Some(port.node.number());
+                    self.stop(state, node, Self::fact(Signal::BusDown));
                 }
             }
+        }
+        state.late_in_a_row = if is_late { state.late_in_a_row.saturating_add(1) } else { 0 };
+        if state.late_in_a_row >= MOST_LATE_IN_A_ROW {
+            let (value, limit) = (f64::from(state.late_in_a_row), f64::from(MOST_LATE_IN_A_ROW));
+            let action = Action::RampOut;
+            self.stop(state, None, Cause { signal: Signal::BusQueue, value, limit, action });
         }
     }
 
@@ -148,6 +184,19 @@ impl Session<'_> {
     fn announce<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>) {
         let is_due = |period: u64| state.line.cycle % period == 1;
         let (residuals, sync) = (is_due(RESIDUAL_CYCLES), is_due(SYNC_CYCLES));
+        if is_due(HEARTBEAT_CYCLES) {
+            let heartbeat = Heartbeat { sender: Sender::Host, state: run_state(state) }.encode();
+            for bus in 0..buses.count() {
+                buses.send(bus, &heartbeat);
+            }
+        }
+        if let Some(stop) = state.stop.filter(|_| state.faults == 0) {
+            let fault = stop.fault(state.faults);
+            state.faults = Profile::Classical.next_counter(state.faults);
+            for bus in 0..buses.count() {
+                buses.send(bus, &fault);
+            }
+        }
         if residuals {
             let run = run_state(state);
             for (port, memory) in self.ports.iter().zip(&mut state.ports) {

@@ -7,17 +7,20 @@
 //! it neither allocates nor locks, logs or calls through a pointer.
 //!
 //! A [`Session`] holds the parameters and [`SessionState`] everything that changes. [`Buses`] are
-//! its buses and the recorder that keeps every frame. A [`Port`] is the host's end of one rig, with
-//! a [`Watch`] over its damper.
+//! its buses and the recorder that keeps every frame. A [`Port`] is the host's end of one rig: what
+//! is believed of it, what it says of itself, and a [`Watch`] over its damper. The first cause that
+//! ends a run is a [`Stop`].
 
 mod buses;
 mod cycle;
 mod greeting;
 mod hash;
+mod news;
 mod pacing;
 mod port;
 mod row;
 mod session;
+mod stop;
 mod watch;
 
 pub use buses::Buses;
@@ -25,6 +28,7 @@ pub use greeting::NoAnswer;
 pub use pacing::{End, Pace, SILENCE, STOP_CYCLES};
 pub use port::{Port, PortState};
 pub use session::{Session, SessionState};
+pub use stop::{Stop, StopSummary};
 pub use watch::{View, Watch, WatchState};
 
 pub(crate) use hash::ALGORITHM as HASH_ALGORITHM;

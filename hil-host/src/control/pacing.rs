@@ -5,6 +5,7 @@ use super::session::{Session, SessionState};
 use crate::bus::Bus;
 use crate::clock::{Pacer, Tick};
 use can_protocol::{Pace as WirePace, RunState};
+use firmware_core::supervision::Signal;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -113,7 +114,10 @@ impl Session<'_> {
             Pace::LockStep if !state.line.safe => {
                 if !self.wait_for_echoes(state, buses) {
                     state.lost = true;
-                    state.line.safe = true;
+                    let mut ports = self.ports.iter().zip(&state.ports);
+                    let silent = ports.find(|(port, memory)| !port.has_echo(memory));
+                    let node = silent.map(|(port, _)| port.node.number());
+                    self.stop(state, node, Self::fact(Signal::SilentRig));
                 }
                 Tick::default()
             }

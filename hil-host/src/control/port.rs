@@ -1,5 +1,6 @@
 //! The host's end of one rig: what goes out to it, what has come back.
 
+use super::news;
 use super::watch::{Watch, WatchState};
 use crate::bus::WireFrame;
 use crate::record::FrameBytes;
@@ -7,8 +8,10 @@ use can_protocol::{
     Command, Frame, Measurement, MeasurementFlags, Mode, Node, Profile, Receiver, ReceiverState,
     Residual, RunState, Status,
 };
-use firmware_core::guard::{self, ForceInput};
+use firmware_core::guard::{self, ForceInput, Guard};
+use firmware_core::supervision::{Action, Arrival, Belief, Cause, Checks, Measured};
 use firmware_core::vehicle::DAMPER_SLOTS;
+use scenario::run::CYCLE_S;
 
 /// Parameters of a port.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +24,7 @@ pub struct Port {
     pub slot: usize,
     profile: Profile,
     receiver: Receiver<Measurement>,
+    checks: Checks,
     watch: Option<Box<Watch>>,
 }
 
@@ -34,6 +38,10 @@ pub struct PortState {
     newest: Option<Kept>,
     /// Whether a bad frame came since the last cycle.
     bad: bool,
+    /// What is believed of the rig.
+    pub belief: Belief,
+    /// What the rig has said of itself, the first that ends a run.
+    news: Option<Cause>,
     /// Measurement that the last cycle used.
     pub used: Option<Measurement>,
     /// Commands sent.
@@ -70,7 +78,9 @@ impl Port {
     ) -> Result<Self, can_protocol::Error> {
         debug_assert!(slot < DAMPER_SLOTS, "a vehicle has no damper slot {slot}");
         let receiver = Receiver::new(profile, node, MAX_DELTA)?;
-        Ok(Self { node, bus, slot, profile, receiver, watch: None })
+        let force_n = Guard::default().force_limit_n;
+        let checks = Checks::usual(profile.counter_modulus(), CYCLE_S, force_n);
+        Ok(Self { node, bus, slot, profile, receiver, checks, watch: None })
     }
 
     /// The same port with a watch over the rig's damper.
@@ -109,11 +119,13 @@ impl Port {
         }
     }
 
-    /// Takes in a frame, if it is this rig's measurement.
+    /// Takes in a frame, if it is this rig's measurement or something that it says of itself.
     pub fn take_frame(&self, state: &mut PortState, frame: &WireFrame) -> bool {
         let Some(reception) = self.receiver.accept(&mut state.receiver, frame.id(), frame.data())
         else {
-            return false;
+            let heard = news::cause(self.node, frame);
+            state.news = state.news.or(heard);
+            return heard.is_some();
         };
         match reception.data {
             Some(measurement) => {
@@ -134,19 +146,31 @@ impl Port {
         let bad = core::mem::take(&mut state.bad);
         let Some(kept) = state.newest.take() else {
             self.receiver.no_frame(&mut state.receiver);
-            let input = if bad { ForceInput::Invalid } else { ForceInput::Missing };
+            let arrival = if bad { Arrival::Damaged } else { Arrival::Nothing };
+            let input = state.belief.take(&self.checks, arrival, state.sent);
             return (input, FrameBytes::default());
         };
         let measurement = kept.measurement;
         state.used = Some(measurement);
         state.flagged += u64::from(!measurement.flags.is_empty());
-        let sound = !measurement.flags.contains(MeasurementFlags::SENSOR_INVALID)
-            && measurement.state == RunState::Run;
-        let input = match measurement.force_n {
-            Some(force_n) if sound => ForceInput::Fresh(force_n),
-            _ => ForceInput::Invalid,
+        state.news = state.news.or(news::of_state(measurement.state));
+        let measured = Measured {
+            counter: measurement.counter,
+            echo: measurement.echo,
+            displacement_m: measurement.displacement_m,
+            force_n: measurement.force_n,
+            is_valid: !measurement.flags.contains(MeasurementFlags::SENSOR_INVALID),
+            runs: measurement.state == RunState::Run,
         };
+        let input = state.belief.take(&self.checks, Arrival::Frame(measured), state.sent);
         (input, kept.bytes)
+    }
+
+    /// The first cause to end the run that this rig has given.
+    pub fn cause(&self, state: &PortState) -> Option<Cause> {
+        let cause = state.news.or(state.belief.cause());
+        debug_assert!(cause.is_none_or(|cause| cause.action > Action::Hold), "{cause:?}");
+        cause
     }
 
     /// The next command.
@@ -170,6 +194,7 @@ impl Port {
         }
         .encode(self.profile);
         state.sent = Some(counter);
+        state.belief.sent(*command);
         state.commands += 1;
         state.saturated += u64::from(!saturated.is_empty());
         frame
@@ -190,6 +215,7 @@ impl Port {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use firmware_core::supervision::Signal;
 
     fn measurement(counter: u8, force_n: f64) -> WireFrame {
         let (frame, _) = Measurement {
@@ -214,6 +240,7 @@ mod tests {
     fn of_several_measurements_the_newest_counts() {
         let (port, mut state) = (port(), PortState::default());
         for counter in 0..3 {
+            port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
             assert!(port.take_frame(&mut state, &measurement(counter, f64::from(counter) * 10.0)));
         }
         assert_eq!(port.take_input(&mut state).0, ForceInput::Fresh(20.0));
@@ -224,6 +251,7 @@ mod tests {
     #[test]
     fn a_rig_that_is_not_running_gives_no_force() {
         let (port, mut state) = (port(), PortState::default());
+        port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
         let (frame, _) = Measurement {
             state: RunState::Safe,
             ..Measurement::decode(0x201, measurement(0, 5.0).data()).unwrap()
@@ -231,6 +259,21 @@ mod tests {
         .encode(Profile::Classical);
         port.take_frame(&mut state, &WireFrame::from(&frame));
         assert_eq!(port.take_input(&mut state).0, ForceInput::Invalid);
+        let cause = port.cause(&state).unwrap();
+        assert_eq!((cause.signal, cause.value), (Signal::RigState, 6.0));
+    }
+
+    #[test]
+    fn a_measurement_in_fault_was_forgotten_after_its_cycle() {
+        let (port, mut state) = (port(), PortState::default());
+        for (counter, run) in [(0, RunState::Fault), (1, RunState::Run)] {
+            port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
+            let sound = Measurement::decode(0x201, measurement(counter, 5.0).data()).unwrap();
+            let (frame, _) = Measurement { state: run, ..sound }.encode(Profile::Classical);
+            port.take_frame(&mut state, &WireFrame::from(&frame));
+            port.take_input(&mut state);
+        }
+        assert_eq!(port.cause(&state).map(|cause| cause.value), Some(7.0));
     }
 
     #[test]

@@ -2,9 +2,11 @@
 
 use super::hash;
 use super::port::{Port, PortState};
+use super::stop::Stop;
 use can_protocol::{Frame, Pace as WirePace, Profile, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
 use firmware_core::line::{Line, LineState, Slot};
+use firmware_core::supervision::{Action, Cause, Signal};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 
@@ -38,8 +40,14 @@ pub struct SessionState {
     pub skipped: u64,
     /// Commands that the bus did not take.
     pub late: u64,
+    /// Cycles in a row in which a bus did not take a command.
+    pub late_in_a_row: u32,
     /// A bus is down or a peer is lost.
     pub lost: bool,
+    /// What stopped the session: the first cause.
+    pub stop: Option<Stop>,
+    /// Fault messages sent.
+    pub(super) faults: u8,
 }
 
 impl Session<'_> {
@@ -52,8 +60,24 @@ impl Session<'_> {
             hash: hash::START,
             skipped: 0,
             late: 0,
+            late_in_a_row: 0,
             lost: false,
+            stop: None,
+            faults: 0,
         }
+    }
+
+    /// Brings the session into the safe state, with its first cause.
+    pub(super) fn stop(&self, state: &mut SessionState, node: Option<u8>, cause: Cause) {
+        state.line.safe = true;
+        let cycle = state.line.cycle;
+        let time_s = cycle.saturating_sub(1) as f64 * self.line.cycle_s;
+        state.stop.get_or_insert(Stop { cycle, time_s, node, cause });
+    }
+
+    /// A cause that is a fact and has no value.
+    pub(super) const fn fact(signal: Signal) -> Cause {
+        Cause { signal, value: 1.0, limit: f64::INFINITY, action: Action::Stop }
     }
 
     /// Every rig slot has one port, in slot order, and every recorded body is one of the vehicle's.

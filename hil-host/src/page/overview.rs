@@ -25,7 +25,10 @@ pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns, ending: 
         ));
     }
     if let Some(cause) = &summary.cause {
-        section = section.warning(cause);
+        section = section.warning(&format!("Stopped {}.", cause.message));
+    }
+    if let Some(fault) = &summary.record_fault {
+        section = section.warning(fault);
     }
     section = section
         .tiles([

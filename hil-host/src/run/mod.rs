@@ -214,7 +214,7 @@ fn summary(
             .fold(BusCounters::default(), BusCounters::plus),
         record_dropped: recording.dropped,
         wall_s: recording.wall_s,
-        cause: recording.failure.as_ref().map(BenchError::to_string),
+        record_fault: recording.failure.as_ref().map(BenchError::to_string),
         bus_load: load.most,
         watched: session.watched,
     };

@@ -3,7 +3,7 @@
 use super::{Frames, Summary, accelerations, dampers, percentiles, step_percentiles};
 use crate::bus::BusCounters;
 use crate::columns::Columns;
-use crate::control::{End, HASH_ALGORITHM};
+use crate::control::{End, HASH_ALGORITHM, StopSummary};
 use crate::options::PaceChoice;
 use scenario::run::{CYCLE_S, Run};
 use serde::Deserialize;
@@ -16,7 +16,8 @@ pub(crate) struct KeptSummary {
     pub(crate) frames: Frames,
     pub(crate) bus_counters: super::BusCount,
     pub(crate) state: End,
-    pub(crate) cause: Option<String>,
+    pub(crate) cause: Option<StopSummary>,
+    pub(crate) record_fault: Option<String>,
     pub(crate) trajectory_hash: String,
     pub(crate) record_dropped: u64,
     /// Null without one.
@@ -80,6 +81,7 @@ impl Summary {
             comparison: None,
             state: kept.map_or(End::Stopped, |kept| kept.state),
             cause: kept.and_then(|kept| kept.cause.clone()),
+            record_fault: kept.and_then(|kept| kept.record_fault.clone()),
             trajectory_hash: kept
                 .map_or_else(|| format!("{hash:016x}"), |kept| kept.trajectory_hash.clone()),
             trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),

@@ -20,7 +20,7 @@ pub(crate) use times::microseconds;
 
 use crate::columns::Columns;
 use crate::comparison::Comparison;
-use crate::control::{End, HASH_ALGORITHM};
+use crate::control::{End, HASH_ALGORITHM, StopSummary};
 use crate::options::PaceChoice;
 use frames::frames;
 use scenario::run::CYCLE_S;
@@ -74,8 +74,10 @@ pub struct Summary {
     pub comparison: Option<Comparison>,
     /// `completed`, `stopped` or `safe`.
     pub state: End,
+    /// What stopped it; null unless it ended in the safe state.
+    pub cause: Option<StopSummary>,
     /// Why the record could not be kept and the run was ended; null otherwise.
-    pub cause: Option<String>,
+    pub record_fault: Option<String>,
     /// 16 hex digits over host state and received forces of every cycle.
     pub trajectory_hash: String,
     /// How the hash is made.
@@ -124,7 +126,8 @@ impl Summary {
             accelerations: accelerations(outcome.watched, columns, first),
             comparison: None,
             state: outcome.end,
-            cause: outcome.cause.clone(),
+            cause: state.stop.map(|stop| stop.summary()),
+            record_fault: outcome.record_fault.clone(),
             trajectory_hash: format!("{:016x}", state.hash),
             trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),
             record_dropped: outcome.record_dropped,

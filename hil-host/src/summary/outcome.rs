@@ -18,7 +18,7 @@ pub(crate) struct Outcome<'a> {
     pub(crate) record_dropped: u64,
     pub(crate) wall_s: f64,
     /// Why a run ended that was to go on; none where the user ended it.
-    pub(crate) cause: Option<String>,
+    pub(crate) record_fault: Option<String>,
     pub(crate) bus_load: f64,
     pub(crate) watched: [Option<usize>; 3],
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
 
 mod control_loop;
+mod faults;
 mod rig_answers;
 mod rig_physics;
 mod rig_process;

@@ -87,6 +87,7 @@ pub(super) fn over_time(title: &str, shown: &Shown<'_>, which: Which) -> Plot {
     let stretch = shown.stretch();
     if let (Some(from), Some(to)) = (time_s.get(stretch.start), time_s.get(stretch.end - 1))
         && 2 * stretch.len() < samples
+        && from < to
     {
         plot = plot.zoom("Enlarged: where the error of the refitted model is largest", *from..=*to);
     }

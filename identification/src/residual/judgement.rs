@@ -4,12 +4,13 @@
 //! that repeats; a residual that follows the motion; a residual whose size follows the force; a
 //! residual in a few short stretches or in one test; a constant.
 
+use super::lone_test::LoneTest;
 use super::maps::CoordinateMap;
 use super::question::Answer;
 use super::{ResidualAnalysis, cycles, lines};
 use crate::test_set::TestSet;
 use report::significant;
-use signal::statistics::{percentile, rms};
+use signal::statistics::rms;
 
 /// Structure below this share of the noise floor is not reported.
 const LEAST_SHARE_OF_FLOOR: f64 = 0.25;
@@ -26,13 +27,15 @@ const MOST_OF_SAMPLES: f64 = 5.0;
 /// The same without its part that is slower than the motion, which is drift, where the floor is
 /// unknown.
 const MOST_WITHOUT_SLOW: f64 = 2.5;
+/// A residual of a larger share of the force is not called noise where nothing is known of the
+/// noise.
+const MOST_OF_FORCE: f64 = 0.05;
+/// The same where errors that a bench may have make a larger share of the residual.
+const MOST_BY_THE_BENCH: f64 = 0.5;
+/// A residual up to this multiple of the noise of the samples is that noise.
+const AT_SAMPLES: f64 = 1.5;
 /// Largest probability of structure by chance, over all coordinates.
 const LARGEST_P: f64 = 1e-3;
-/// Share of the squared residual from which one test holds most of it.
-const MOST_OF_ALL: f64 = 0.7;
-/// The same test is louder than the others from this ratio of its mean square to that of the middle
-/// one.
-const LOUDER: f64 = 6.0;
 /// A constant of a smaller share of the squared residual is not reported.
 const LEAST_SHARE_OF_CONSTANT: f64 = 0.03;
 /// Largest probability of a size that follows the force by chance.
@@ -71,6 +74,7 @@ pub(super) fn judge(
     let lone = LoneTest::of(residual_n, tests);
     let found = match (shaped(analysis, residual_n, least_n, tests), motion) {
         (None, motion) => motion
+            .or_else(|| grows_between_cycles(analysis, own_n))
             .or_else(|| follows_force(analysis, own_n))
             .or_else(|| in_bursts(analysis, own_n, tests))
             .or_else(|| in_one_test(lone.as_ref(), analysis, own_n, tests))
@@ -90,43 +94,6 @@ pub(super) fn judge(
     }
 }
 
-/// The test that holds most of the squared residual, if one of several does.
-struct LoneTest<'a> {
-    name: &'a str,
-    /// Sum of its squared residual, N2.
-    square_n2: f64,
-    /// Its share of all.
-    share: f64,
-    /// Its mean square over the middle one of all tests.
-    ratio: f64,
-}
-
-impl<'a> LoneTest<'a> {
-    fn of(residual_n: &[Vec<f64>], tests: &'a TestSet) -> Option<Self> {
-        let each = tests.tests.iter().zip(residual_n).map(|(test, residual)| {
-            let counted = &residual[test.counted()];
-            let square_n2: f64 = counted.iter().map(|r| r * r).sum();
-            (square_n2, square_n2 / counted.len().max(1) as f64, test)
-        });
-        let all: Vec<_> = each.collect();
-        let total: f64 = all.iter().map(|(square, ..)| square).sum();
-        let means: Vec<f64> = all.iter().map(|(_, mean, _)| *mean).collect();
-        let middle = percentile(&means, 0.5)?;
-        let (square_n2, mean, test) = all.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let share = square_n2 / total;
-        (all.len() > 2 && share > MOST_OF_ALL).then(|| Self {
-            name: &test.record.name,
-            square_n2: *square_n2,
-            share,
-            ratio: mean / middle.max(f64::MIN_POSITIVE),
-        })
-    }
-
-    fn description(&self) -> String {
-        format!("test {} holds {:.0} % of the squared residual", self.name, 100.0 * self.share)
-    }
-}
-
 /// Most of the residual is in one test, though the noise of one bench is as large in all.
 fn in_one_test(
     lone: Option<&LoneTest<'_>>,
@@ -134,7 +101,7 @@ fn in_one_test(
     own_n: f64,
     tests: &TestSet,
 ) -> Option<Unexplained> {
-    let lone = lone.filter(|lone| lone.ratio > LOUDER && analysis.rms_n > own_n)?;
+    let lone = lone.filter(|lone| lone.is_louder() && analysis.rms_n > own_n)?;
     let rms_n = (lone.square_n2 / tests.counted_samples() as f64).sqrt().min(analysis.rms_n);
     Some(Unexplained {
         rms_n,
@@ -161,6 +128,20 @@ fn follows_motion(analysis: &ResidualAnalysis, least_n: f64) -> Option<Unexplain
     })
 }
 
+/// Cycles of equal motion differ by a share of the force.
+fn grows_between_cycles(analysis: &ResidualAnalysis, own_n: f64) -> Option<Unexplained> {
+    let rms_n = analysis.repeat.growing_n.filter(|rms_n| *rms_n > own_n)?.min(analysis.rms_n);
+    Some(Unexplained {
+        rms_n,
+        coordinate: "size_of_the_force",
+        description: format!(
+            "{} N rms change from cycle to cycle of the same motion, as a share of the force: an \
+             input that was not recorded, such as temperature or current, or a valve that switches",
+            short(rms_n)
+        ),
+    })
+}
+
 /// The residual grows with the force, and not with the motion.
 fn follows_force(analysis: &ResidualAnalysis, own_n: f64) -> Option<Unexplained> {
     let size = &analysis.size;
@@ -172,7 +153,7 @@ fn follows_force(analysis: &ResidualAnalysis, own_n: f64) -> Option<Unexplained>
     if analysis.rms_n <= own_n || !(certain || likely) {
         return None;
     }
-    let floor_n = floor_n.or(analysis.noise.at_least_n).unwrap_or(0.0);
+    let floor_n = floor_n.unwrap_or(0.0);
     let rms_n = (analysis.rms_n * analysis.rms_n - floor_n * floor_n).max(0.0).sqrt();
     let how = if size.correlation > 0.0 {
         "grow with the force"
@@ -254,6 +235,9 @@ pub(super) fn not_judged(analysis: &ResidualAnalysis) -> Option<String> {
     if floor_n.is_some_and(|floor_n| analysis.rms_n <= FAR_ABOVE_FLOOR * floor_n) {
         return None;
     }
+    if let Some(why) = noise_is_unknown(analysis) {
+        return Some(why);
+    }
     let Answer::NotTested(why) = [&analysis.motion.answer, &analysis.size.answer]
         .into_iter()
         .find(|answer| !answer.is_tested())?
@@ -274,6 +258,32 @@ pub(super) fn not_judged(analysis: &ResidualAnalysis) -> Option<String> {
          motion ({why})",
         short(analysis.rms_n)
     ))
+}
+
+/// The reason why a residual of which no noise is known cannot be called noise, if there is one.
+fn noise_is_unknown(analysis: &ResidualAnalysis) -> Option<String> {
+    let noise = &analysis.noise;
+    let at_samples = noise.of_samples_n.is_some_and(|n| analysis.rms_n <= AT_SAMPLES * n);
+    if noise.floor_n.is_some() || at_samples {
+        return None;
+    }
+    let whether = format!(
+        "whether the residual of {} N rms is noise: the noise floor is unknown",
+        short(analysis.rms_n)
+    );
+    let per_cent = 100.0 * analysis.share_of_force;
+    if analysis.size.by_the_bench > MOST_BY_THE_BENCH {
+        Some(format!(
+            "{whether}, and {:.0} % of its square grow with the force or its slope as an error of \
+             the gain, a jitter of the clock or a filter would make it, or an input that was not \
+             recorded",
+            100.0 * analysis.size.by_the_bench
+        ))
+    } else if noise.of_samples_n.is_none() && analysis.share_of_force > MOST_OF_FORCE {
+        Some(format!("{whether}, and {per_cent:.0} % of the force are more than a bench has"))
+    } else {
+        None
+    }
 }
 
 /// A residual that is more than its noise and follows neither motion nor force.

@@ -18,12 +18,14 @@
 //! is noise where every answer is no. A cycle that is unlike all others ([`unlike`]) is a fault of
 //! the record.
 
+mod between_cycles;
 mod bursts;
 pub(crate) mod coordinates;
 mod cycles;
 mod features;
 mod judgement;
 pub(crate) mod lines;
+mod lone_test;
 pub(crate) mod maps;
 pub(crate) mod motion;
 pub(crate) mod noise;
@@ -55,6 +57,8 @@ pub struct ResidualAnalysis {
     pub rms_n: f64,
     /// The same without its part that is slower than the motion.
     pub without_slow_rms_n: f64,
+    /// The same over the rms force.
+    pub share_of_force: f64,
     /// What is known about the noise.
     pub noise: NoiseFloor,
     /// Maps over every coordinate that was measured, the one that explains most first.
@@ -99,6 +103,7 @@ impl ResidualAnalysis {
         let noise = NoiseFloor::of(&residual_n, (&repeat, &size), lines_n, tests);
         let mut analysis = Self {
             rms_n: fit.rms_n(tests),
+            share_of_force: fit.rms_n(tests) / tests.rms_force_n().max(f64::MIN_POSITIVE),
             without_slow_rms_n: slow::rms_without_slow_n(&residual_n, tests),
             noise,
             maps,

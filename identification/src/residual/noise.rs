@@ -37,8 +37,8 @@ impl NoiseFloor {
     /// From the first source that applies. `lines_n` is the rms of lines in the spectrum of the
     /// residual, which are no noise even where they do not repeat with the cycle.
     ///
-    /// A difference between cycles whose size strongly follows the force is no noise: a valve that
-    /// switches makes cycles differ too. Then nothing that repeats counts as a source.
+    /// A difference between cycles that grows with the force is no noise: a valve that switches
+    /// makes cycles differ too. Then nothing that repeats counts as a source.
     pub(crate) fn of(
         residual_n: &[Vec<f64>],
         (repeat, size): (&Repeat, &Size),
@@ -59,6 +59,7 @@ impl NoiseFloor {
             known(floor_n, "difference of the residual between tests with the same motion")
         };
         if !size.is_strong()
+            && repeat.growing_n.is_none()
             && let Some(known) = by_cycles.or_else(by_tests)
         {
             return known;

@@ -13,9 +13,12 @@
 //! of every kink of the force, with a perfect model too). Half the mean square of `r_(i+1) - r_i`
 //! is the noise floor, free of everything that repeats, over the pairs whose motion is most alike,
 //! and without cycles that are unlike all others ([`super::unlike`]). Between neighbours a slow
-//! drift hardly changes, so the variance of the cycles' means beyond that of neighbours is added.
+//! drift hardly changes, so the variance of the cycles' means beyond that of neighbours is added. A
+//! few samples that differ by more than six times the rest, such as those of a start from rest, are
+//! left out. A difference that grows with the force is no noise ([`super::between_cycles`]).
 //! Neighbouring cycles closer than the memory of ordinary noise make no pair of the first kind.
 
+use super::between_cycles::{Difference, Differences};
 use super::cycles::{runs, starts};
 use super::unlike::{Unlike, unlike};
 use crate::chance::one_sided;
@@ -45,6 +48,8 @@ pub struct Repeat {
     pub p_value: f64,
     /// rms of the rest, N; none without cycles.
     pub noise_floor_n: Option<f64>,
+    /// rms of what changes from cycle to cycle with the force, N; none where nothing does.
+    pub growing_n: Option<f64>,
     /// Tests with cycles.
     pub tests: usize,
     /// Cycles that are unlike all others.
@@ -54,7 +59,7 @@ pub struct Repeat {
 /// Compares cycles of all tests that have at least two.
 pub(crate) fn repeat(residual_n: &[Vec<f64>], tests: &TestSet) -> Repeat {
     let (mut products, mut power, mut power_in_all, mut weight) = (Vec::new(), 0.0, 0.0, 0.0);
-    let (mut scatter, mut scatter_n2, mut scattered) = (Vec::new(), 0.0, 0);
+    let (mut scatter, mut differences) = (Vec::new(), Differences::default());
     let (mut with_cycles, mut drift_n2, mut with_means) = (0, 0.0, 0);
     let unlike = unlike(residual_n, tests);
     for (index, (test, residual)) in tests.tests.iter().zip(residual_n).enumerate() {
@@ -88,19 +93,19 @@ pub(crate) fn repeat(residual_n: &[Vec<f64>], tests: &TestSet) -> Repeat {
         }
         with_cycles += usize::from(has_cycles);
         let best = scatter.iter().map(|pair| pair.unlike).fold(f64::INFINITY, f64::min);
-        scatter.retain(|pair| pair.unlike <= (AS_ALIKE * best).max(SAME));
-        scatter_n2 += scatter.iter().map(|pair| pair.square_n2).sum::<f64>();
-        scattered += scatter.drain(..).map(|pair| pair.samples).sum::<usize>();
+        let alike = scatter.drain(..).filter(|pair| pair.unlike <= (AS_ALIKE * best).max(SAME));
+        differences.add(alike.map(|pair| pair.samples));
     }
     let rms = |power: f64| if weight > 0.0 { (power / weight).max(0.0).sqrt() } else { 0.0 };
     Repeat {
         repeated_rms_n: rms(power),
         repeated_in_all_rms_n: rms(power_in_all),
         p_value: one_sided(&products),
-        noise_floor_n: (scattered > 0).then(|| {
+        noise_floor_n: differences.mean_square_n2().map(|square_n2| {
             let drift_n2 = drift_n2 / with_means.max(1) as f64;
-            (0.5 * scatter_n2 / scattered as f64 + drift_n2).sqrt()
+            (0.5 * square_n2 + drift_n2).sqrt()
         }),
+        growing_n: differences.growing_n(),
         tests: with_cycles,
         unlike,
     }
@@ -108,9 +113,7 @@ pub(crate) fn repeat(residual_n: &[Vec<f64>], tests: &TestSet) -> Repeat {
 
 /// The difference of the residual between two successive cycles.
 struct SuccessiveCycles {
-    /// Sum of its squares, N2.
-    square_n2: f64,
-    samples: usize,
+    samples: Vec<Difference>,
     /// Difference of the displacement, rms over rms.
     unlike: f64,
 }
@@ -128,17 +131,21 @@ impl SuccessiveCycles {
         let late_s = rest_of_shift_s((x, v), start..end, shift);
         let middle = mean(&x[start..end]);
         let slope = |n: usize| (residual[n + 1] - residual[n - 1]) / (2.0 * test.record.step_s);
-        let (mut square_n2, mut unlike2, mut size2) = (0.0, 0.0_f64, 0.0_f64);
+        let force_n = &test.record.force_n;
+        let mut samples = Vec::with_capacity(end - start);
+        let (mut unlike2, mut size2) = (0.0_f64, 0.0_f64);
         for n in start..end {
             let moved = late_s * 0.5 * (slope(n) + slope(n + shift));
-            let difference = residual[n + shift] - residual[n] - moved;
-            square_n2 += difference * difference;
+            samples.push(Difference {
+                n: residual[n + shift] - residual[n] - moved,
+                force_n: 0.5 * (force_n[n] + force_n[n + shift]),
+            });
             let apart = x[n + shift] - x[n] - late_s * 0.5 * (v[n] + v[n + shift]);
             unlike2 += apart * apart;
             size2 += (x[n] - middle) * (x[n] - middle);
         }
         let unlike = if size2 > 0.0 { (unlike2 / size2).sqrt() } else { 0.0 };
-        Some(Self { square_n2, samples: end - start, unlike })
+        Some(Self { samples, unlike })
     }
 }
 

@@ -65,6 +65,9 @@ pub struct Size {
     pub correlation: f64,
     /// Probability of that much by chance.
     pub p_value: f64,
+    /// Share of the squared residual that jitter, gain and filter may make: errors that a bench may
+    /// have and that nothing in the records shows.
+    pub by_the_bench: f64,
 }
 
 /// A rank correlation from which most of the residual follows the force.
@@ -76,7 +79,12 @@ const LARGEST_P: f64 = 0.01;
 
 impl Size {
     fn not_tested(why: &str) -> Self {
-        Self { answer: Answer::NotTested(why.to_owned()), correlation: 0.0, p_value: 1.0 }
+        Self {
+            answer: Answer::NotTested(why.to_owned()),
+            correlation: 0.0,
+            p_value: 1.0,
+            by_the_bench: 0.0,
+        }
     }
 
     /// True where most of the residual follows the force.
@@ -120,7 +128,7 @@ pub(crate) fn size(fit: &Fit, residual_n: &[Vec<f64>], tests: &TestSet) -> Optio
     if blocks.is_empty() {
         return Some(Size::not_tested("the force is of one size throughout every test"));
     }
-    let excess = beyond_the_bench(&blocks);
+    let (excess, by_the_bench) = beyond_the_bench(&blocks);
     let ranked: Vec<(Vec<f64>, Vec<f64>)> = blocks
         .iter()
         .zip(&excess)
@@ -142,7 +150,7 @@ pub(crate) fn size(fit: &Fit, residual_n: &[Vec<f64>], tests: &TestSet) -> Optio
     let p_value = (larger + 1) as f64 / f64::from(SHIFTS + 1);
     let strong_enough = found.abs() >= LEAST_CORRELATION;
     let answer = if strong_enough && p_value < LARGEST_P { Answer::Yes } else { Answer::No };
-    Some(Size { answer, correlation: found, p_value })
+    Some(Size { answer, correlation: found, p_value, by_the_bench })
 }
 
 impl Blocks {
@@ -219,8 +227,9 @@ fn added(values: &[f64], noise: &[f64], size: impl Fn(usize) -> f64) -> Vec<f64>
         .collect()
 }
 
-/// Mean square of the residual of every block over the bench's share of it.
-fn beyond_the_bench(tests: &[Blocks]) -> Vec<Vec<f64>> {
+/// Mean square of the residual of every block over the bench's share of it, and the share of all
+/// that is made by errors of the bench that nothing shows: the last three.
+fn beyond_the_bench(tests: &[Blocks]) -> (Vec<Vec<f64>>, f64) {
     let mean = |values: &[f64]| signal::statistics::mean(values).max(f64::MIN_POSITIVE);
     let mut own: Vec<f64> = tests.iter().map(|test| mean(&test.residual)).collect();
     let mut shares = [0.5_f64; 4];
@@ -248,17 +257,20 @@ fn beyond_the_bench(tests: &[Blocks]) -> Vec<Vec<f64>> {
             *share = if down > 0.0 { (*share * up / down).min(1.0) } else { 0.0 };
         }
     }
-    tests
-        .iter()
-        .zip(&own)
-        .map(|(test, own)| {
-            let each = test.residual.iter().enumerate();
-            each.map(|(k, residual)| {
-                residual / expected(test, *own, &shares, k).max(f64::MIN_POSITIVE)
-            })
+    let excess = tests.iter().zip(&own).map(|(test, own)| {
+        let each = test.residual.iter().enumerate();
+        each.map(|(k, residual)| residual / expected(test, *own, &shares, k).max(f64::MIN_POSITIVE))
             .collect()
-        })
-        .collect()
+    });
+    let (mut unseen, mut all) = (0.0, 0.0);
+    for (test, own) in tests.iter().zip(&own) {
+        for k in 0..test.residual.len() {
+            let of = |error: usize| shares[error] * test.bench[error][k];
+            unseen += (1..4).map(of).sum::<f64>();
+            all += expected(test, *own, &shares, k);
+        }
+    }
+    (excess.collect(), if all > 0.0 { unseen / all } else { 0.0 })
 }
 
 /// Ranks less their mean, over their standard deviation.

@@ -164,6 +164,27 @@ mod tests {
     }
 
     #[test]
+    fn a_force_that_relaxes_after_the_motion_was_noise_at_rest() {
+        let noise_n = coloured(3, 0.0, 9000);
+        // Three bursts of motion of 0.5 s, each followed by 2.5 s of rest.
+        let t = |n: usize| (n % 3000) as f64 * 1e-3;
+        let moves = |n: usize| t(n) < 0.5;
+        let x = |n: usize| {
+            if moves(n) { 2e-3 * libm::sin(TAU * (2.0 + 4.0 * t(n)) * t(n)) } else { 0.0 }
+        };
+        let force = |n: usize| {
+            let answer =
+                if moves(n) { 2e6 * x(n) } else { 1500.0 * libm::exp(-(t(n) - 0.5) / 0.2) };
+            answer + 30.0 * noise_n[n]
+        };
+        let series =
+            Series::sampled("r", 1e3, (0..9000).map(x).collect(), (0..9000).map(force).collect());
+        let test = Measurement::from_series(series).unwrap();
+        let found_n = rest::rms_n(&test, &test.force_n).unwrap();
+        assert!((found_n / 30.0 - 1.0).abs() < 0.1, "{found_n}");
+    }
+
+    #[test]
     fn without_noise_the_floor_is_far_below_the_force() {
         let found = noise(&record(7, 0.0, 0.0, true)).unwrap();
         // The rest: 0.5 um of displacement noise, and corners between samples.

@@ -1,14 +1,15 @@
 //! Noise while the damper rests.
 //!
 //! Where the displacement stays within its own noise for 0.3 s, the force is noise and drift. A
-//! straight line is taken off each such stretch, and the rms of the rest is pooled over all.
+//! straight line is taken off each such stretch. What remains is larger while the force still
+//! relaxes after a motion, so the lower quartile of all stretches counts.
 //!
 //! Limits: a lower bound, since noise of the clock, of the displacement and of the gain act only in
 //! motion.
 
 use super::white;
 use crate::measurement::Measurement;
-use signal::statistics::{min_max, smallest_change};
+use signal::statistics::{min_max, percentile, smallest_change};
 
 /// Length of a stretch, s.
 const STRETCH_S: f64 = 0.3;
@@ -36,16 +37,15 @@ pub fn rms_n(test: &Measurement, values_n: &[f64]) -> Option<f64> {
         .max(DIGITS * digit_m.unwrap_or(0.0))
         .max(SHARE_OF_RANGE * (high - low))
         .min(0.01 * (high - low));
-    let (mut squares, mut freedom) = (0.0, 0.0);
+    let mut squares = Vec::new();
     let stretches = test.displacement_m.chunks_exact(length).zip(values_n.chunks_exact(length));
     for (displacement_m, values_n) in stretches {
         let Some((low, high)) = min_max(displacement_m) else { continue };
         if high - low <= still_m {
-            squares += about_a_line(values_n);
-            freedom += (length - 2) as f64;
+            squares.push(about_a_line(values_n) / (length - 2) as f64);
         }
     }
-    (squares > 0.0).then(|| (squares / freedom).sqrt())
+    percentile(&squares, 0.25).filter(|square| *square > 0.0).map(f64::sqrt)
 }
 
 /// Sum of squares about the best straight line.

@@ -55,7 +55,7 @@ pub fn proposals(limits: &RigLimits) -> Vec<Proposal> {
     for share in SPEEDS {
         all.extend(triangle(0.6 * limits.stroke_m, share * limits.speed_m_per_s));
     }
-    all.push(holds(limits));
+    all.extend(holds(limits));
     all.push(random(limits));
     all
 }
@@ -94,18 +94,18 @@ fn triangle(stroke_m: f64, speed_m_per_s: f64) -> Option<Proposal> {
 }
 
 /// Three positions, each approached from both sides.
-fn holds(limits: &RigLimits) -> Proposal {
+fn holds(limits: &RigLimits) -> Option<Proposal> {
     let positions_m = [-0.6, 0.0, 0.6].map(|share| share * limits.stroke_m);
     let (speed, approach_m, hold_s) = (0.3 * limits.speed_m_per_s, 0.2 * limits.stroke_m, 1.0);
     let excitation = static_holds(&positions_m, speed, approach_m, hold_s);
-    let duration_s = excitation.end_s().unwrap_or(LONGEST_S);
+    let duration_s = excitation.end_s().filter(|end_s| *end_s <= LONGEST_S)?;
     let name = "holds".to_owned();
     let text = format!(
         "[[test]]\nname = \"{name}\"\nholds = {{ positions_m = [{:e}, {:e}, {:e}], \
          speed_m_per_s = {speed:e}, approach_m = {approach_m:e}, hold_s = {hold_s:?} }}\n",
         positions_m[0], positions_m[1], positions_m[2]
     );
-    Proposal { test: Test::new(name, excitation, duration_s), text }
+    Some(Proposal { test: Test::new(name, excitation, duration_s), text })
 }
 
 fn random(limits: &RigLimits) -> Proposal {
@@ -138,6 +138,21 @@ mod tests {
     use crate::bench_visit::test_list::TestList;
     use scenario::source::Source;
     use std::path::Path;
+
+    #[test]
+    fn a_slow_rig_of_long_stroke_got_holds_of_hours() {
+        for (stroke_m, speed_m_per_s) in [(1.0, 1e-4), (1.0, 10.0), (1e-4, 1e-4), (1e-4, 10.0)] {
+            let all = proposals(&RigLimits { stroke_m, speed_m_per_s });
+            let mut names: Vec<&str> = all.iter().map(|one| one.test.name.as_str()).collect();
+            names.sort_unstable();
+            assert!(!names.is_empty() && names.windows(2).all(|pair| pair[0] != pair[1]));
+            for proposal in &all {
+                assert!(proposal.test.duration_s <= LONGEST_S, "{}", proposal.test.name);
+                let x = proposal.displacement_m(500.0);
+                assert!(x.iter().all(|x| x.is_finite()), "{}", proposal.test.name);
+            }
+        }
+    }
 
     #[test]
     fn every_proposal_keeps_the_limits_and_its_text_is_the_same_test() {

@@ -1,0 +1,173 @@
+//! What stopped a bench: one signal, its value and its limit.
+
+use super::rule::Action;
+
+/// What can end a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Signal {
+    /// Measurements that do not arrive.
+    LostMeasurements,
+    /// Commands that the rig does not echo.
+    LostCommands,
+    /// Measurements that are old or out of step.
+    OldMeasurements,
+    /// The rig says that its force is invalid, or sends none.
+    InvalidForce,
+    /// The rig sends no displacement.
+    InvalidDisplacement,
+    /// Measured force.
+    Force,
+    /// Change of the measured force.
+    ForceRate,
+    /// The force sensor repeats one code.
+    StuckForce,
+    /// Speed of the measured displacement.
+    Velocity,
+    /// Measured displacement less the command that it answers.
+    Tracking,
+    /// The displacement sensor repeats one code.
+    StuckDisplacement,
+    /// Work that the damper gives back.
+    Work,
+    /// The rig has left RUN.
+    RigState,
+    /// A guard or limit of the rig.
+    RigTrip,
+    /// A fault that the rig reports.
+    RigFault,
+    /// A rig that is silent.
+    SilentRig,
+    /// Commands that the bus has no room for.
+    BusQueue,
+    /// A bus that is down.
+    BusDown,
+    /// The vehicle has left its track, or its numbers.
+    Vehicle,
+}
+
+impl Signal {
+    /// All signals.
+    pub const ALL: [Self; 19] = [
+        Self::LostMeasurements,
+        Self::LostCommands,
+        Self::OldMeasurements,
+        Self::InvalidForce,
+        Self::InvalidDisplacement,
+        Self::Force,
+        Self::ForceRate,
+        Self::StuckForce,
+        Self::Velocity,
+        Self::Tracking,
+        Self::StuckDisplacement,
+        Self::Work,
+        Self::RigState,
+        Self::RigTrip,
+        Self::RigFault,
+        Self::SilentRig,
+        Self::BusQueue,
+        Self::BusDown,
+        Self::Vehicle,
+    ];
+
+    /// Its key in `summary.json`.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::LostMeasurements => "lost_measurements",
+            Self::LostCommands => "lost_commands",
+            Self::OldMeasurements => "old_measurements",
+            Self::InvalidForce => "invalid_force",
+            Self::InvalidDisplacement => "invalid_displacement",
+            Self::Force => "force",
+            Self::ForceRate => "force_rate",
+            Self::StuckForce => "stuck_force",
+            Self::Velocity => "velocity",
+            Self::Tracking => "tracking",
+            Self::StuckDisplacement => "stuck_displacement",
+            Self::Work => "work",
+            Self::RigState => "rig_state",
+            Self::RigTrip => "rig_trip",
+            Self::RigFault => "rig_fault",
+            Self::SilentRig => "silent_rig",
+            Self::BusQueue => "bus_queue",
+            Self::BusDown => "bus_down",
+            Self::Vehicle => "vehicle",
+        }
+    }
+
+    /// In words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LostMeasurements => "lost measurements",
+            Self::LostCommands => "lost commands",
+            Self::OldMeasurements => "old measurements",
+            Self::InvalidForce => "cycles with an invalid force",
+            Self::InvalidDisplacement => "cycles without a displacement",
+            Self::Force => "measured force",
+            Self::ForceRate => "change of the measured force",
+            Self::StuckForce => "cycles with the same force",
+            Self::Velocity => "speed of the measured displacement",
+            Self::Tracking => "measured displacement less command",
+            Self::StuckDisplacement => "cycles with the same displacement",
+            Self::Work => "work of the damper over a cycle of the motion",
+            Self::RigState => "state of the rig",
+            Self::RigTrip => "guard or limit of the rig",
+            Self::RigFault => "fault of the rig",
+            Self::SilentRig => "silent rig",
+            Self::BusQueue => "commands without room on the bus",
+            Self::BusDown => "bus down",
+            Self::Vehicle => "vehicle off its track",
+        }
+    }
+
+    /// The unit of its value and limit; none where they are codes or mean nothing.
+    pub const fn unit(self) -> Option<&'static str> {
+        match self {
+            Self::Force => Some("N"),
+            Self::ForceRate => Some("N per cycle"),
+            Self::Velocity => Some("m/s"),
+            Self::Tracking => Some("m"),
+            Self::Work => Some("J"),
+            Self::LostMeasurements
+            | Self::LostCommands
+            | Self::OldMeasurements
+            | Self::InvalidForce
+            | Self::InvalidDisplacement
+            | Self::StuckForce
+            | Self::StuckDisplacement
+            | Self::BusQueue => Some("cycles"),
+            Self::RigState
+            | Self::RigTrip
+            | Self::RigFault
+            | Self::SilentRig
+            | Self::BusDown
+            | Self::Vehicle => None,
+        }
+    }
+}
+
+/// What stopped a bench, or asks for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cause {
+    /// The signal.
+    pub signal: Signal,
+    /// Its value, in the unit of the signal, or a code.
+    pub value: f64,
+    /// The limit, in the same unit; infinite where there is none.
+    pub limit: f64,
+    /// What it asks for.
+    pub action: Action,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_and_names_are_unique() {
+        for (n, one) in Signal::ALL.into_iter().enumerate() {
+            for other in Signal::ALL.into_iter().skip(n + 1) {
+                assert!(one.key() != other.key() && one.name() != other.name(), "{one:?}");
+            }
+        }
+    }
+}

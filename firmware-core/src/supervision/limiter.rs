@@ -1,0 +1,175 @@
+//! Commands within what the ram can do.
+//!
+//! A command that asks for more than the stroke, speed or acceleration allow is replaced by the
+//! nearest one that does not. With the last command `x, v`, the wanted one `x_w, v_w` and the
+//! period `T`,
+//!
+//! ```text
+//! e   = x_w - x                              v_1 = e / T                   straight there
+//! v_2 = v_w +- sqrt(2 a_max |e|)             no faster than it can brake to the wanted motion
+//! |v| <= v_max,   |v| <= sqrt(2 a_max d)     d: distance to the end of the stroke
+//! |v - v_last| <= a_max T
+//! ```
+//!
+//! A wanted command that keeps all limits is passed on as it is, bit for bit. The stroke rules over
+//! the acceleration: a command that begins too close to the end for its speed is braked as hard as
+//! the acceleration allows.
+
+use crate::guard::Command;
+
+/// What a ram can do, or what a bench allows it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CommandLimits {
+    /// Largest displacement from mid-stroke, m.
+    pub stroke_m: f64,
+    /// Highest speed, m/s.
+    pub velocity_m_per_s: f64,
+    /// Highest acceleration, m/s2.
+    pub acceleration_m_per_s2: f64,
+}
+
+/// A limited command.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limited {
+    /// The command.
+    pub command: Command,
+    /// Whether it differs from the wanted one.
+    pub is_saturated: bool,
+}
+
+impl CommandLimits {
+    /// The command next to a wanted one that keeps the limits, a period after the last.
+    ///
+    /// ```
+    /// use firmware_core::guard::Command;
+    /// use firmware_core::supervision::CommandLimits;
+    /// let limits = CommandLimits {
+    ///     stroke_m: 50e-3, velocity_m_per_s: 0.3, acceleration_m_per_s2: 20.0,
+    /// };
+    /// let rest = Command::default();
+    /// let wanted = Command { displacement_m: 10e-3, velocity_m_per_s: 0.0 };
+    /// let next = limits.limited(rest, wanted, 1e-3);
+    /// assert!(next.is_saturated && (next.command.velocity_m_per_s - 0.02).abs() < 1e-12);
+    /// ```
+    pub fn limited(&self, last: Command, wanted: Command, period_s: f64) -> Limited {
+        debug_assert!(period_s > 0.0 && last.is_finite() && wanted.is_finite());
+        debug_assert!(self.acceleration_m_per_s2 > 0.0 && self.velocity_m_per_s > 0.0);
+        if self.keeps(last, wanted, period_s) {
+            return Limited { command: wanted, is_saturated: false };
+        }
+        let Self { stroke_m, velocity_m_per_s: v_max, acceleration_m_per_s2: a_max } = *self;
+        let target_m = wanted.displacement_m.clamp(-stroke_m, stroke_m);
+        let error_m = target_m - last.displacement_m;
+        let straight = error_m / period_s;
+        let target_v =
+            if target_m == wanted.displacement_m { wanted.velocity_m_per_s } else { 0.0 };
+        let closing = braked(error_m, a_max, period_s);
+        let toward = if error_m >= 0.0 {
+            straight.min(target_v + closing)
+        } else {
+            straight.max(target_v - closing)
+        };
+        let up = braked(stroke_m - last.displacement_m, a_max, period_s).min(v_max);
+        let down = braked(stroke_m + last.displacement_m, a_max, period_s).min(v_max);
+        let allowed = toward.clamp(-down, up);
+        let change = a_max * period_s;
+        let v = last.velocity_m_per_s;
+        let velocity_m_per_s = allowed.clamp(v - change, v + change);
+        let displacement_m = last.displacement_m + velocity_m_per_s * period_s;
+        Limited { command: Command { displacement_m, velocity_m_per_s }, is_saturated: true }
+    }
+
+    /// Whether a command keeps all limits, a period after the last.
+    fn keeps(&self, last: Command, wanted: Command, period_s: f64) -> bool {
+        let step = (wanted.displacement_m - last.displacement_m) / period_s;
+        let change = self.acceleration_m_per_s2 * period_s;
+        let distance_m = self.stroke_m - wanted.displacement_m.abs();
+        let outward = wanted.velocity_m_per_s * wanted.displacement_m > 0.0;
+        let can_brake = !outward
+            || wanted.velocity_m_per_s * wanted.velocity_m_per_s
+                <= 2.0 * self.acceleration_m_per_s2 * distance_m;
+        distance_m >= 0.0
+            && can_brake
+            && wanted.velocity_m_per_s.abs() <= self.velocity_m_per_s
+            && step.abs() <= self.velocity_m_per_s
+            && (wanted.velocity_m_per_s - last.velocity_m_per_s).abs() <= change
+            && (step - last.velocity_m_per_s).abs() <= change
+    }
+}
+
+/// Speed from which a ram comes to rest within a distance, in whole periods.
+fn braked(distance_m: f64, a_max: f64, period_s: f64) -> f64 {
+    // A period passes before the first brake: v T + v^2 / (2 a) = d.
+    let lost = a_max * period_s;
+    libm::sqrt(lost * lost + 2.0 * a_max * distance_m.abs()) - lost
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: CommandLimits =
+        CommandLimits { stroke_m: 50e-3, velocity_m_per_s: 0.3, acceleration_m_per_s2: 20.0 };
+    const T: f64 = 1e-3;
+
+    fn random(state: &mut u64) -> f64 {
+        *state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        2.0 * ((*state >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
+    }
+
+    #[test]
+    fn no_wish_moves_the_command_beyond_its_limits() {
+        let mut state = 19;
+        for _ in 0..300 {
+            let mut command =
+                Command { displacement_m: 49e-3 * random(&mut state), velocity_m_per_s: 0.0 };
+            for _ in 0..500 {
+                // Steps, jumps over the stroke and far beyond it.
+                let wish = if random(&mut state) > 0.9 { 1.0 } else { 60e-3 };
+                let wanted = Command {
+                    displacement_m: wish * random(&mut state),
+                    velocity_m_per_s: random(&mut state),
+                };
+                let next = LIMITS.limited(command, wanted, T).command;
+                let step = next.displacement_m - command.displacement_m;
+                let change = next.velocity_m_per_s - command.velocity_m_per_s;
+                assert!(step.abs() <= 0.3 * T * (1.0 + 1e-12), "{step}");
+                assert!(change.abs() <= 20.0 * T * (1.0 + 1e-12), "{change}");
+                assert!(next.displacement_m.abs() <= 50e-3 + 1e-12, "{}", next.displacement_m);
+                command = next;
+            }
+        }
+    }
+
+    #[test]
+    fn a_motion_within_the_limits_passes_bit_for_bit() {
+        let mut last = Command::default();
+        let w = core::f64::consts::TAU * 3.5;
+        for n in 0..2000 {
+            let t = f64::from(n) * T;
+            // Faded in, so that it begins at rest.
+            let amplitude = 3.46e-3 * (1.0 - libm::exp(-t * t));
+            let grows = 3.46e-3 * 2.0 * t * libm::exp(-t * t);
+            let wanted = Command {
+                displacement_m: amplitude * libm::sin(w * t),
+                velocity_m_per_s: amplitude * w * libm::cos(w * t) + grows * libm::sin(w * t),
+            };
+            let next = LIMITS.limited(last, wanted, T);
+            assert_eq!((next.command, next.is_saturated), (wanted, false), "{n}");
+            last = next.command;
+        }
+    }
+
+    #[test]
+    fn a_step_is_reached_without_overshoot() {
+        let wanted = Command { displacement_m: 20e-3, velocity_m_per_s: 0.0 };
+        let (mut command, mut highest) = (Command::default(), 0.0_f64);
+        for _ in 0..400 {
+            command = LIMITS.limited(command, wanted, T).command;
+            highest = highest.max(command.displacement_m);
+        }
+        assert!((command.displacement_m - 20e-3).abs() < 1e-9, "{command:?}");
+        assert!(highest <= 20e-3 + 1e-9 && command.velocity_m_per_s.abs() < 1e-6, "{highest}");
+    }
+}

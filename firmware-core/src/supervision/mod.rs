@@ -1,0 +1,41 @@
+//! Supervision of a bench: who may move what, what is believed, and how motion ends.
+//!
+//! | file | content |
+//! | --- | --- |
+//! | `state` | states and events of host and rig, and the outcome of each pair |
+//! | `belief` | everything that is checked about one rig, cycle by cycle |
+//! | `cause` | what stopped a bench |
+//! | `loss` | frames that do not arrive |
+//! | `age` | how old a measurement is |
+//! | `rule` | a limit on a signal, its debounce and its action |
+//! | `stuck` | a sensor that has frozen |
+//! | `work` | the work of a damper over a cycle of the motion |
+//! | `ramp` | fading in and out |
+//! | `limiter` | commands within what the ram can do |
+//!
+//! This is no safety function and claims no performance level: emergency stop, guard door and
+//! pressure dump are hard-wired, and the limits of the bench controller rule.
+
+mod age;
+mod belief;
+mod cause;
+mod limiter;
+mod loss;
+mod ramp;
+mod rule;
+mod state;
+mod stuck;
+mod work;
+
+pub use age::{Age, AgeJudge, OLDEST_CYCLES};
+pub use belief::{Arrival, Belief, Checks, Measured};
+pub use cause::{Cause, Signal};
+pub use limiter::{CommandLimits, Limited};
+pub use loss::{
+    LONG_CYCLES, Loss, LossVerdict, MOST_IN_A_ROW, MOST_IN_LONG, MOST_IN_SHORT, SHORT_CYCLES,
+};
+pub use ramp::Ramp;
+pub use rule::{Action, Rule, RuleState};
+pub use state::{Event, Outcome, State, write_diagram};
+pub use stuck::{FEWEST_CYCLES, Stuck};
+pub use work::{LEAST_AMPLITUDE_M, LEAST_FORCE_N, SUMMED, Work, WorkVerdict};

@@ -1,0 +1,170 @@
+//! What stopped a session: one cause, with its time, its cycle and its node.
+
+use can_protocol::{Fault, FaultCode, Frame, RunState, Sender};
+use firmware_core::supervision::{Cause, Signal};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What stopped a session.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stop {
+    /// Control cycle in which it was found.
+    pub cycle: u64,
+    /// Time of that cycle, s.
+    pub time_s: f64,
+    /// The rig that it is about.
+    pub node: Option<u8>,
+    /// The signal with its value and its limit.
+    pub cause: Cause,
+}
+
+/// The same in `summary.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StopSummary {
+    /// Time, s.
+    pub time_s: f64,
+    /// Control cycle.
+    pub cycle: u64,
+    /// The rig that it is about; null where it is the host, the bus or the vehicle.
+    pub node: Option<u8>,
+    /// Key of the signal.
+    pub signal: String,
+    /// In words.
+    pub message: String,
+    /// Value of the signal.
+    pub value: f64,
+    /// Its limit; null where there is none.
+    pub limit: Option<f64>,
+    /// Unit of both; null for a code.
+    pub unit: Option<String>,
+    /// What the limit asks for. A run stops in any case; ramps come later.
+    pub action: String,
+}
+
+impl Stop {
+    /// For `summary.json`.
+    pub fn summary(&self) -> StopSummary {
+        let Cause { signal, value, limit, action } = self.cause;
+        StopSummary {
+            time_s: self.time_s,
+            cycle: self.cycle,
+            node: self.node,
+            signal: signal.key().to_owned(),
+            message: self.to_string(),
+            value,
+            limit: limit.is_finite().then_some(limit),
+            unit: signal.unit().map(str::to_owned),
+            action: action.name().to_owned(),
+        }
+    }
+
+    /// The host's fault message.
+    pub(super) fn fault(&self, counter: u8) -> Frame {
+        let (code, detail) = self.code();
+        let detail = detail.abs().round().min(f64::from(u16::MAX)) as u16;
+        let fault = Fault { sender: Sender::Host, counter, state: RunState::Safe, code, detail };
+        fault.encode().0
+    }
+
+    /// The fault code of the protocol, and its detail.
+    fn code(&self) -> (FaultCode, f64) {
+        let Cause { signal, value, limit, .. } = self.cause;
+        let per_mille = 1000.0 * value / limit;
+        match signal {
+            Signal::LostMeasurements
+            | Signal::LostCommands
+            | Signal::OldMeasurements
+            | Signal::SilentRig => (FaultCode::PeerSilent, value),
+            Signal::InvalidForce | Signal::StuckForce => (FaultCode::Sensor, 1.0),
+            Signal::InvalidDisplacement | Signal::StuckDisplacement => (FaultCode::Sensor, 2.0),
+            Signal::Force | Signal::ForceRate => (FaultCode::ForceLimit, per_mille),
+            Signal::Velocity => (FaultCode::VelocityLimit, per_mille),
+            Signal::Tracking => (FaultCode::Tracking, value * 1e6),
+            Signal::Work => (FaultCode::Energy, value),
+            Signal::RigState => (FaultCode::StateMismatch, value),
+            Signal::RigFault => (FaultCode::from_code(value as u16), 0.0),
+            Signal::RigTrip => (FaultCode::Actuator, value),
+            Signal::BusQueue => (FaultCode::Overrun, value),
+            Signal::BusDown => (FaultCode::BusOff, 0.0),
+            Signal::Vehicle => (FaultCode::Internal, 0.0),
+        }
+    }
+
+    /// The value in words, where it is a code.
+    fn coded(&self) -> Option<String> {
+        let value = self.cause.value;
+        match self.cause.signal {
+            Signal::RigState => RunState::ALL
+                .into_iter()
+                .find(|state| f64::from(state.code()) == value)
+                .map(|state| state.name().to_owned()),
+            Signal::RigFault => {
+                let code = FaultCode::from_code(value as u16);
+                Some(format!("{} ({})", code.name(), code.code()))
+            }
+            Signal::RigTrip => {
+                let trips = can_protocol::Trips::from_bits_truncate(value as u8);
+                Some(trips.iter_names().map(|(name, _)| name).collect::<Vec<_>>().join(", "))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Stop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Cause { signal, value, limit, .. } = self.cause;
+        write!(f, "at {:.3} s (cycle {}), ", self.time_s, self.cycle)?;
+        if let Some(node) = self.node {
+            write!(f, "rig node {node}: ")?;
+        }
+        write!(f, "{}", signal.name())?;
+        match (self.coded(), signal.unit()) {
+            (Some(code), _) => write!(f, " {code}"),
+            (None, Some(unit)) => {
+                write!(f, " {} {unit}", report::significant(value, 4))?;
+                let limit = limit.is_finite().then(|| report::significant(limit, 4));
+                limit.map_or(Ok(()), |limit| write!(f, ", limit {limit} {unit}"))
+            }
+            (None, None) => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use firmware_core::supervision::Action;
+
+    fn stop(signal: Signal, value: f64, limit: f64) -> Stop {
+        let cause = Cause { signal, value, limit, action: Action::Stop };
+        Stop { cycle: 15_005, time_s: 15.004, node: Some(1), cause }
+    }
+
+    #[test]
+    fn a_stop_says_what_where_and_how_much() {
+        let texts = [
+            (stop(Signal::Force, 99_000.0, 40_000.0), "measured force 99000 N, limit 40000 N"),
+            (stop(Signal::RigState, 7.0, f64::INFINITY), "state of the rig FAULT"),
+            (stop(Signal::RigFault, 36.0, f64::INFINITY), "fault of the rig EMERGENCY_STOP (36)"),
+            (
+                stop(Signal::RigTrip, 192.0, f64::INFINITY),
+                "guard or limit of the rig GUARD_OPEN, EMERGENCY_STOP",
+            ),
+        ];
+        for (stop, text) in texts {
+            let whole = format!("at 15.004 s (cycle 15005), rig node 1: {text}");
+            assert_eq!(stop.to_string(), whole);
+        }
+    }
+
+    #[test]
+    fn every_cause_has_a_fault_code() {
+        for signal in Signal::ALL {
+            let frame = stop(signal, 20.0, 10.0).fault(3);
+            let fault = Fault::decode(frame.id(), frame.data()).unwrap();
+            assert_eq!((fault.sender, fault.counter), (Sender::Host, 3));
+            assert!(fault.code != FaultCode::Cleared, "{signal:?}");
+        }
+    }
+}
