@@ -105,6 +105,7 @@ fn the_bus_log_is_candump_and_accounts_for_every_frame() {
                 false
             }
             Message::Sync(_) | Message::Residual(_) => true,
+            Message::Heartbeat(heartbeat) => heartbeat.sender == can_protocol::Sender::Host,
             _ => false,
         };
         assert_eq!(direction, if sent { "T" } else { "R" }, "{line}");

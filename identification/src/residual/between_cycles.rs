@@ -8,9 +8,9 @@
 //! d^2 = a + s F^2          a for each test, s for all, by least squares
 //! ```
 //!
-//! the difference grows with the force where the ranks of both correlate beyond chance, `s` explains
-//! half of the squared difference, and the change of the gain `sqrt(s / 2)` is more than 0.2 %, which
-//! a bench may make by itself.
+//! the difference grows with the force where the ranks of both correlate beyond chance, `s`
+//! explains half of the squared difference, and the change of the gain `sqrt(s / 2)` is more than
+//! 0.2 %, which a bench may make by itself.
 //!
 //! Limits: noise of the displacement grows with the slope of the force and not with the force; a
 //! change that comes back in every cycle is no difference.
