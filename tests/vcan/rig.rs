@@ -117,7 +117,7 @@ fn parts(frame: &CanAnyFrame) -> Option<(u16, Vec<u8>)> {
 fn of_bus_log(path: &Path) -> ById {
     let mut by_id = ById::new();
     for line in std::fs::read_to_string(path).expect("bus.log").lines() {
-        let frame = line.rsplit(' ').next().expect("a frame");
+        let frame = line.split(' ').nth(2).expect("a frame");
         let (id, data) = frame.split_once('#').expect("a frame");
         let data = data.strip_prefix('#').map_or(data, |fd| &fd[1..]);
         let byte = |at: usize| u8::from_str_radix(&data[at..at + 2], 16).expect("hex");
