@@ -22,7 +22,12 @@ pub(crate) fn one_sided(scores: &[f64]) -> f64 {
         return if mean > 0.0 { 0.0 } else { 1.0 };
     }
     let t = mean / (squares / (count - 1.0) / count).sqrt();
-    StudentsT::new(0.0, 1.0, count - 1.0).map_or(1.0, |student| student.sf(t))
+    beyond(t, count - 1.0)
+}
+
+/// Probability that Student's t exceeds a value; 1 without a degree of freedom.
+pub(crate) fn beyond(t: f64, freedom: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |student| student.sf(t))
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@
 //! these strokes is hardly louder than the residual outside them: a shape that fits in part proves
 //! nothing.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use super::chance::beyond;
 
 /// Square of the change at a sample that carries it, as a share of the largest.
 const CARRIES: f64 = 1e-3;
@@ -46,7 +46,7 @@ pub(crate) fn p_value(change: &[f64], residual: &[f64], parameters: usize) -> Op
         return None;
     }
     let t = b * square.sqrt() / variance.sqrt();
-    StudentsT::new(0.0, 1.0, freedom).ok().map(|student| student.sf(t))
+    Some(beyond(t, freedom))
 }
 
 #[cfg(test)]

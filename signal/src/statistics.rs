@@ -68,6 +68,22 @@ pub fn percentile(values: &[f64], share: f64) -> Option<f64> {
     Some(low + (high - low) * fraction)
 }
 
+/// Standard deviations of a normal distribution in its median absolute value.
+const NORMAL_MEDIAN: f64 = 0.6745;
+
+/// Root mean square of normally distributed values from the median of their sizes, which a few
+/// outliers hardly change; `None` for no samples and where the median is zero.
+///
+/// ```
+/// use signal::statistics::robust_rms;
+/// assert_eq!(robust_rms(&[0.6745, -0.6745, 1000.0]), Some(1.0));
+/// ```
+pub fn robust_rms(values: &[f64]) -> Option<f64> {
+    let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+    let median = percentile(&sizes, 0.5)?;
+    (median > 0.0).then_some(median / NORMAL_MEDIAN)
+}
+
 /// The smallest change from one value to the next that is larger than `above`: the last digit of a
 /// record. `f64::MAX` where nothing changes.
 ///

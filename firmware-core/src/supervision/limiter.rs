@@ -106,16 +106,16 @@ fn braked(distance_m: f64, a_max: f64, period_s: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::uniform;
     use super::*;
 
     const LIMITS: CommandLimits =
         CommandLimits { stroke_m: 50e-3, velocity_m_per_s: 0.3, acceleration_m_per_s2: 20.0 };
     const T: f64 = 1e-3;
 
+    /// -1 to 1.
     fn random(state: &mut u64) -> f64 {
-        *state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        2.0 * ((*state >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
+        2.0 * uniform(state) - 1.0
     }
 
     #[test]

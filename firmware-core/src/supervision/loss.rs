@@ -123,6 +123,7 @@ impl<const WORDS: usize> Window<WORDS> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::uniform;
     use super::*;
 
     /// Cycle of the first verdict of losses that follow a rule.
@@ -164,24 +165,17 @@ mod tests {
         assert_eq!(first(100_000, LossVerdict::RampOut, |n| n % 14 == 0), None);
     }
 
-    /// A generator of Knuth's constants, upper bits.
-    fn random(state: &mut u64) -> f64 {
-        *state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*state >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
     #[test]
     fn one_per_cent_holds_for_an_hour_and_ten_per_cent_does_not_last_half_a_second() {
         let mut state = 20_261_129;
         let mut loss = Loss::default();
         let holds =
-            (0..3_600_000).all(|_| loss.take(random(&mut state) < 0.01) == LossVerdict::Holds);
+            (0..3_600_000).all(|_| loss.take(uniform(&mut state) < 0.01) == LossVerdict::Holds);
         assert!(holds, "{loss:?}");
         let ends = |_: &u32| {
             let (mut there, mut back) = (Loss::default(), Loss::default());
             (0..500).any(|_| {
-                let lost = [random(&mut state) < 0.1, random(&mut state) < 0.1];
+                let lost = [uniform(&mut state) < 0.1, uniform(&mut state) < 0.1];
                 there.take(lost[0]).max(back.take(lost[1])) != LossVerdict::Holds
             })
         };

@@ -22,6 +22,8 @@ mod cause;
 mod limiter;
 mod loss;
 mod ramp;
+#[cfg(test)]
+mod random;
 mod rule;
 mod state;
 mod stuck;

@@ -55,6 +55,13 @@ impl<'a, 'r, B: Bus> Buses<'a, 'r, B> {
         sent
     }
 
+    /// Sends a frame to every bus, or drops it there.
+    pub(super) fn send_to_all(&mut self, frame: &Frame) {
+        for bus in 0..self.all.len() {
+            self.send(bus, frame);
+        }
+    }
+
     /// Waits until a bus may have a frame.
     pub(super) fn wait(&mut self, bus: usize, timeout: Duration) {
         debug_assert!(bus < self.all.len(), "there is no bus {bus}");

@@ -7,7 +7,7 @@ use super::session::{Session, SessionState};
 use crate::bus::{Bus, Sent};
 use crate::clock::Tick;
 use crate::record::{FrameBytes, InputKind, Row};
-use can_protocol::{Frame, Heartbeat, Profile, RunState, Sender};
+use can_protocol::{Frame, Heartbeat, RunState, Sender};
 use core::time::Duration;
 use firmware_core::guard::ForceInput;
 use firmware_core::line::Slot;
@@ -159,7 +159,6 @@ impl Session<'_> {
                 }
                 Sent::Down => {
                     state.late += 1;
-                    state.lost = true;
                     let node = Some(port.node.number());
                     self.stop(state, node, Self::fact(Signal::BusDown));
                 }
@@ -186,16 +185,11 @@ impl Session<'_> {
         let (residuals, sync) = (is_due(RESIDUAL_CYCLES), is_due(SYNC_CYCLES));
         if is_due(HEARTBEAT_CYCLES) {
             let heartbeat = Heartbeat { sender: Sender::Host, state: run_state(state) }.encode();
-            for bus in 0..buses.count() {
-                buses.send(bus, &heartbeat);
-            }
+            buses.send_to_all(&heartbeat);
         }
-        if let Some(stop) = state.stop.filter(|_| state.faults == 0) {
-            let fault = stop.fault(state.faults);
-            state.faults = Profile::Classical.next_counter(state.faults);
-            for bus in 0..buses.count() {
-                buses.send(bus, &fault);
-            }
+        if let Some(stop) = state.stop.filter(|_| !state.is_announced) {
+            buses.send_to_all(&stop.fault(0));
+            state.is_announced = true;
         }
         if residuals {
             let run = run_state(state);
@@ -206,10 +200,7 @@ impl Session<'_> {
             }
         }
         if sync {
-            let frame = self.sync(state);
-            for bus in 0..buses.count() {
-                buses.send(bus, &frame);
-            }
+            buses.send_to_all(&self.sync(state));
         }
     }
 }

@@ -113,7 +113,6 @@ impl Session<'_> {
             }
             Pace::LockStep if !state.line.safe => {
                 if !self.wait_for_echoes(state, buses) {
-                    state.lost = true;
                     let mut ports = self.ports.iter().zip(&state.ports);
                     let silent = ports.find(|(port, memory)| !port.has_echo(memory));
                     let node = silent.map(|(port, _)| port.node.number());

@@ -42,12 +42,10 @@ pub struct SessionState {
     pub late: u64,
     /// Cycles in a row in which a bus did not take a command.
     pub late_in_a_row: u32,
-    /// A bus is down or a peer is lost.
-    pub lost: bool,
     /// What stopped the session: the first cause.
     pub stop: Option<Stop>,
-    /// Fault messages sent.
-    pub(super) faults: u8,
+    /// Whether the rigs were sent it.
+    pub(super) is_announced: bool,
 }
 
 impl Session<'_> {
@@ -61,9 +59,8 @@ impl Session<'_> {
             skipped: 0,
             late: 0,
             late_in_a_row: 0,
-            lost: false,
             stop: None,
-            faults: 0,
+            is_announced: false,
         }
     }
 

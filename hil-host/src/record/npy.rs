@@ -17,6 +17,8 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 #[derive(Debug)]
 pub struct NpyWriter<S = File> {
     file: Appender<S>,
+    /// Where their number begins in the header.
+    count_at: u64,
     rows: u64,
     bytes: Vec<u8>,
 }
@@ -30,9 +32,10 @@ impl<S: Storage> NpyWriter<S> {
     /// # Errors
     /// The file cannot be written.
     pub fn begin(file: S) -> io::Result<Self> {
-        let mut file = Appender::new(file);
-        file.append(&header(0))?;
-        Ok(Self { file, rows: 0, bytes: Vec::new() })
+        let (mut file, header) = (Appender::new(file), header(0));
+        file.append(&header)?;
+        let count_at = count_place(&header).unwrap_or(0) as u64;
+        Ok(Self { file, count_at, rows: 0, bytes: Vec::new() })
     }
 
     /// Appends rows: all of them or none.
@@ -51,8 +54,7 @@ impl<S: Storage> NpyWriter<S> {
 
     /// Puts the number of rows into the header.
     fn count(&self) -> io::Result<()> {
-        let place = count_place(&header(0)).unwrap_or(0) as u64;
-        self.file.replace(format!("{:<COUNT_WIDTH$}", self.rows).as_bytes(), place)
+        self.file.replace(format!("{:<COUNT_WIDTH$}", self.rows).as_bytes(), self.count_at)
     }
 
     /// Waits until the disk holds the rows; gives their number.

@@ -1,39 +1,17 @@
 //! The control loop on the memory bus, in virtual time: what it does with frames that it should not
 //! use, and how it ends.
 
-use can_protocol::{Frame, MessageId, Node, Pace as WirePace, Profile};
-use firmware_core::track::Track;
+use crate::support::locomotive::{NODE, scenario, session};
+use can_protocol::{Frame, MessageId, Pace as WirePace, Profile};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::{Pacer, Tick};
-use hil_host::control::{Buses, End, NoAnswer, Pace, Port, STOP_CYCLES, Session, SessionState};
+use hil_host::control::{Buses, End, NoAnswer, Pace, STOP_CYCLES, Session, SessionState};
 use hil_host::record::{Queues, ROWS};
 use hil_host::rig::RigNode;
-use scenario::run::{Overrides, Run};
+use scenario::run::Run;
 use std::collections::VecDeque;
-use std::num::NonZeroU8;
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-
-const NODE: Node = Node::ALL[0];
-
-fn scenario() -> Run {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-    let overrides = Overrides { duration_s: Some(5.0), speed_kmh: None };
-    Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn session<'a>(run: &'a Run, track: &'a Track<'a>, pace: WirePace) -> Session<'a> {
-    let port = Port::new(NODE, 0, 0, Profile::Classical).unwrap();
-    Session {
-        line: hil_host::run::line(run, track),
-        ports: heapless::Vec::from_slice(&[port]).unwrap(),
-        profile: Profile::Classical,
-        pace,
-        slow_down: NonZeroU8::MIN,
-        watched: [Some(0), Some(1), Some(3)],
-    }
-}
 
 /// The bus of the rig, with room for frames that neither host nor rig has sent.
 struct Disturbed {

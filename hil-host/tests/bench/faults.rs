@@ -1,25 +1,21 @@
 //! Faults on the bus of a locomotive that runs, in virtual time: what is found, and after how many
 //! cycles. The rows are those of faults that earlier versions of the loop ended as "completed".
 
+use crate::support::locomotive::{NODE, scenario, session};
 use can_protocol::{
-    Fault, FaultCode, Frame, Measurement, MessageId, Node, Pace as WirePace, Pressure, Profile,
-    RunState, Sender, Telemetry, Trips,
+    Fault, FaultCode, Frame, Measurement, MessageId, Pace as WirePace, Pressure, Profile, RunState,
+    Sender, Telemetry, Trips,
 };
 use firmware_core::supervision::{Action, Signal};
-use firmware_core::track::Track;
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::Tick;
-use hil_host::control::{Buses, Port, Session, Stop};
+use hil_host::control::{Buses, Stop};
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
-use scenario::run::{Overrides, Run};
 use std::collections::VecDeque;
-use std::num::NonZeroU8;
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-const NODE: Node = Node::ALL[0];
 /// Cycle in which a fault begins.
 const BEGIN: u64 = 2000;
 /// Cycles for which a fault may last.
@@ -72,29 +68,11 @@ impl Bus for Faulty {
     }
 }
 
-fn scenario() -> Run {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-    let overrides = Overrides { duration_s: Some(5.0), speed_kmh: None };
-    Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn session<'a>(run: &'a Run, track: &'a Track<'a>) -> Session<'a> {
-    let port = Port::new(NODE, 0, 0, Profile::Classical).unwrap();
-    Session {
-        line: hil_host::run::line(run, track),
-        ports: heapless::Vec::from_slice(&[port]).unwrap(),
-        profile: Profile::Classical,
-        pace: WirePace::LockStep,
-        slow_down: NonZeroU8::MIN,
-        watched: [Some(0), Some(1), Some(3)],
-    }
-}
-
 /// Runs into a fault; what stopped the session, if it was stopped.
 fn stop_of(change: Change, is_full: fn(u64) -> bool) -> Option<Stop> {
     let run = scenario();
     let track = run.track.view();
-    let session = session(&run, &track);
+    let session = session(&run, &track, WirePace::LockStep);
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
     let mut state = session.start(session.line.start(run.start.state.clone()));

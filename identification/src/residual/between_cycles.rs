@@ -15,7 +15,8 @@
 //! Limits: noise of the displacement grows with the slope of the force and not with the force; a
 //! change that comes back in every cycle is no difference.
 
-use signal::statistics::{mean, percentile};
+use super::ranks::{correlation, ranks};
+use signal::statistics::{mean, robust_rms};
 
 /// Parts of a cycle.
 const PARTS: usize = 12;
@@ -54,8 +55,7 @@ impl Differences {
     pub(crate) fn add(&mut self, pairs: impl Iterator<Item = Vec<Difference>>) {
         let pairs: Vec<Vec<Difference>> = pairs.collect();
         let sizes: Vec<f64> = pairs.iter().flatten().map(|difference| difference.n.abs()).collect();
-        // Half of all normal values are within 0.6745 standard deviations.
-        let robust_n = percentile(&sizes, 0.5).unwrap_or(0.0) / 0.6745;
+        let robust_n = robust_rms(&sizes).unwrap_or(0.0);
         let is_outlier = |size: f64| size > OUTLIER * robust_n;
         let outliers = sizes.iter().filter(|size| is_outlier(**size)).count();
         let few = outliers as f64 <= MOST_OUTLIERS * sizes.len() as f64;
@@ -86,7 +86,7 @@ impl Differences {
         let (mut all_n2, mut force_n2) = (0.0, 0.0);
         for parts in self.parts.iter().filter(|parts| parts.len() >= PARTS) {
             let (differences, forces): (Vec<f64>, Vec<f64>) = parts.iter().copied().unzip();
-            rank_sum += parts.len() as f64 * rank_correlation(&differences, &forces);
+            rank_sum += parts.len() as f64 * correlation(&ranks(&differences), &ranks(&forces), 0);
             count += parts.len() as f64;
             let (mean_d, mean_f) = (mean(&differences), mean(&forces));
             for (d, f) in parts {
@@ -99,32 +99,14 @@ impl Differences {
         if count == 0.0 || across <= 0.0 || all_n2 <= 0.0 {
             return None;
         }
-        let correlation = rank_sum / count;
+        let by_rank = rank_sum / count;
         let slope = along / across;
-        let grows = correlation > LEAST_CORRELATION
-            && correlation * f64::sqrt(count) > STANDARD_ERRORS
+        let grows = by_rank > LEAST_CORRELATION
+            && by_rank * f64::sqrt(count) > STANDARD_ERRORS
             && slope * force_n2 > LEAST_SHARE * all_n2
             && slope > 2.0 * GAIN * GAIN;
         grows.then(|| (0.5 * slope * force_n2 / count).sqrt())
     }
-}
-
-/// Correlation of the ranks of equally many values.
-fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
-    let ranks = |values: &[f64]| {
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-        let middle = 0.5 * (values.len() as f64 - 1.0);
-        let mut ranks = vec![0.0; values.len()];
-        for (rank, index) in order.into_iter().enumerate() {
-            ranks[index] = rank as f64 - middle;
-        }
-        ranks
-    };
-    let (a, b) = (ranks(a), ranks(b));
-    let spread: f64 = a.iter().map(|rank| rank * rank).sum();
-    let product: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
-    if spread > 0.0 { product / spread } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -271,7 +271,6 @@ fn noise_is_unknown(analysis: &ResidualAnalysis) -> Option<String> {
         "whether the residual of {} N rms is noise: the noise floor is unknown",
         short(analysis.rms_n)
     );
-    let per_cent = 100.0 * analysis.share_of_force;
     if analysis.size.by_the_bench > MOST_BY_THE_BENCH {
         Some(format!(
             "{whether}, and {:.0} % of its square grow with the force or its slope as an error of \
@@ -280,6 +279,7 @@ fn noise_is_unknown(analysis: &ResidualAnalysis) -> Option<String> {
             100.0 * analysis.size.by_the_bench
         ))
     } else if noise.of_samples_n.is_none() && analysis.share_of_force > MOST_OF_FORCE {
+        let per_cent = 100.0 * analysis.share_of_force;
         Some(format!("{whether}, and {per_cent:.0} % of the force are more than a bench has"))
     } else {
         None

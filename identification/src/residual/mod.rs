@@ -30,6 +30,7 @@ pub(crate) mod maps;
 pub(crate) mod motion;
 pub(crate) mod noise;
 pub(crate) mod question;
+mod ranks;
 pub(crate) mod repeat;
 mod same_motion;
 pub(crate) mod size;
@@ -101,9 +102,10 @@ impl ResidualAnalysis {
         let size = size::size(fit, &residual_n, tests)?;
         let lines_n = lines::pooled(&lines, tests);
         let noise = NoiseFloor::of(&residual_n, (&repeat, &size), lines_n, tests);
+        let rms_n = fit.rms_n(tests);
         let mut analysis = Self {
-            rms_n: fit.rms_n(tests),
-            share_of_force: fit.rms_n(tests) / tests.rms_force_n().max(f64::MIN_POSITIVE),
+            rms_n,
+            share_of_force: rms_n / tests.rms_force_n().max(f64::MIN_POSITIVE),
             without_slow_rms_n: slow::rms_without_slow_n(&residual_n, tests),
             noise,
             maps,

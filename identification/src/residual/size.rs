@@ -23,6 +23,7 @@
 //! Limits: under one amplitude the force is the same in every block, and nothing can be compared.
 
 use super::question::Answer;
+use super::ranks::{correlation, ranks};
 use crate::fit::Fit;
 use crate::simulation::simulate;
 use crate::test_set::{Test, TestSet};
@@ -271,35 +272,4 @@ fn beyond_the_bench(tests: &[Blocks]) -> (Vec<Vec<f64>>, f64) {
         }
     }
     (excess.collect(), if all > 0.0 { unseen / all } else { 0.0 })
-}
-
-/// Ranks less their mean, over their standard deviation.
-fn ranks(values: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-    let mut ranks = vec![0.0; values.len()];
-    let count = values.len() as f64;
-    let spread = ((count * count - 1.0) / 12.0).sqrt().max(f64::MIN_POSITIVE);
-    for (rank, index) in order.into_iter().enumerate() {
-        ranks[index] = (rank as f64 - 0.5 * (count - 1.0)) / spread;
-    }
-    ranks
-}
-
-fn correlation(a: &[f64], b: &[f64], shift: usize) -> f64 {
-    let pairs = a.iter().zip(b.iter().cycle().skip(shift));
-    pairs.map(|(a, b)| a * b).sum::<f64>() / a.len() as f64
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ranks_have_unit_variance_and_correlate_with_themselves() {
-        let values = [3.0, -1.0, 10.0, 2.5, 7.0];
-        let ranks = ranks(&values);
-        assert!((correlation(&ranks, &ranks, 0) - 1.0).abs() < 1e-12);
-        assert!(correlation(&ranks, &ranks, 1) < 0.0);
-    }
 }

@@ -14,10 +14,8 @@
 //!
 //! Limits: slow noise (drift) under the white one is not seen, so the result is a lower bound.
 
-use signal::statistics::percentile;
+use signal::statistics::robust_rms;
 
-/// Standard deviations of a normal distribution in its median absolute value.
-const NORMAL_MEDIAN: f64 = 0.6745;
 /// Differences are clipped at so many standard deviations.
 const CLIP: f64 = 4.0;
 /// Autocorrelation of third differences of white noise at lags one and two, and how far off a
@@ -78,13 +76,6 @@ fn third_differences(values: &[f64], stride: usize) -> Vec<f64> {
                 - values[i]
         })
         .collect()
-}
-
-/// From the median of the absolute values; none where that is zero.
-fn robust_rms(values: &[f64]) -> Option<f64> {
-    let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
-    let median = percentile(&sizes, 0.5)?;
-    (median > 0.0).then_some(median / NORMAL_MEDIAN)
 }
 
 fn autocorrelation(values: &[f64], lag: usize) -> f64 {

@@ -1,4 +1,5 @@
 //! What several topics share.
 
 pub(crate) mod host;
+pub(crate) mod locomotive;
 pub(crate) mod rig;

@@ -1,0 +1,31 @@
+//! A locomotive at 160 km/h with one damper on a rig.
+
+use can_protocol::{Node, Pace, Profile};
+use firmware_core::track::Track;
+use hil_host::control::{Port, Session};
+use scenario::run::{Overrides, Run};
+use std::num::NonZeroU8;
+use std::path::Path;
+
+/// The rig.
+pub(crate) const NODE: Node = Node::ALL[0];
+
+/// Five seconds of it.
+pub(crate) fn scenario() -> Run {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
+    let overrides = Overrides { duration_s: Some(5.0), speed_kmh: None };
+    Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Its control session.
+pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>, pace: Pace) -> Session<'a> {
+    let port = Port::new(NODE, 0, 0, Profile::Classical).unwrap();
+    Session {
+        line: hil_host::run::line(run, track),
+        ports: heapless::Vec::from_slice(&[port]).unwrap(),
+        profile: Profile::Classical,
+        pace,
+        slow_down: NonZeroU8::MIN,
+        watched: [Some(0), Some(1), Some(3)],
+    }
+}
