@@ -19,11 +19,11 @@ pub(crate) struct ReportArgs {
 /// A folder without a run, a file of it that cannot be read, a disk that fails.
 pub(crate) fn command(args: &ReportArgs) -> Result<(), CommandError> {
     let report = run::report(&args.run)?;
-    let (cycles, path) = (report.summary.steps, report.path.display());
-    let ending = if report.has_ended {
-        report.summary.state.name()
+    let (summary, path) = (&report.summary, report.path.display());
+    let (cycles, ending) = if report.has_ended {
+        (summary.steps, summary.state.name())
     } else {
-        "no end recorded: the program was killed, or the power failed"
+        (summary.cycles, "no end recorded: the program was killed, or the power failed")
     };
     print(&format!("{cycles} cycles, {ending}\nreport: {path}"))?;
     Ok(())

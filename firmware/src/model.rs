@@ -15,7 +15,8 @@ use firmware_core::damper::{
 };
 use firmware_core::guard::{ForceInput, Guard, GuardState};
 use firmware_core::lanes::Lanes;
-use firmware_core::line::{Line, Slot};
+use firmware_core::line::{Fade, Line, Slot};
+use firmware_core::supervision::{Event, Growth};
 use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, Running, Vehicle, VehicleState};
 use firmware_core::wheel_rail::creep::{ConicalPrescribed, CreepLaw, Creepage, Fastsim, Patch};
@@ -59,11 +60,17 @@ fn line(vehicle: &Vehicle, track: &Track<'_>, table: &ContactTable) {
         substeps: 0,
         slots: [const { Slot::Empty }; DAMPER_SLOTS],
         guard: Guard::default(),
+        fade: black_box(Fade::default()),
     };
     black_box(&mut line);
     let mut state = line.start(black_box(VehicleState::default()));
     black_box(&mut state);
+    black_box(state.on(black_box(Event::Agreed)));
+    black_box(line.couple(&mut state, black_box([0.0; DAMPER_SLOTS])).is_ok());
+    state.delay_run(black_box(0));
     line.step(&mut state, &black_box([ForceInput::Missing; DAMPER_SLOTS]));
+    black_box((line.is_faded_out(&state), state.run_cycles(), state.time_s(line.cycle_s)));
+    black_box(Growth::default().take(black_box(0.0), black_box(0.1)));
     let snapshot = state.clone();
     black_box((snapshot == state, state.vehicle.is_finite()));
     black_box(&state);

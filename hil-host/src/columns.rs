@@ -26,6 +26,10 @@ pub(crate) struct Columns {
     pub(crate) rate_m_per_s: [Vec<f64>; DAMPER_SLOTS],
     /// Force of each slot (N).
     pub(crate) force_n: [Vec<f64>; DAMPER_SLOTS],
+    /// Displacement that each rig was commanded; empty without a rig (m).
+    pub(crate) command_m: [Vec<f64>; DAMPER_SLOTS],
+    /// Force of the model of each slot on a rig; empty without a rig (N).
+    pub(crate) model_n: [Vec<f64>; DAMPER_SLOTS],
     /// Displacement that each rig measured (m).
     pub(crate) measured_m: [Vec<f64>; DAMPER_SLOTS],
     /// Force that each rig measured (N).
@@ -121,6 +125,8 @@ impl Default for Columns {
             extension_m: Default::default(),
             rate_m_per_s: Default::default(),
             force_n: Default::default(),
+            command_m: Default::default(),
+            model_n: Default::default(),
             measured_m: Default::default(),
             measured_n: Default::default(),
             residual_rms_n: Default::default(),
@@ -217,6 +223,10 @@ impl Columns {
             self.extension_m[slot].push(row.extension_m[slot]);
             self.rate_m_per_s[slot].push(row.extension_m_per_s[slot]);
             self.force_n[slot].push(row.force_n[slot]);
+            if row.input[slot] != InputKind::NoRig {
+                self.command_m[slot].push(row.command_m[slot]);
+                self.model_n[slot].push(row.model_n[slot]);
+            }
             self.measured_m[slot].push(row.measured_m[slot]);
             self.measured_n[slot].push(row.measured_n[slot]);
             if row.drift[slot] != Watch::None || !self.residual_rms_n[slot].is_empty() {
@@ -261,6 +271,8 @@ mod tests {
             &columns.extension_m[..],
             &columns.rate_m_per_s,
             &columns.force_n,
+            &columns.command_m,
+            &columns.model_n,
             &columns.measured_m,
             &columns.measured_n,
             &columns.residual_rms_n,

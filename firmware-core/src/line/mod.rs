@@ -251,7 +251,7 @@ mod tests {
 
     fn rig() -> RigSlot {
         RigSlot {
-            model: Damper::new(Nominal::NEW, &[]).unwrap(),
+            model: Damper::new(Nominal::NEW, &[]).expect("a new damper"),
             wear: VirtualWear::default(),
             limits: CommandLimits {
                 stroke_m: 0.05,

@@ -41,6 +41,8 @@ pub enum Signal {
     BusQueue,
     /// A bus that is down.
     BusDown,
+    /// A motion that grows towards the end of the stroke.
+    Growth,
     /// The vehicle has left its track, or its numbers.
     Vehicle,
     /// An operator.
@@ -49,7 +51,7 @@ pub enum Signal {
 
 impl Signal {
     /// All signals.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::LostMeasurements,
         Self::LostCommands,
         Self::OldMeasurements,
@@ -68,6 +70,7 @@ impl Signal {
         Self::SilentRig,
         Self::BusQueue,
         Self::BusDown,
+        Self::Growth,
         Self::Vehicle,
         Self::Operator,
     ];
@@ -93,6 +96,7 @@ impl Signal {
             Self::SilentRig => "silent_rig",
             Self::BusQueue => "bus_queue",
             Self::BusDown => "bus_down",
+            Self::Growth => "growth",
             Self::Vehicle => "vehicle",
             Self::Operator => "operator",
         }
@@ -119,6 +123,7 @@ impl Signal {
             Self::SilentRig => "silent rig",
             Self::BusQueue => "commands without room on the bus",
             Self::BusDown => "bus down",
+            Self::Growth => "size of a motion that grows towards the end of the stroke",
             Self::Vehicle => "vehicle off its track",
             Self::Operator => "stopped by the operator",
         }
@@ -138,7 +143,7 @@ impl Signal {
             Self::Force => Some("N"),
             Self::ForceRate => Some("N per cycle"),
             Self::Velocity => Some("m/s"),
-            Self::Tracking => Some("m"),
+            Self::Tracking | Self::Growth => Some("m"),
             Self::Work => Some("J"),
             Self::LostMeasurements
             | Self::LostCommands

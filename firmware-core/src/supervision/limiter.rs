@@ -58,7 +58,7 @@ impl CommandLimits {
             return Limited { command: wanted, is_saturated: false };
         }
         let Self { stroke_m, velocity_m_per_s: v_max, acceleration_m_per_s2: a_max } = *self;
-        let target_m = wanted.displacement_m.clamp(-stroke_m, stroke_m);
+        let target_m = clamped(wanted.displacement_m, -stroke_m, stroke_m);
         let error_m = target_m - last.displacement_m;
         let straight = error_m / period_s;
         let target_v =
@@ -71,10 +71,10 @@ impl CommandLimits {
         };
         let up = braked(stroke_m - last.displacement_m, a_max, period_s).min(v_max);
         let down = braked(stroke_m + last.displacement_m, a_max, period_s).min(v_max);
-        let allowed = toward.clamp(-down, up);
+        let allowed = clamped(toward, -down, up);
         let change = a_max * period_s;
         let v = last.velocity_m_per_s;
-        let velocity_m_per_s = allowed.clamp(v - change, v + change);
+        let velocity_m_per_s = clamped(allowed, v - change, v + change);
         let displacement_m = last.displacement_m + velocity_m_per_s * period_s;
         Limited { command: Command { displacement_m, velocity_m_per_s }, is_saturated: true }
     }
@@ -95,6 +95,12 @@ impl CommandLimits {
             && (wanted.velocity_m_per_s - last.velocity_m_per_s).abs() <= change
             && (step - last.velocity_m_per_s).abs() <= change
     }
+}
+
+/// A value within bounds. The standard `clamp` panics where they are crossed.
+fn clamped(value: f64, least: f64, most: f64) -> f64 {
+    debug_assert!(least <= most, "{least} to {most}");
+    value.max(least).min(most)
 }
 
 /// Speed from which a ram comes to rest within a distance, in whole periods.

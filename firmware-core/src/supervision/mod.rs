@@ -9,6 +9,7 @@
 //! | `age` | how old a measurement is |
 //! | `rule` | a limit on a signal, its debounce and its action |
 //! | `stuck` | a sensor that has frozen |
+//! | `growth` | a motion that grows towards the end of the stroke |
 //! | `work` | the work of a damper over a cycle of the motion |
 //! | `ramp` | fading in and out |
 //! | `limiter` | commands within what the ram can do |
@@ -19,6 +20,7 @@
 mod age;
 mod belief;
 mod cause;
+mod growth;
 mod limiter;
 mod loss;
 mod ramp;
@@ -32,6 +34,7 @@ mod work;
 pub use age::{Age, AgeJudge, OLDEST_CYCLES};
 pub use belief::{Arrival, Belief, Checks, Measured};
 pub use cause::{Cause, Signal};
+pub use growth::Growth;
 pub use limiter::{CommandLimits, Limited};
 pub use loss::{
     LONG_CYCLES, Loss, LossVerdict, MOST_IN_A_ROW, MOST_IN_LONG, MOST_IN_SHORT, SHORT_CYCLES,

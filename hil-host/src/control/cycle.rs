@@ -58,6 +58,7 @@ impl Session<'_> {
         let inputs = self.decode(state);
         self.judge(state);
         let compute = self.guard_step_and_compensate(state, &inputs);
+        self.watch_growth(state);
         let commands = self.encode(state);
         self.send(state, buses, &commands);
         self.watch(state, &inputs);
@@ -134,6 +135,27 @@ impl Session<'_> {
             self.stop(state, silent, Self::fact(signal), Action::Stop);
         }
         begin.elapsed()
+    }
+
+    /// Ramps out where hunting will reach the end of a stroke.
+    fn watch_growth(&self, state: &mut SessionState) {
+        if state.line.state != State::Run {
+            return;
+        }
+        for (number, port) in self.ports.iter().enumerate() {
+            let (Slot::Rig(rig), Some(memory)) =
+                (&self.line.slots[port.slot], state.ports.get_mut(number))
+            else {
+                continue;
+            };
+            let limit = rig.limits.stroke_m;
+            let displacement_m = state.line.slots[port.slot].command.displacement_m;
+            if let Some(value) = memory.growth.take(displacement_m, limit) {
+                let action = Action::RampOut;
+                let cause = Cause { signal: Signal::Growth, value, limit, action };
+                self.stop(state, Some(port.node.number()), cause, action);
+            }
+        }
     }
 
     /// Encode: one command per port.

@@ -53,8 +53,8 @@ const GLANCE: Duration = Duration::from_millis(5);
 
 impl Session<'_> {
     /// Announces the session until every rig has sent its heartbeat and its displacement, for at
-    /// most `patience`; waits for an operator to arm it; and couples it: the next cycle is the first
-    /// of `RAMP_IN`.
+    /// most `patience`; waits for an operator to arm it; and couples it: the next cycle is the
+    /// first of `RAMP_IN`.
     ///
     /// # Errors
     /// A rig that does not answer or stands too far away, or a stop.

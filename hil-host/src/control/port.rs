@@ -9,7 +9,7 @@ use can_protocol::{
     Residual, RunState, Status,
 };
 use firmware_core::guard::{self, ForceInput, Guard};
-use firmware_core::supervision::{Action, Arrival, Belief, Cause, Checks, Measured};
+use firmware_core::supervision::{Action, Arrival, Belief, Cause, Checks, Growth, Measured};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::CYCLE_S;
 
@@ -52,6 +52,8 @@ pub struct PortState {
     pub saturated: u64,
     /// Measurements with a flag: limit reached, actuator lagging, value beyond the frame.
     pub flagged: u64,
+    /// Growth of the commanded motion.
+    pub growth: Growth,
     /// The watch over the rig's damper.
     pub watch: WatchState,
     /// Counter of the last residual sent.
@@ -125,8 +127,8 @@ impl Port {
     pub fn take_frame(&self, state: &mut PortState, frame: &WireFrame) -> bool {
         let Some(reception) = self.receiver.accept(&mut state.receiver, frame.id(), frame.data())
         else {
-            if let Some(temperature_degc) = news::temperature_degc(self.node, frame) {
-                state.temperature_degc = temperature_degc;
+            if let Some(telemetry) = news::telemetry(self.node, frame) {
+                state.temperature_degc = telemetry.temperature_degc;
             }
             let heard = news::cause(self.node, frame);
             state.news = state.news.or(heard);

@@ -47,6 +47,7 @@ impl Session<'_> {
             row.rig_state[slot] = memory.used.map_or(UNKNOWN, |used| used.state.code());
             row.rig_flags[slot] = memory.used.map_or(0, |used| used.flags.bits());
             row.temperature_degc[slot] = memory.temperature_degc.unwrap_or(f64::NAN);
+            row.model_n[slot] = state.line.slots[slot].damper.force_n();
             row.coupling[slot] = state.line.slots[slot].coupling.gain();
             if let Some(used) = memory.used {
                 row.measured_m[slot] = used.displacement_m.unwrap_or(f64::NAN);

@@ -86,6 +86,7 @@ impl Stop {
             Signal::RigTrip => (FaultCode::Actuator, value),
             Signal::BusQueue => (FaultCode::Overrun, value),
             Signal::BusDown => (FaultCode::BusOff, 0.0),
+            Signal::Growth => (FaultCode::StrokeLimit, per_mille),
             Signal::Vehicle => (FaultCode::Internal, 0.0),
             Signal::Operator => (FaultCode::EmergencyStop, 0.0),
         }

@@ -1,7 +1,9 @@
 //! `report.html`: what a person reads of a run.
 
+mod last_second;
 mod motion;
 mod overview;
+mod rigs;
 mod spectra;
 mod timing;
 mod traces;
@@ -10,10 +12,14 @@ mod watch;
 pub(crate) use traces::{kilo, milli, most_in, spectrum};
 
 use crate::columns::Columns;
+use crate::record::Row;
 use crate::summary::Summary;
+pub(crate) use last_second::SHOWN_CYCLES;
+use last_second::last_second;
 use motion::{accelerations, forces, loops};
 use overview::{about, overview};
 use report::{Report, Section};
+use rigs::rigs;
 use scenario::run::Run;
 use spectra::spectra;
 use timing::{bus, timing};
@@ -31,16 +37,19 @@ pub(crate) enum Ending {
     },
 }
 
-/// The report of a run; with `compared`, also the section of its comparison.
+/// The report of a run; with `compared`, also the section of its comparison. `around_stop` are the
+/// rows around the cycle that stopped it.
 pub(crate) fn page(
     run: &Run,
     summary: &Summary,
-    columns: &Columns,
+    (columns, around_stop): (&Columns, &[Row]),
     bus_plan: &[String],
     compared: Option<Section>,
     ending: Ending,
 ) -> Report {
-    let first = columns.first_after(run.run_in_s);
+    // A run that ended before its run-in was over is shown whole.
+    let after = columns.first_after(run.run_in_s);
+    let first = if after < columns.time_s.len() { after } else { 0 };
     let mut report = Report::new(&run.title)
         .subtitle(&format!(
             "{} at {:.0} km/h, {:.1} s, bus {}, pace {}",
@@ -50,13 +59,19 @@ pub(crate) fn page(
             summary.bus,
             summary.pace.name()
         ))
-        .fact("trajectory hash", &summary.trajectory_hash)
-        .section(overview(run, summary, columns, ending));
+        .fact("trajectory hash", &summary.trajectory_hash);
+    if let Some(section) = last_second(run, summary, around_stop) {
+        report = report.section(section);
+    }
+    report = report.section(overview(run, summary, columns, ending));
     if let Some(section) = compared {
         report = report.section(section);
     }
     report = report.section(accelerations(columns, first));
     for section in [forces(run, columns, first), loops(run, columns, first)] {
+        report = report.section(section);
+    }
+    if let Some(section) = rigs(run, columns, first) {
         report = report.section(section);
     }
     if let Some(section) = watch(run, columns) {

@@ -23,7 +23,7 @@ pub(crate) use events::{Event, EventLog};
 pub use input_kind::InputKind;
 pub(crate) use loss::Loss;
 pub use npy::NpyWriter;
-pub(crate) use npy::each_row;
+pub(crate) use npy::{each_row, rows_of};
 pub use queues::{Drain, Outlet, Queues, ROWS, Recorder};
 pub(crate) use reference::column_reference;
 pub use row::{FrameBytes, Row};

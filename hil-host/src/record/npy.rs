@@ -9,6 +9,7 @@ use super::row::Row;
 use super::storage::{Appender, Storage};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::ops::RangeInclusive;
 
 /// Writes rows to a file.
 ///
@@ -122,6 +123,35 @@ pub(crate) fn each_row(file: File, mut take: impl FnMut(&Row) -> bool) -> io::Re
     Ok(Some(all))
 }
 
+/// The rows of some cycles, found without reading those before them; none for another layout.
+pub(crate) fn rows_of(file: File, cycles: RangeInclusive<u64>) -> io::Result<Option<Vec<Row>>> {
+    let length = file.metadata()?.len();
+    let Some(mut rows) = RowReader::begin(file)? else { return Ok(None) };
+    let (start, size) = (rows.start, Row::size() as u64);
+    // Rows are in the order of their cycles, and some may be lost.
+    let (mut low, mut high) = (0, length.saturating_sub(start) / size);
+    while low < high {
+        let middle = low.midpoint(high);
+        rows.file.seek(SeekFrom::Start(start + middle * size))?;
+        let cycle = rows.next_row()?.map(|bytes| Row::get(bytes).cycle);
+        if cycle.is_some_and(|cycle| cycle < *cycles.start()) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    rows.file.seek(SeekFrom::Start(start + low * size))?;
+    let mut found = Vec::new();
+    while let Some(bytes) = rows.next_row()? {
+        let row = Row::get(bytes);
+        if row.cycle > *cycles.end() {
+            break;
+        }
+        found.push(row);
+    }
+    Ok(Some(found))
+}
+
 /// Whether a header is that of this layout, whatever its number of rows.
 fn is_ours(found: &[u8], ours: &[u8]) -> bool {
     let Some(place) = count_place(ours) else { return false };
@@ -201,6 +231,26 @@ mod tests {
         fn sync(&self) -> io::Result<()> {
             Ok(())
         }
+    }
+
+    #[test]
+    fn the_rows_of_some_cycles_are_found_where_rows_are_lost() {
+        let path = std::env::temp_dir().join(format!("hil-host-rows-{}.npy", std::process::id()));
+        let mut writer = NpyWriter::begin(File::create(&path).unwrap()).unwrap();
+        let written = (1..=500).filter(|cycle| !(100..150).contains(cycle) && *cycle != 301);
+        let written: Vec<Row> = written.map(|cycle| Row { cycle, ..Row::default() }).collect();
+        writer.write(&written).unwrap();
+        writer.finish().unwrap();
+        let found = |cycles| {
+            let rows = rows_of(File::open(&path).unwrap(), cycles).unwrap().unwrap();
+            (rows.len(), rows.first().map(|row| row.cycle), rows.last().map(|row| row.cycle))
+        };
+        assert_eq!(found(1..=10), (10, Some(1), Some(10)));
+        assert_eq!(found(120..=160), (11, Some(150), Some(160)));
+        assert_eq!(found(300..=302), (2, Some(300), Some(302)));
+        assert_eq!(found(490..=2000), (11, Some(490), Some(500)));
+        assert_eq!(found(501..=2000), (0, None, None));
+        std::fs::remove_file(path).unwrap();
     }
 
     #[test]

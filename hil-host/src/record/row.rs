@@ -165,6 +165,9 @@ row! {
     measured_m: [f64; DAMPER_SLOTS],
     /// Force that the rig measured (N).
     measured_n: [f64; DAMPER_SLOTS],
+    /// Force of the slot's own model, which acts while the measured one is faded in and out; zero
+    /// for a modelled damper (N).
+    model_n: [f64; DAMPER_SLOTS],
     /// What arrived for the slot.
     input: [InputKind; DAMPER_SLOTS],
     /// Payload of the frame that the input came from.

@@ -9,11 +9,11 @@
 //!
 //! | host commands | the rig |
 //! | --- | --- |
-//! | RAMP_IN or RUN, from a state at rest | begins where the ram stands, and follows |
-//! | RAMP_IN, RUN or RAMP_OUT | follows: displacement, or displacement and velocity; HOLD; CENTRE |
+//! | `RAMP_IN` or RUN, from a state at rest | begins where the ram stands, and follows |
+//! | `RAMP_IN`, RUN or `RAMP_OUT` | follows: displacement, or that and velocity; HOLD; CENTRE |
 //! | any other state | decelerates and holds |
 //! | nothing valid for [`WATCHDOG_CYCLES`] cycles | SAFE: decelerates, holds, sends one fault, answers |
-//! | RAMP_IN or RUN after that | stays SAFE: only a state at rest releases it |
+//! | `RAMP_IN` or RUN after that | stays SAFE: only a state at rest releases it |
 //!
 //! The plant (ram, fixture, damper) stays as it is from session to session.
 //!

@@ -1,7 +1,7 @@
 //! `yawbench report`: the report of a run from the files in its folder, also of a killed one.
 
 use super::about::RunAbout;
-use super::{ABOUT, RECORD, REPORT, SCENARIO, SUMMARY};
+use super::{ABOUT, RECORD, REPORT, SCENARIO, SUMMARY, around_stop};
 use crate::BenchError;
 use crate::columns::Columns;
 use crate::page::{Ending, page};
@@ -51,7 +51,8 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
     let name = if compared { ALONE } else { REPORT };
     let ending =
         if kept.is_some() { Ending::Known } else { Ending::Unknown { asked_cycles: about.cycles } };
-    let page = page(&run, &summary, &columns, &about.bus_lines, None, ending);
+    let rows = around_stop(&folder.file(RECORD), &summary)?;
+    let page = page(&run, &summary, (&columns, &rows), &about.bus_lines, None, ending);
     folder.write(name, &page.to_html()?)?;
     Ok(LateReport { path: folder.file(name), summary, has_ended: kept.is_some() })
 }

@@ -23,19 +23,19 @@ use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
 use crate::comparison::{self, Cycles, SecondRun};
 use crate::control::{End, Requests, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
-use crate::page::{Ending, page};
+use crate::page::{Ending, SHOWN_CYCLES, page};
 use crate::realtime::{self, RealtimeOptions};
-use crate::record::{BusEvent, column_reference};
+use crate::record::{self, BusEvent, Row, column_reference};
 use crate::summary::{Outcome, Summary};
 use about::RunAbout;
-use files::ResultFolder;
+use files::{Limit, ResultFolder, input};
 use handshake::{Epoch, Heard};
 use plan::BusLoad;
 use recording::{Output, Recording, Task};
 use report::Section;
 use scenario::run::Run;
 use setup::{open_buses, pace};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 const RECORD: &str = "record.npy";
@@ -69,8 +69,8 @@ pub struct Finished {
 
 /// Runs a scenario.
 ///
-/// `requests` arm it and end it early: record, summary and report hold the run up to that point, and
-/// [`Finished::interrupted`] is set.
+/// `requests` arm it and end it early: record, summary and report hold the run up to that point,
+/// and [`Finished::interrupted`] is set.
 ///
 /// # Errors
 /// Bad input, before anything is written; rigs that do not answer; a bus or disk that fails.
@@ -131,7 +131,9 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     let write = |summary: &Summary, compared: Option<Section>| -> Result<(), BenchError> {
         let json = serde_json::to_string_pretty(summary)?;
         folder.write(SUMMARY, &format!("{json}\n"))?;
-        let page = page(run, summary, &recording.columns, &load.lines, compared, Ending::Known);
+        let rows = around_stop(&folder.file(RECORD), summary)?;
+        let seen = (&recording.columns, &*rows);
+        let page = page(run, summary, seen, &load.lines, compared, Ending::Known);
         Ok(folder.write(REPORT, &page.to_html()?)?)
     };
     let written = write(&summary, None);
@@ -163,6 +165,16 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         eprintln!("interrupted: the comparison is omitted");
     }
     Ok(Finished { summary, folder: folder.path().to_owned(), interrupted })
+}
+
+/// The rows around the cycle that stopped a run; none of a run that was not stopped.
+fn around_stop(record: &Path, summary: &Summary) -> Result<Vec<Row>, BenchError> {
+    let Some(cause) = &summary.cause else { return Ok(Vec::new()) };
+    let (before, behind) = SHOWN_CYCLES;
+    let cycles = cause.cycle.saturating_sub(before)..=cause.cycle + behind;
+    let failed = |why| BenchError::File { file: record.to_owned(), why };
+    let rows = record::rows_of(input::open(record, Limit::Stream)?, cycles).map_err(failed)?;
+    Ok(rows.unwrap_or_default())
 }
 
 /// Asks for the real-time set-up in a thread of its own, before anything is written.

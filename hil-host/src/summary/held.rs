@@ -6,6 +6,7 @@
 
 use super::DamperSummary;
 use super::Frames;
+use scenario::run::{Slot, SlotForce};
 
 /// Largest share of the clock's slots that may be skipped.
 const SKIPPED_MAX: f64 = 1e-3;
@@ -28,11 +29,14 @@ pub(super) struct Counted<'a> {
     pub(super) skipped: u64,
     pub(super) frames: &'a Frames,
     pub(super) dampers: &'a [DamperSummary],
+    /// Slots in the order of the dampers: virtual wear rounds its contacts within the limits on
+    /// purpose.
+    pub(super) places: &'a [Slot],
 }
 
 /// Why a completed run is not held, one sentence each with what to change.
 pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
-    let Counted { cycles, skipped, frames, dampers } = counted;
+    let Counted { cycles, skipped, frames, dampers, places } = counted;
     let mut reasons = Vec::new();
     let slots = cycles + skipped;
     if let Some(percent) = above(*skipped, slots, SKIPPED_MAX) {
@@ -46,7 +50,7 @@ pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
             "{percent} % of the measurements were lost: check cable, termination and bus load"
         ));
     }
-    for damper in *dampers {
+    for (damper, slot) in dampers.iter().zip(*places) {
         let name = &damper.name;
         let flagged = damper.flagged_measurements.unwrap_or(0);
         if let Some(percent) = above(flagged, *cycles, FLAGGED_MAX) {
@@ -55,7 +59,7 @@ pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
                  command: it does not carry this motion"
             ));
         }
-        let limited = damper.limited_commands.unwrap_or(0);
+        let limited = damper.limited_commands.filter(|_| !is_worn(slot)).unwrap_or(0);
         if let Some(percent) = above(limited, *cycles, LIMITED_MAX) {
             reasons.push(format!(
                 "{name}: in {percent} % of the cycles the limits in [motion] changed the command"
@@ -63,6 +67,16 @@ pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
         }
     }
     reasons
+}
+
+/// Whether software adds wear to the damper of a slot.
+fn is_worn(slot: &Slot) -> bool {
+    match slot.force {
+        SlotForce::Rig { virtual_clearance_2a_m, virtual_compliance_m_per_n, .. } => {
+            virtual_clearance_2a_m > 0.0 || virtual_compliance_m_per_n > 0.0
+        }
+        SlotForce::Modelled(_) => false,
+    }
 }
 
 /// The share in per cent, where it is above its limit.
@@ -87,13 +101,14 @@ mod tests {
 
     fn reasons(skipped: u64, lost: u64) -> Vec<String> {
         let frames = Frames { lost, ..FRAMES };
-        not_held(&Counted { cycles: 10_000, skipped, frames: &frames, dampers: &[] })
+        not_held(&Counted { cycles: 10_000, skipped, frames: &frames, dampers: &[], places: &[] })
     }
 
     #[test]
     fn a_run_in_a_slow_machine_was_completed_with_a_green_tick() {
         // 7,740 of 10,740 slots were skipped.
-        let counted = Counted { cycles: 3000, skipped: 7740, frames: &FRAMES, dampers: &[] };
+        let counted =
+            Counted { cycles: 3000, skipped: 7740, frames: &FRAMES, dampers: &[], places: &[] };
         let reasons = not_held(&counted);
         assert!(reasons.len() == 1 && reasons[0].starts_with("72 % of the slots"), "{reasons:?}");
     }

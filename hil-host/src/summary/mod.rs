@@ -116,6 +116,7 @@ impl Summary {
             skipped: state.skipped,
             frames: &frames,
             dampers: &dampers,
+            places: &run.slots,
         };
         let not_held = match outcome.end {
             End::Completed => held::not_held(&counted),

@@ -10,7 +10,8 @@ use hil_host::control::{Buses, End, NoAnswer, Pace, Requests, Session, SessionSt
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
 use proptest::prelude::*;
-use scenario::run::Run;
+use scenario::run::{Overrides, Run};
+use std::path::Path;
 use std::time::Duration;
 
 const CYCLE_S: f64 = 1e-3;
@@ -155,6 +156,31 @@ fn a_cause_that_asks_to_ramp_out_ends_at_rest_and_not_in_the_safe_state() {
     let mut pace = Pace::Realtime(Pacer::virtual_time(1_000_000));
     let end = session.run(&mut state, &mut buses, &mut pace, 20_000, &Requests::armed());
     assert_eq!((end, state.line.state, state.line.cycle), (End::RampedOut, State::Standby, 3000));
+}
+
+#[test]
+fn hunting_that_grows_towards_the_end_of_the_stroke_is_ramped_out() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-worn-2a-4mm.toml");
+    let overrides = Overrides { duration_s: Some(20.0), speed_kmh: Some(320.0) };
+    let mut run = Run::load(&path, overrides).unwrap();
+    // It settles at 16 mm.
+    for (stroke_m, is_found) in [(13e-3, true), (30e-3, false)] {
+        run.motion.stroke_m = stroke_m;
+        let track = run.track.view();
+        let session = session(&run, &track, WirePace::Clock);
+        let mut bus = bus_with_ram_at(&run, 0.0);
+        let mut state = greet(&session, &run, &mut bus).unwrap();
+        let mut queues = Queues::default();
+        let (mut recorder, _drain) = queues.split();
+        let mut buses = Buses::new(std::slice::from_mut(&mut bus), &mut recorder);
+        let mut pace = Pace::Realtime(Pacer::virtual_time(1_000_000));
+        let end = session.run(&mut state, &mut buses, &mut pace, 20_000, &Requests::armed());
+        let signal = state.stop.map(|stop| stop.cause.signal);
+        let expected =
+            if is_found { (End::RampedOut, Some(Signal::Growth)) } else { (End::Completed, None) };
+        assert_eq!((end, signal), expected, "{stroke_m}");
+        assert_eq!(state.line.state, State::Standby);
+    }
 }
 
 proptest! {
