@@ -6,6 +6,7 @@
 //! stroke_m = 0.1                   # furthest command from mid-stroke
 //! velocity_m_per_s = 0.5
 //! acceleration_m_per_s2 = 20.0
+//! force_n = 30.0e3                 # largest believed force; by default 1.5 times that of the model
 //! ```
 //! The limits are those of the host's commands. A rig has its own, and the tighter ones rule.
 
@@ -27,6 +28,9 @@ pub struct MotionFile {
     pub velocity_m_per_s: Option<Quantity>,
     /// Highest acceleration of a command.
     pub acceleration_m_per_s2: Option<Quantity>,
+    /// Largest believed force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_n: Option<Quantity>,
 }
 
 /// The motion of rigs, ready to run.
@@ -40,6 +44,8 @@ pub struct Motion {
     pub velocity_m_per_s: f64,
     /// Highest acceleration of a command (m/s2).
     pub acceleration_m_per_s2: f64,
+    /// Largest believed force (N); where absent it follows from the model of each damper.
+    pub force_n: Option<f64>,
 }
 
 const RAMP_S: f64 = 0.5;
@@ -61,6 +67,7 @@ impl MotionFile {
             stroke_m: or(&self.stroke_m, STROKE_M),
             velocity_m_per_s: or(&self.velocity_m_per_s, VELOCITY_M_PER_S),
             acceleration_m_per_s2: or(&self.acceleration_m_per_s2, ACCELERATION_M_PER_S2),
+            force_n: self.force_n.clone(),
         }
     }
 
@@ -91,6 +98,10 @@ impl MotionFile {
                 "m/s2",
                 ACCELERATION_M_PER_S2,
             )?,
+            force_n: match &self.force_n {
+                Some(force) => Some(force.within(source, "force_n", 100.0, 1e6, "100 to 1e6 N")?),
+                None => None,
+            },
         })
     }
 }
@@ -117,7 +128,8 @@ mod tests {
         let usual = built("").unwrap();
         assert_eq!((usual.ramp_cycles, usual.acceleration_m_per_s2), (500, 20.0));
         assert_eq!(built("ramp_s = 0.0").unwrap(), Motion { ramp_cycles: 0, ..usual });
-        for text in ["ramp_s = -1.0", "ramp_s = 1e9", "stroke_m = 0.0", "velocity_m_per_s = 0.0"] {
+        for text in ["ramp_s = -1.0", "ramp_s = 1e9", "stroke_m = 0.0", "velocity_m_per_s = 0.0", "force_n = 1.0"]
+        {
             assert!(built(text).is_err(), "{text}");
         }
     }
