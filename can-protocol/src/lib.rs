@@ -85,6 +85,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod arming;
 mod bus_load;
 mod command;
 mod embedded;
@@ -95,29 +96,36 @@ mod heartbeat;
 mod id;
 mod measurement;
 mod message;
+mod pressure_off;
 mod profile;
 pub mod protection;
 mod receiver;
+mod reception;
 mod residual;
+mod session;
 pub mod signal;
 mod state;
 mod sync;
 mod telemetry;
 mod wire_enum;
 
+pub use arming::{ArmItem, ArmMessage, ArmSide};
 pub use bus_load::{BusPlan, Verdict, classical_frame_bits, fd_frame_bits};
 pub use command::{Command, CommandLayout, Mode};
 pub use embedded::{from_embedded, to_embedded};
 pub use error::Error;
 pub use fault::{Fault, FaultCode};
 pub use frame::Frame;
-pub use heartbeat::Heartbeat;
+pub use heartbeat::{Heartbeat, HeartbeatFlags};
 pub use id::{MessageId, Node, Sender};
 pub use measurement::{Measurement, MeasurementFlags, MeasurementLayout};
 pub use message::Message;
+pub use pressure_off::PressureOff;
 pub use profile::Profile;
-pub use receiver::{Counts, Cyclic, Receiver, ReceiverState, Reception, Status};
+pub use receiver::{Cyclic, Receiver, ReceiverState};
+pub use reception::{Counts, Reception, Status};
 pub use residual::{Residual, Watch};
+pub use session::{Seal, SessionCode, SessionHistory};
 pub use signal::Saturated;
 pub use state::RunState;
 pub use sync::{PROTOCOL_VERSION, Pace, Sync};

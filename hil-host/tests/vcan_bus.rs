@@ -105,7 +105,7 @@ fn the_kernel_lets_through_exactly_what_is_wanted() {
     let mut bus = vcan.bus(&[MessageId::Heartbeat(Sender::Host)], Profile::Classical);
     let socket = CanSocket::open(&vcan.0).unwrap();
     let id = |id| StandardId::new(id).unwrap();
-    let wanted = Heartbeat { sender: Sender::Host, state: RunState::Run }.encode();
+    let (wanted, _) = Heartbeat::new(Sender::Host, 0, RunState::Run, 0).encode();
     socket.write_frame(&CanFrame::new(id(0x701), &[1]).unwrap()).unwrap();
     socket.write_frame(&CanFrame::new(id(0x080), &[0; 8]).unwrap()).unwrap();
     socket.write_frame(&CanFrame::new(ExtendedId::new(0x700).unwrap(), &[4]).unwrap()).unwrap();

@@ -18,7 +18,8 @@ fn agree(dbc: &Dbc, id: u16, data: &[u8], message: &Message, profile: Profile) {
     let described = wire::message(dbc, id);
     assert_eq!(described.size as usize, data.len());
     let values = samples::dbc_values(message, profile);
-    assert_eq!(described.signals.len(), values.len() + usize::from(has_crc(described)));
+    assert!(has_crc(described));
+    assert_eq!(described.signals.len(), values.len() + 1);
     for (name, value) in values {
         let signal = described.signals.iter().find(|signal| signal.name == name);
         let signal = signal.unwrap_or_else(|| panic!("{} lacks {name}", described.name));
@@ -73,10 +74,12 @@ fn signals_fill_their_message_without_overlap() {
                 *bit = true;
             }
         }
-        // Only telemetry and the residual have spare bits, four each.
+        // Only telemetry and the residual have spare bits, four each, and the heartbeat six.
         let spare = used.iter().filter(|used| !**used).count();
-        let has_spare = ["TELEMETRY", "RESIDUAL"].iter().any(|name| message.name.starts_with(name));
-        assert_eq!(spare, if has_spare { 4 } else { 0 });
+        let expected = [("TELEMETRY", 4), ("RESIDUAL", 4), ("HEARTBEAT", 6)]
+            .into_iter()
+            .find_map(|(name, bits)| message.name.starts_with(name).then_some(bits));
+        assert_eq!(spare, expected.unwrap_or(0), "{}", message.name);
     }
 }
 
@@ -170,7 +173,7 @@ proptest! {
                 let senders_own = field == "sender" && i64::from(code) != i64::from(id & 0xF);
                 prop_assert!(
                     senders_own || name == Some("INVALID") || f64::from(code) < minimum
-                        || (name.is_none() && ["state", "mode", "pressure", "profile", "pace", "watch"].contains(&field)),
+                        || (name.is_none() && ["state", "mode", "pressure", "profile", "pace", "watch", "item"].contains(&field)),
                     "{field} {code}"
                 );
             }

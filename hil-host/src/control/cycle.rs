@@ -184,7 +184,7 @@ impl Session<'_> {
         let is_due = |period: u64| state.line.cycle % period == 1;
         let (residuals, sync) = (is_due(RESIDUAL_CYCLES), is_due(SYNC_CYCLES));
         if is_due(HEARTBEAT_CYCLES) {
-            let heartbeat = Heartbeat { sender: Sender::Host, state: run_state(state) }.encode();
+            let (heartbeat, _) = Heartbeat::new(Sender::Host, 0, run_state(state), 0).encode();
             buses.send_to_all(&heartbeat);
         }
         if let Some(stop) = state.stop.filter(|_| !state.is_announced) {

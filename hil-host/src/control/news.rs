@@ -82,7 +82,7 @@ mod tests {
         };
         assert_eq!(cause(NODE, &fault(FaultCode::GuardOpen)), Some(of(Signal::RigFault, 35.0)));
         assert_eq!(cause(NODE, &fault(FaultCode::Cleared)), None);
-        let heartbeat = |state| WireFrame::from(&Heartbeat { sender, state }.encode());
+        let heartbeat = |state| WireFrame::from(&Heartbeat::new(sender, 0, state, 0).encode().0);
         assert_eq!(cause(NODE, &heartbeat(RunState::Fault)), Some(of(Signal::RigState, 7.0)));
         assert_eq!(cause(NODE, &heartbeat(RunState::Run)), None);
     }

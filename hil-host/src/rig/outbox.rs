@@ -90,7 +90,7 @@ impl Outbox {
     }
 
     pub(super) fn heartbeat(&mut self, state: RunState) {
-        self.put(Heartbeat { sender: Sender::Rig(self.node), state }.encode());
+        self.put(Heartbeat::new(Sender::Rig(self.node), 0, state, 0).encode().0);
     }
 
     pub(super) fn fault(&mut self, state: RunState, code: FaultCode, detail: u16) {

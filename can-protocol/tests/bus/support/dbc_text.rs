@@ -1,9 +1,10 @@
 //! The text of `yawbench.dbc`, written from the crate's own constants.
 use can_protocol::signal::{Field, FixedPoint, Quantity};
 use can_protocol::{
-    Command, CommandLayout, Fault, FaultCode, Heartbeat, Measurement, MeasurementFlags,
-    MeasurementLayout, Message, MessageId, Mode, PROTOCOL_VERSION, Pace, Pressure, Profile,
-    Residual, RunState, Sender, Sync, Telemetry, Trips, Watch, protection,
+    ArmItem, ArmMessage, ArmSide, Command, CommandLayout, Fault, FaultCode, Heartbeat,
+    HeartbeatFlags, Measurement, MeasurementFlags, MeasurementLayout, Message, MessageId, Mode,
+    PROTOCOL_VERSION, Pace, Pressure, PressureOff, Profile, Residual, RunState, Sender, Sync,
+    Telemetry, Trips, Watch, protection,
 };
 use std::fmt::Write as _;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -24,7 +25,7 @@ struct Row {
 
 /// The whole file.
 pub(crate) fn dbc_text() -> String {
-    let mut out = String::from("VERSION \"yawbench 1\"\n\nNS_ :\n\nBS_:\n\n");
+    let mut out = format!("VERSION \"yawbench {PROTOCOL_VERSION}\"\n\nNS_ :\n\nBS_:\n\n");
     out += "BU_: HOST RIG_1 RIG_2 RIG_3 RIG_4\n";
     for message in MessageId::all() {
         let (id, length) = (message.raw(), message.payload_len());
@@ -50,8 +51,14 @@ pub(crate) fn dbc_text() -> String {
 
 fn transmitter(message: MessageId) -> String {
     match message {
-        MessageId::Sync | MessageId::Command(..) | MessageId::Residual(_) => "HOST".into(),
-        MessageId::Measurement(_, node) | MessageId::Telemetry(node) => format!("RIG_{node}"),
+        MessageId::Sync
+        | MessageId::PressureOff(_)
+        | MessageId::Command(..)
+        | MessageId::Residual(_)
+        | MessageId::ArmRequest(_) => "HOST".into(),
+        MessageId::Measurement(_, node)
+        | MessageId::Telemetry(node)
+        | MessageId::ArmAnswer(node) => format!("RIG_{node}"),
         MessageId::Fault(sender) | MessageId::Heartbeat(sender) => match sender {
             Sender::Host => "HOST".into(),
             Sender::Rig(node) => format!("RIG_{node}"),
@@ -61,7 +68,9 @@ fn transmitter(message: MessageId) -> String {
 
 fn receivers(message: MessageId) -> String {
     match message {
-        MessageId::Command(_, node) => format!("RIG_{node}"),
+        MessageId::Command(_, node)
+        | MessageId::ArmRequest(node)
+        | MessageId::PressureOff(Some(node)) => format!("RIG_{node}"),
         _ if transmitter(message) == "HOST" => "RIG_1,RIG_2,RIG_3,RIG_4".into(),
         _ => "HOST".into(),
     }
@@ -220,23 +229,58 @@ fn rows(message: MessageId) -> Vec<Row> {
         MessageId::Fault(_) => vec![
             counter(Fault::COUNTER),
             state(Fault::STATE),
-            table(
-                "code",
-                Fault::CODE,
-                FaultCode::LISTED.iter().map(|fault| (fault.code(), fault.name())),
-                "What went wrong; a code that is not listed is still a fault.",
-            ),
+            fault_code(Fault::CODE, "What went wrong; a code that is not listed is still a fault."),
             code("detail", Fault::DETAIL, "How much, by the code: limits in per mille."),
         ],
         MessageId::Telemetry(_) => telemetry(),
         MessageId::Residual(_) => residual(),
-        MessageId::Heartbeat(_) => vec![
-            state(Heartbeat::STATE),
-            code("sender", Heartbeat::SENDER, "0 host, else the rig; the same as in the id."),
+        MessageId::PressureOff(_) => vec![
+            counter(PressureOff::COUNTER),
+            state(PressureOff::STATE),
+            fault_code(PressureOff::CODE, "Why; any code, listed or not, drops the pressure."),
+            code("detail", PressureOff::DETAIL, "How much, as in FAULT."),
         ],
+        MessageId::ArmRequest(_) | MessageId::ArmAnswer(_) => vec![
+            counter(ArmMessage::COUNTER),
+            state(ArmMessage::STATE),
+            table(
+                "item",
+                ArmMessage::ITEM,
+                ArmItem::ALL.iter().map(|item| (item.code(), item.name())),
+                "What is asked or answered; the high byte is the page. Other codes are reserved.",
+            ),
+            code("value", ArmMessage::VALUE, "The item's value, by the comment on the bus."),
+        ],
+        MessageId::Heartbeat(_) => heartbeat(),
     };
-    rows.extend(protection::crc_field(message).map(|field| code("crc", field, "")));
+    rows.push(code("crc", protection::crc_field(message), ""));
     rows.sort_by_key(|row| row.start_bit);
+    rows
+}
+
+fn fault_code(field: Field, comment: &str) -> Row {
+    let codes = FaultCode::LISTED.iter().map(|fault| (fault.code(), fault.name()));
+    table("code", field, codes, comment)
+}
+
+fn heartbeat() -> Vec<Row> {
+    let mut rows = vec![
+        counter(Heartbeat::COUNTER),
+        state(Heartbeat::STATE),
+        code("boot", Heartbeat::BOOT, "Number that the sender drew at its start."),
+        code("version", Heartbeat::VERSION, "Protocol version of the sender."),
+        code("sender", Heartbeat::SENDER, "0 host, else the rig; the same as in the id."),
+    ];
+    let meanings = [
+        "Motion is enabled by the key switch of the rig; the host sends NO.",
+        "The rig is latched in SAFE or FAULT until it is reset; the host sends NO.",
+    ];
+    let flags = HeartbeatFlags::all();
+    let mut flags = bits("flag", Heartbeat::FLAGS, flags.iter_names().map(|(name, _)| name));
+    for (row, meaning) in flags.iter_mut().zip(meanings) {
+        row.comment = meaning.into();
+    }
+    rows.extend(flags);
     rows
 }
 
@@ -319,7 +363,32 @@ fn worked(message: MessageId) -> Message {
             rms_n: Some(412.3),
             watch: Watch::Drift,
         }),
-        MessageId::Heartbeat(sender) => Message::Heartbeat(Heartbeat { sender, state }),
+        MessageId::PressureOff(node) => Message::PressureOff(PressureOff {
+            node,
+            counter: 3,
+            state: RunState::Safe,
+            code: FaultCode::Sensor,
+            detail: 2,
+        }),
+        MessageId::ArmRequest(node) => Message::Arm(ArmMessage {
+            side: ArmSide::Host,
+            node,
+            counter: 4,
+            state: RunState::Standby,
+            item: ArmItem::HostNumber,
+            value: 0x1234_5678,
+        }),
+        MessageId::ArmAnswer(node) => Message::Arm(ArmMessage {
+            side: ArmSide::Rig,
+            node,
+            counter: 5,
+            state: RunState::Standby,
+            item: ArmItem::RigNumber,
+            value: 0xDEAD_BEEF,
+        }),
+        MessageId::Heartbeat(sender) => {
+            Message::Heartbeat(Heartbeat::new(sender, 7, state, 0xDEAD_BEEF))
+        }
     }
 }
 
@@ -352,25 +421,20 @@ fn comments() -> String {
         let profile = message.profile();
         let (frame, _) = worked(message).encode(profile);
         let data = frame.data();
-        let check = match protection::crc_field(message).map(Field::bits) {
-            None => "No CRC, no counter: for people and tools, feeds no watchdog.".to_string(),
-            Some(bits) => {
-                let data_id = message.data_id();
-                let (name, over, range) = match bits {
-                    8 => ("CRC-8 SAE J1850 start 0xFF xor 0xFF", &data[1..], "0 to 14"),
-                    _ => ("CRC-16/CCITT-FALSE start 0xFFFF xor 0x0000", &data[2..], "0 to 254"),
-                };
-                let counter = match message {
-                    MessageId::Sync => "No counter: the time advances.".to_string(),
-                    _ => format!("Counter {range}."),
-                };
-                format!(
-                    "{name}, DataID 0x{data_id:04X}. {counter} The CRC below runs over {} {}.",
-                    hex(&data_id.to_be_bytes()),
-                    hex(over)
-                )
-            }
+        let data_id = message.data_id();
+        let (name, over, range) = match protection::crc_field(message).bits() {
+            8 => ("CRC-8 SAE J1850 start 0xFF xor 0xFF", &data[1..], "0 to 14"),
+            _ => ("CRC-16/CCITT-FALSE start 0xFFFF xor 0x0000", &data[2..], "0 to 254"),
         };
+        let counter = match message {
+            MessageId::Sync => "No counter: the time advances.".to_string(),
+            _ => format!("Counter {range}."),
+        };
+        let check = format!(
+            "{name}, DataID 0x{data_id:04X}. {counter} The CRC below runs over {} {}.",
+            hex(&data_id.to_be_bytes()),
+            hex(over)
+        );
         writeln!(
             out,
             "CM_ BO_ {} \"Little-endian. {check} Worked frame: {} ({}).\";",
@@ -421,9 +485,7 @@ fn attributes() -> String {
             writeln!(out, "BA_ \"GenMsgCycleTime\" BO_ {id} {period_ms};").expect("string");
             writeln!(out, "BA_ \"CycleTimeUs\" BO_ {id} {period_us};").expect("string");
         }
-        if protection::crc_field(message).is_some() {
-            writeln!(out, "BA_ \"DataID\" BO_ {id} {};", message.data_id()).expect("string");
-        }
+        writeln!(out, "BA_ \"DataID\" BO_ {id} {};", message.data_id()).expect("string");
     }
     out
 }
