@@ -4,4 +4,5 @@ mod cantools;
 mod dbc;
 mod receiver;
 mod roundtrip;
+mod sealed;
 mod support;
