@@ -43,13 +43,14 @@ struct Armed {
 
 impl Armed {
     fn new(profile: Profile, code: SessionCode) -> Self {
-        let receiver = Receiver::new(profile, NODE, 5).unwrap().sealed(code);
+        let receiver = Receiver::new(profile, NODE, 5).expect("5 is in range").sealed(code);
         Self { receiver, state: ReceiverState::default() }
     }
 
     /// Status, and whether the frame is a valid plain one.
     fn hear(&mut self, frame: &Frame) -> (Status, bool) {
-        let reception = self.receiver.accept(&mut self.state, frame.id(), frame.data()).unwrap();
+        let reception = self.receiver.accept(&mut self.state, frame.id(), frame.data());
+        let reception = reception.expect("our own id");
         assert_eq!(reception.data.is_some(), reception.status.delivers());
         assert_eq!(reception.error.is_some(), reception.status == WrongCrc);
         (reception.status, reception.plain)
@@ -106,9 +107,14 @@ fn another_content_under_the_last_counter_is_a_conflict() {
             let receiver = Receiver::<Command>::new(profile, NODE, 5).unwrap();
             let receiver = if sealed { receiver.sealed(code(0)) } else { receiver };
             let mut armed = Armed { receiver, state: ReceiverState::default() };
-            let of = |displacement_m| match sealed {
-                true => command(displacement_m).encode_sealed(profile, seal).0,
-                false => command(displacement_m).encode(profile).0,
+            let of = |displacement_m| {
+                let command = command(displacement_m);
+                let encoded = if sealed {
+                    command.encode_sealed(profile, seal)
+                } else {
+                    command.encode(profile)
+                };
+                encoded.0
             };
             assert_eq!(armed.status(&of(1e-3)), Initial);
             assert_eq!(armed.status(&of(1e-3)), Repeated);
