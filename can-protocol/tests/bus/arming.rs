@@ -8,7 +8,7 @@ use can_protocol::arming::{
     Configuration, Foreign, HostArming, HostOutcome, HostPlan, Limits, Quiet, Readiness, Refusal,
     RigArming, RigEvent, RigStatus, Shortfall,
 };
-use can_protocol::{ArmItem, ArmMessage, Pace, RunState, Sender, SessionCode};
+use can_protocol::{ArmItem, ArmMessage, Message, Pace, RunState, Sender, SessionCode};
 use proptest::prelude::*;
 
 #[test]
@@ -20,6 +20,18 @@ fn both_sides_arm_on_one_agreement() {
     assert_eq!(agreement.code(), SessionCode::of(HOST_NUMBER, RIG_NUMBER));
     assert_eq!(agreement.configuration, CONFIGURATION);
     assert_eq!(frames.len(), 28, "14 questions, each with its answer");
+}
+
+#[test]
+fn the_worked_exchange_of_the_docs_is_what_the_machines_send() {
+    let docs = include_str!("../../src/arming/mod.rs");
+    let (_, _, frames) = exchange(plan(HOST_NUMBER), Rig::new(RIG_NUMBER));
+    for frame in frames {
+        let line = Message::decode(frame.id(), frame.data()).unwrap();
+        let Message::Arm(ArmMessage { item, value, .. }) = line else { panic!("{line}") };
+        let row = format!("//! {frame} {item} {value:#010x}\n");
+        assert!(docs.contains(&row), "{row}");
+    }
 }
 
 #[test]

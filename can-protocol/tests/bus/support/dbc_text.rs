@@ -1,10 +1,11 @@
 //! The text of `yawbench.dbc`, written from the crate's own constants.
+use super::rules::rules;
 use can_protocol::signal::{Field, FixedPoint, Quantity};
 use can_protocol::{
     ArmItem, ArmMessage, ArmSide, Command, CommandLayout, Fault, FaultCode, Heartbeat,
     HeartbeatFlags, Measurement, MeasurementFlags, MeasurementLayout, Message, MessageId, Mode,
-    PROTOCOL_VERSION, Pace, Pressure, PressureOff, Profile, Residual, RunState, Sender, Sync,
-    Telemetry, Trips, Watch, protection,
+    PROTOCOL_VERSION, Pace, Pressure, PressureOff, Profile, Residual, RunState, Seal, Sender,
+    SessionCode, Sync, Telemetry, Trips, Watch, protection,
 };
 use std::fmt::Write as _;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -115,7 +116,7 @@ fn table<'a>(
 
 fn state(field: Field) -> Row {
     let states = RunState::ALL.iter().map(|state| (u16::from(state.code()), state.name()));
-    table("state", field, states, "Run state of the sender; codes 8 to 15 are reserved.")
+    table("state", field, states, "Run state of the sender; codes 9 to 15 are reserved.")
 }
 
 /// One signal per bit.
@@ -397,26 +398,7 @@ fn hex(bytes: &[u8]) -> String {
 }
 
 fn comments() -> String {
-    let mut out = String::from(
-        "CM_ \"yawbench: a locomotive model (HOST) and damper rigs (RIG_1 to RIG_4). \
-         All ids are standard. Byte order: little-endian (Intel) throughout. \
-         Physical value = code x factor, rounded half to even; saturate at the limits, never wrap. \
-         CRC of 6- and 8-byte frames: CRC-8 SAE J1850, polynomial 0x1D, start 0xFF, final xor 0xFF, \
-         not reflected, check of 123456789 = 0x4B, in byte 0. \
-         CRC of 16-byte frames: CRC-16/CCITT-FALSE, polynomial 0x1021, start 0xFFFF, final xor \
-         0x0000, not reflected, check of 123456789 = 0x29B1, in bytes 0 and 1, low byte first. \
-         Both run over the two bytes of the DataID (not sent, high byte first) and then over all \
-         payload bytes behind the CRC. DataID = 0x5000 + frame id, also given as an attribute. \
-         Counter: 4-bit 0 to 14, then 0 again, 15 is invalid; 8-bit 0 to 254, then 0 again, 255 is \
-         invalid; one counter per message and sender. \
-         Echo: the counter last accepted from the peer, 15 (8-bit: 255) when there was none yet. \
-         A receiver accepts a counter step of 1, and larger ones up to its own limit as lost \
-         frames; it ignores step 0 and all others. Only accepted frames feed a watchdog: 5 cycles \
-         without one and a rig goes safe by itself. \
-         The host announces profile, pace and period by SYNC; one bus runs either the classical or \
-         the FD variants of CMD and MEAS. FD frames are sent with bit-rate switch. \
-         A rig sends one MEAS per cycle and echoes the newest CMD.\";\n",
-    );
+    let mut out = format!("CM_ \"{}\";\n", rules());
     for message in MessageId::all() {
         let profile = message.profile();
         let (frame, _) = worked(message).encode(profile);
@@ -437,8 +419,9 @@ fn comments() -> String {
         );
         writeln!(
             out,
-            "CM_ BO_ {} \"Little-endian. {check} Worked frame: {} ({}).\";",
+            "CM_ BO_ {} \"Little-endian. {check} {}Worked frame: {} ({}).\";",
             message.raw(),
+            sealed(message),
             hex(data),
             worked(message)
         )
@@ -449,6 +432,25 @@ fn comments() -> String {
         }
     }
     out
+}
+
+/// The worked frame of an armed session, for the messages that are sealed.
+fn sealed(message: MessageId) -> String {
+    let seal = Seal { code: SessionCode::of(0x1234_5678, 0xDEAD_BEEF), cycle: 1000 };
+    let profile = message.profile();
+    let (frame, _) = match worked(message) {
+        Message::Command(command) => command.encode_sealed(profile, seal),
+        Message::Measurement(measurement) => measurement.encode_sealed(profile, seal),
+        _ => return String::new(),
+    };
+    format!(
+        "Sealed frame: {} (numbers 0x12345678 and 0xDEADBEEF, session code 0x{:04X}, cycle {}, \
+         mask 0x{:02X}). ",
+        hex(frame.data()),
+        seal.code.bits(),
+        seal.cycle,
+        seal.mask(profile)
+    )
 }
 
 fn attributes() -> String {

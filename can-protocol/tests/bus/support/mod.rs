@@ -2,5 +2,6 @@
 
 pub(crate) mod dbc_text;
 pub(crate) mod exchange;
+pub(crate) mod rules;
 pub(crate) mod samples;
 pub(crate) mod wire;
