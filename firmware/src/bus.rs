@@ -3,6 +3,10 @@
 use core::hint::black_box;
 use core::num::{NonZeroU8, NonZeroU16};
 
+use can_protocol::arming::{
+    Configuration, HostArming, HostPlan, Limits, Listener, Patience, Quiet, Readiness,
+    Requirements, RigArming, RigStatus,
+};
 use can_protocol::{
     ArmItem, ArmMessage, ArmSide, BusPlan, Command, Cyclic, Fault, FaultCode, Frame, Heartbeat,
     Measurement, MeasurementFlags, Message, Mode, Node, Pace, Pressure, PressureOff, Profile,
@@ -25,6 +29,7 @@ pub(crate) fn run() {
     receive::<Command>(profile, node);
     receive::<Measurement>(profile, node);
     session(profile, node);
+    arm(node);
     let plan = BusPlan {
         profile,
         rigs: black_box(4),
@@ -94,6 +99,62 @@ fn session(profile: Profile, node: Node) {
         black_box(reception);
     }
     black_box((follower.is_sealed_by(black_box(0x101), received, seal), state.cycle()));
+}
+
+/// Both sides of the arming exchange.
+fn arm(node: Node) {
+    let number = black_box(1_u32);
+    let limits = Limits {
+        stroke_um: number,
+        velocity_um_per_s: number,
+        acceleration_mm_per_s2: number,
+        force_n: number,
+    };
+    let configuration = Configuration {
+        profile: Profile::Classical,
+        pace: Pace::Clock,
+        period_us: NonZeroU16::MIN,
+        slow_down: NonZeroU8::MIN,
+        watchdog_cycles: 5,
+        limits,
+    };
+    let requirements = Requirements {
+        enabled: true,
+        zero_age_s: number,
+        shunt_passed: true,
+        force_at_rest_n: number,
+        stroke_um: number,
+    };
+    let readiness = Readiness {
+        boot: number,
+        enabled: true,
+        zero_age_s: Some(number),
+        shunt_passed: true,
+        force_at_rest_n: Some(number),
+        stroke_out_um: number,
+        stroke_in_um: number,
+    };
+    let state = black_box(RunState::Standby);
+    let status = RigStatus { state, may_reset: true, readiness, requirements, configuration };
+    let (asked, needed, patience) = (limits, limits, Patience::default());
+    let plan = HostPlan { node, number, asked, needed, requirements, configuration, patience };
+    let mut quiet = Quiet::new(black_box(Listener::Rig(node)));
+    let mut rig = RigArming::new(node, SessionHistory::default());
+    for mut host in [HostArming::new(plan, SessionHistory::default()), HostArming::reset(plan)] {
+        black_box((&mut host, &mut rig, &mut quiet));
+        quiet.cycle();
+        quiet.hear(black_box(0x701), black_box(&[0; 8]));
+        rig.cycle();
+        if let Some(request) = host.cycle(&quiet) {
+            let (answer, event) = rig.receive(&request, &status, &mut quiet, || black_box(7));
+            if let Some(answer) = answer {
+                host.receive(&answer);
+            }
+            black_box(event);
+        }
+        black_box((host.outcome(), rig.session(), rig.history()));
+        rig.end_session();
+    }
 }
 
 /// One of each message.

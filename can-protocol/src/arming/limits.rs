@@ -47,7 +47,8 @@ impl Limits {
     /// ```
     /// use can_protocol::arming::Limits;
     /// let host = Limits {
-    ///     stroke_um: 20_000, velocity_um_per_s: 300_000, acceleration_mm_per_s2: 9000, force_n: 30_000,
+    ///     stroke_um: 20_000, velocity_um_per_s: 300_000,
+    ///     acceleration_mm_per_s2: 9000, force_n: 30_000,
     /// };
     /// let rig = Limits { stroke_um: 50_000, force_n: 25_000, ..host };
     /// assert_eq!(host.tighter(rig), Limits { force_n: 25_000, ..host });

@@ -41,8 +41,8 @@
 //!
 //! - The value of `ARM` holds the fresh number of this rig and this exchange: no single frame and
 //!   no old log has it, but by a chance of 1 in 2^32, and a wrong one costs the exchange.
-//! - The same value holds the configuration: sides that disagree in a limit, the period, the pace or
-//!   the frames themselves disagree in `c`.
+//! - The same value holds the configuration: sides that disagree in a limit, the period, the pace
+//!   or the frames themselves disagree in `c`.
 //! - A rig that rebooted has no open exchange.
 //! - Before ARM either side counts 300 cycles without a foreign frame ([`Quiet`]), and the host
 //!   compares the boot number of `ALIVE` with that of the heartbeat.
@@ -100,7 +100,8 @@
 //!
 //! let node = Node::new(1)?;
 //! let limits = Limits {
-//!     stroke_um: 20_000, velocity_um_per_s: 300_000, acceleration_mm_per_s2: 9000, force_n: 30_000,
+//!     stroke_um: 20_000, velocity_um_per_s: 300_000,
+//!     acceleration_mm_per_s2: 9000, force_n: 30_000,
 //! };
 //! let configuration = Configuration {
 //!     profile: Profile::Classical,

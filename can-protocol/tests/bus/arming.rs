@@ -278,7 +278,9 @@ proptest! {
             HostOutcome::Armed(agreement) => {
                 prop_assert_eq!(rig.arming.session(), Some(&agreement));
             }
-            HostOutcome::Refused(Refusal::Unanswered { attempts, .. }) => prop_assert_eq!(attempts, 10),
+            HostOutcome::Refused(Refusal::Unanswered { attempts, .. }) => {
+                prop_assert_eq!(attempts, 10);
+            }
             other => prop_assert!(false, "{:?}", other),
         }
     }
@@ -297,7 +299,10 @@ proptest! {
         };
         let plan = HostPlan {
             needed: Limits {
-                stroke_um: 10_000, velocity_um_per_s: 0, acceleration_mm_per_s2: 4500, force_n: 9000,
+                stroke_um: 10_000,
+                velocity_um_per_s: 0,
+                acceleration_mm_per_s2: 4500,
+                force_n: 9000,
             },
             ..plan(number.0)
         };

@@ -259,10 +259,14 @@ proptest! {
         numbers in any::<(u32, u32)>(),
         others in any::<(u32, u32)>(),
         fd in any::<bool>(),
-        cycles in prop::collection::vec((0_u32..=4, prop::option::of(0_u32..3000), any::<u8>()), 1..300),
+        cycles in prop::collection::vec(
+            (0_u32..=4, prop::option::of(0_u32..3000), any::<u8>()),
+            1..300,
+        ),
     ) {
         let profile = if fd { Fd } else { Classical };
-        let (code, other) = (SessionCode::of(numbers.0, numbers.1), SessionCode::of(others.0, others.1));
+        let code = SessionCode::of(numbers.0, numbers.1);
+        let other = SessionCode::of(others.0, others.1);
         let mut history = SessionHistory::default();
         history.remember(other);
         prop_assume!(history.allows(code));
@@ -272,7 +276,8 @@ proptest! {
             cycle += lost;
             prop_assert!(armed.status(&frame(profile, code, cycle)).delivers(), "{cycle}");
             if let Some(old) = age.and_then(|age| cycle.checked_sub(age)) {
-                prop_assert!(!armed.status(&frame(profile, code, old)).delivers(), "{old} at {cycle}");
+                let status = armed.status(&frame(profile, code, old));
+                prop_assert!(!status.delivers(), "{old} at {cycle}: {status}");
             }
             if kind % 3 == 0 {
                 // In the cycle that is next in this session: never, whatever the codes.

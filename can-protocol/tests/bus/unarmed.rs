@@ -202,7 +202,10 @@ proptest! {
     /// Random messages: nothing arms, nothing panics.
     #[test]
     fn random_messages_do_not_arm(
-        messages in prop::collection::vec((prop::sample::select(ArmItem::ALL), any::<u32>()), 1..100),
+        messages in prop::collection::vec(
+            (prop::sample::select(ArmItem::ALL), any::<u32>()),
+            1..100,
+        ),
         states in prop::sample::select(RunState::ALL.to_vec()),
     ) {
         let mut rig = Rig::quiet(RIG_NUMBER);
