@@ -1,46 +1,46 @@
-//! The session code: what tells the frames of this session from those of any other.
-//!
-//! Host and rig draw a 32-bit number each and exchange them before the rig arms (see
-//! [`crate::arming`]). Both numbers give one [`SessionCode`], the same in both directions. From
-//! then on commands and measurements are **sealed**: a mask that is never sent is xored over the
-//! CRC register between the `DataID` and the payload ([`crate::protection`]).
-//!
-//! ```text
-//! code      = CRC-16/CCITT-FALSE over number of the host, then number of the rig,
-//!             both as four bytes, low byte first
-//! roll-over = cycle / modulus          (15 classical, 255 FD; the counter is cycle mod modulus)
-//! mask      = (code + roll-over * (2 * code + 1)) mod 2^w     w = 8 classical, 16 FD
-//! ```
-//!
-//! The cycle is the sender's 32-bit number of the frame: 0 for the first one after arming, then
-//! one more for each. A CRC-8 counts the low 8 bits of code and roll-over, a CRC-16 counts 16; the
-//! bits above have no effect. A session ends before its cycle number does: after 49 days at 1 kHz,
-//! 12 days at 4 kHz.
-//!
-//! # What a seal refuses
-//!
-//! The mask of a frame and that of its receiver must be equal, since two different masks never
-//! give one CRC. So, with `n` = 256 for CRC-8 and 65,536 for CRC-16:
-//!
-//! | frame | passes |
-//! | --- | --- |
-//! | of this session, `k` roll-overs old (15 `k` cycles, FD 255 `k`) | only when `k` is a multiple of `n`: it fails in 255 of 256 cases (FD 65,535 of 65,536), and always up to 3,825 cycles (FD 16.7 million) |
-//! | plain, as any tool sends it that knows only the DBC | in 1 of `n` roll-overs, never in the first |
-//! | of a session with another code, in the same cycle | never |
-//! | of a session with another code, in an unrelated cycle | 1 in `n` |
-//! | random bytes under this id | 1 in `n` |
-//!
-//! What passes by chance meets the counter, the echo and the limit on the step of a command. This
-//! is no authentication: who listens to the arming exchange can compute the code.
-//!
-//! Plain frames have the mask 0. A code whose low byte is 0 is therefore never used, nor one whose
-//! low byte was that of this peer's last 16 sessions ([`SessionHistory`]).
+//! The session code: what distinguishes the frames of this session from those of any other.
 use crate::Profile;
 use crc::{CRC_16_IBM_3740, Crc};
 
 const CRC16: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
 
 /// The constant of one session, from the numbers of both peers.
+///
+/// Host and rig draw a 32-bit number each and exchange them before the rig arms (see
+/// [`crate::arming`]). Both numbers give one [`SessionCode`], the same in both directions. From
+/// then on commands and measurements are **sealed**: a mask that is never sent is xored over the
+/// CRC register between the `DataID` and the payload ([`crate::protection`]).
+///
+/// ```text
+/// code      = CRC-16/CCITT-FALSE over number of the host, then number of the rig,
+///             both as four bytes, low byte first
+/// roll-over = cycle / modulus          (15 classical, 255 FD; the counter is cycle mod modulus)
+/// mask      = (code + roll-over * (2 * code + 1)) mod 2^w     w = 8 classical, 16 FD
+/// ```
+///
+/// The cycle is the sender's 32-bit number of the frame: 0 for the first one after arming, then
+/// one more for each. A CRC-8 counts the low 8 bits of code and roll-over, a CRC-16 counts 16; the
+/// bits above have no effect. A session ends before its cycle number does: after 49 days at 1 kHz,
+/// 12 days at 4 kHz.
+///
+/// # What a seal refuses
+///
+/// The mask of a frame and that of its receiver must be equal, since two different masks never
+/// give one CRC. So, with `n` = 256 for CRC-8 and 65,536 for CRC-16:
+///
+/// | frame | passes |
+/// | --- | --- |
+/// | of this session, `k` roll-overs old (15 `k` cycles, FD 255 `k`) | only when `k` is a multiple of `n`: it fails in 255 of 256 cases (FD 65,535 of 65,536), and always up to 3,825 cycles (FD 16.7 million) |
+/// | plain, as any tool sends it that knows only the DBC | in 1 of `n` roll-overs, never in the first |
+/// | of a session with another code, in the same cycle | never |
+/// | of a session with another code, in an unrelated cycle | 1 in `n` |
+/// | random bytes under this id | 1 in `n` |
+///
+/// What passes by chance meets the counter, the echo and the limit on the step of a command. This
+/// is no authentication: who listens to the arming exchange can compute the code.
+///
+/// Plain frames have the mask 0. A code whose low byte is 0 is therefore never used, nor one whose
+/// low byte was that of this peer's last 16 sessions ([`SessionHistory`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SessionCode(u16);
 

@@ -144,7 +144,8 @@ fn arm(node: Node) {
         black_box((&mut host, &mut rig, &mut quiet));
         quiet.cycle();
         quiet.hear(black_box(0x701), black_box(&[0; 8]));
-        rig.cycle();
+        black_box(rig.cycle());
+        rig.commanded();
         if let Some(request) = host.cycle(&quiet) {
             let (answer, event) = rig.receive(&request, &status, &mut quiet, || black_box(7));
             if let Some(answer) = answer {

@@ -47,9 +47,13 @@
 //! - Before ARM either side counts 300 cycles without a foreign frame ([`Quiet`]), and the host
 //!   compares the boot number of `ALIVE` with that of the heartbeat.
 //!
-//! From ARMED on, commands and measurements are sealed with [`Agreement::code`], each side from its
-//! cycle 0 ([`SessionCode`](crate::SessionCode)). The rig's watchdog decides how soon the first
-//! command must come.
+//! # After it
+//!
+//! Commands and measurements are sealed with [`Agreement::code`], each side from its cycle 0
+//! ([`SessionCode`](crate::SessionCode)). The host commands as soon as it has ARMED. The rig sends
+//! its first measurement, cycle 0, after it has accepted a command; its watchdog rules from then
+//! on. A rig that accepts no command within 500 cycles of arming, or hears `REFUSED` before the
+//! first one, goes back to STANDBY ([`RigEvent::Lapsed`]).
 //!
 //! # A worked exchange
 //!

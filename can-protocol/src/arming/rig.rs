@@ -28,6 +28,8 @@ pub struct RigStatus {
 pub enum RigEvent {
     /// The rig is armed. Measurements are sealed from cycle 0.
     Armed(Agreement),
+    /// The session ended before its first command: the rig is to go back to STANDBY.
+    Lapsed,
     /// A latched rig is to leave SAFE or FAULT for STANDBY.
     Reset,
 }
@@ -40,6 +42,8 @@ pub struct RigArming {
     counter: u8,
     exchange: Option<Exchange>,
     session: Option<Agreement>,
+    /// Cycles that remain for the first command of the session; `None` once it came.
+    first_command: Option<u16>,
 }
 
 /// An exchange that has begun.
@@ -63,10 +67,15 @@ impl RigArming {
     /// Cycles of silence after which an exchange is forgotten.
     pub const SILENT_CYCLES: u16 = 5000;
 
+    /// Cycles within which an armed rig must accept a first command: longer than a host needs to
+    /// ask again for an answer that was lost.
+    pub const FIRST_COMMAND_CYCLES: u16 = 500;
+
     /// A rig that has just started. A rig with a memory that survives its power gives the codes of
     /// its last sessions, any other an empty history.
     pub const fn new(node: Node, history: SessionHistory) -> Self {
-        Self { node, history, counter: 0, exchange: None, session: None }
+        let (exchange, session, first_command) = (None, None, None);
+        Self { node, history, counter: 0, exchange, session, first_command }
     }
 
     /// The session, while the rig is armed.
@@ -79,19 +88,39 @@ impl RigArming {
         &self.history
     }
 
-    /// The session is over, whatever ended it: the next one needs a new exchange.
-    pub const fn end_session(&mut self) {
-        self.session = None;
+    /// The rig accepted a sealed command: from now on its watchdog rules.
+    pub const fn commanded(&mut self) {
+        self.first_command = None;
     }
 
-    /// One cycle passed.
-    pub fn cycle(&mut self) {
+    /// The session is over, whatever ended it: the next one needs a new exchange.
+    pub const fn end_session(&mut self) {
+        (self.session, self.first_command) = (None, None);
+    }
+
+    /// One cycle passed. [`RigEvent::Lapsed`] when an armed rig waited too long for its first
+    /// command.
+    pub fn cycle(&mut self) -> Option<RigEvent> {
         if let Some(exchange) = &mut self.exchange {
             exchange.silent = exchange.silent.saturating_add(1);
         }
         if self.exchange.as_ref().is_some_and(|open| open.silent > Self::SILENT_CYCLES) {
             self.exchange = None;
         }
+        match self.first_command?.checked_sub(1) {
+            Some(remaining) => {
+                self.first_command = Some(remaining);
+                None
+            }
+            None => self.lapse(),
+        }
+    }
+
+    /// Ends a session that has not had a command yet.
+    fn lapse(&mut self) -> Option<RigEvent> {
+        self.first_command?;
+        self.end_session();
+        Some(RigEvent::Lapsed)
     }
 
     /// Take notice of a message of the host. Gives the answer to send, and what happened. `quiet`
@@ -119,7 +148,7 @@ impl RigArming {
             ArmItem::Reset => self.reset(value, status, &mut event),
             ArmItem::Refused => {
                 self.exchange = None;
-                return (None, None);
+                return (None, self.lapse());
             }
             item => match status.readiness.get(item) {
                 Some(value) => Ok((item, value)),
@@ -204,7 +233,7 @@ impl RigArming {
         }
         self.history.remember(agreement.code());
         self.exchange = None;
-        self.session = Some(agreement);
+        (self.session, self.first_command) = (Some(agreement), Some(Self::FIRST_COMMAND_CYCLES));
         *event = Some(RigEvent::Armed(agreement));
         Ok((ArmItem::Armed, agreement.armed_value()))
     }

@@ -252,6 +252,28 @@ fn a_latched_rig_is_reset_by_its_fresh_number_only() {
 }
 
 #[test]
+fn an_armed_rig_without_a_command_goes_back_to_standby() {
+    let armed = || exchange(plan(HOST_NUMBER), Rig::new(RIG_NUMBER)).1;
+    // One cycle passed since ARM.
+    let last = RigArming::FIRST_COMMAND_CYCLES - 1;
+    let mut rig = armed();
+    assert!((0..last).all(|_| rig.arming.cycle().is_none()));
+    assert_eq!(rig.arming.cycle(), Some(RigEvent::Lapsed));
+    assert!(!rig.is_armed());
+    // Given up by the host, whose ARMED was lost.
+    let mut rig = armed();
+    rig.hear(&request(ArmItem::Refused, 0));
+    assert!(!rig.is_armed());
+    assert_eq!(rig.events.last(), Some(&RigEvent::Lapsed));
+    // A first command, and neither ends the session.
+    let mut rig = armed();
+    rig.arming.commanded();
+    assert!((0..=last).all(|_| rig.arming.cycle().is_none()));
+    rig.hear(&request(ArmItem::Refused, 0));
+    assert!(rig.is_armed());
+}
+
+#[test]
 fn a_silent_exchange_is_forgotten() {
     for (cycles, expected) in [
         (RigArming::SILENT_CYCLES, ArmItem::Stroke),
@@ -259,7 +281,7 @@ fn a_silent_exchange_is_forgotten() {
     ] {
         let mut rig = Rig::quiet(RIG_NUMBER);
         rig.hear(&request(ArmItem::HostNumber, HOST_NUMBER));
-        (0..cycles).for_each(|_| rig.arming.cycle());
+        assert!((0..cycles).all(|_| rig.arming.cycle().is_none()));
         let answer = rig.hear(&request(ArmItem::Stroke, 1)).unwrap();
         assert_eq!(ArmMessage::decode(answer.id(), answer.data()).unwrap().item, expected);
     }

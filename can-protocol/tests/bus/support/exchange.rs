@@ -153,7 +153,7 @@ pub(crate) fn run(
         let is_last = host.is_done();
         host.quiet.cycle();
         rig.quiet.cycle();
-        rig.arming.cycle();
+        rig.events.extend(rig.arming.cycle());
         if cycle % 20 == 0 {
             host.hear(&heartbeat(Sender::Rig(NODE), BOOT));
             rig.hear(&heartbeat(Sender::Host, 1));

@@ -1,5 +1,5 @@
 //! The rules of the bus, as the comment of `yawbench.dbc` states them.
-use can_protocol::arming::{DBC_HASH, Patience, Quiet};
+use can_protocol::arming::{DBC_HASH, Patience, Quiet, RigArming};
 use can_protocol::{ArmItem, FaultCode, SessionHistory};
 
 /// The comment on the bus, one sentence after the other; no double quotes in a DBC.
@@ -82,10 +82,13 @@ pub(crate) fn rules() -> String {
          255) without remainder, and the counter is the remainder. The cycle of either sender is 0 \
          in its first frame after ARMED. A rig draws r anew until the low byte of s is not 0 and \
          not that of one of its last {} sessions. A receiver takes the cycle from the counter and \
-         the last accepted cycle, and never takes up a sender that started again. A frame of 15, 30 \
+         the last accepted cycle, and never takes up a sender that started again. A rig sends its \
+         first MEAS after it has accepted a sealed CMD; one that accepts none within {} cycles of \
+         ARMED goes back to STANDBY. A frame of 15, 30 \
          and so on cycles ago fails in 255 of 256 cases (CRC-16: 65535 of 65536), a foreign frame \
          passes by chance once in 256 (65536). ",
-        SessionHistory::SESSIONS
+        SessionHistory::SESSIONS,
+        RigArming::FIRST_COMMAND_CYCLES,
     );
     let counters = format!(
         "Counter: 4-bit 0 to 14, then 0 again, 15 is invalid; 8-bit 0 to 254, then 0 again, 255 is \
