@@ -30,7 +30,7 @@ pub enum RigEvent {
     Armed(Agreement),
     /// The session ended before its first command: the rig is to go back to STANDBY.
     Lapsed,
-    /// A latched rig is to leave SAFE or FAULT for STANDBY.
+    /// A latched rig is to leave SAFE or FAULT for INIT.
     Reset,
 }
 

@@ -4,23 +4,45 @@ use can_protocol::{ArmItem, FaultCode, SessionHistory};
 
 /// The comment on the bus, one sentence after the other; no double quotes in a DBC.
 pub(crate) fn rules() -> String {
-    let code = |item: ArmItem| format!("{item} (0x{:04X})", item.code());
-    let Patience { repeat_cycles, attempts, .. } = Patience::default();
-    let safe = "SAFE means: the rig decelerates within its limit of acceleration and holds its \
+    let (arming, sealed, counters) = (arming(), sealed(), counters());
+    format!(
+        "yawbench: a locomotive model (HOST) and damper rigs (RIG_1 to RIG_4). \
+         {SAFETY}{arming}{FRAMES}{sealed}{counters}"
+    )
+}
+
+/// What a rig owes to its surroundings, armed or not.
+const SAFETY: &str = "SAFE means: the rig decelerates within its limit of acceleration and holds its \
         position under its own controller while its displacement is believed. Where the \
         displacement is invalid, stuck, reversed or runs away from the command, a rig holds no \
         position: it shuts its valve or drops the pressure by itself. \
         This protocol is no safety function and claims no PL or SIL: emergency stop, guard door \
         and pressure dump are hard-wired, and the limits of the bench controller rule. \
         PRESSURE_OFF: a rig obeys in every state, armed or not, whatever the counter is. \
-        Watchdog: a rig that is armed or moves goes SAFE by itself when it has accepted no new CMD \
-        for the agreed number of cycles, 5 by default, counted in cycles also under slow-down. \
+        Watchdog: from its first accepted CMD on, an armed rig goes SAFE by itself when it has \
+        accepted no new one for the agreed number of cycles, 5 by default, counted in cycles also \
+        under slow-down. \
         A rig whose key switch no longer enables motion goes SAFE. \
         SAFE and FAULT are left by a reset only, by key at the rig or by RESET on the bus; no SYNC, \
-        no CMD and no new run ends them, and a reset leads to STANDBY, never to motion. \
+        no CMD and no new run ends them, and a reset leads to INIT, never to motion. \
         A rig sends HEARTBEAT from its start, in every state; its boot number is drawn anew at each \
         start. It sends the slow messages of a cycle before its MEAS. ";
-    let arming = format!(
+
+/// Bytes, values and the plain CRC.
+const FRAMES: &str = "All ids are standard. Byte order: little-endian (Intel) throughout. \
+        Physical value = code x factor, rounded half to even; saturate at the limits, never wrap. \
+        CRC of 6- and 8-byte frames: CRC-8 SAE J1850, polynomial 0x1D, start 0xFF, final xor 0xFF, \
+        not reflected, check of 123456789 = 0x4B, in byte 0. \
+        CRC of 16-byte frames: CRC-16/CCITT-FALSE, polynomial 0x1021, start 0xFFFF, final xor \
+        0x0000, not reflected, check of 123456789 = 0x29B1, in bytes 0 and 1, low byte first. \
+        Both run over the two bytes of the DataID (not sent, high byte first) and then over all \
+        payload bytes behind the CRC. DataID = 0x5000 + frame id, also given as an attribute. ";
+
+/// The exchange before motion.
+fn arming() -> String {
+    let code = |item: ArmItem| format!("{item} (0x{:04X})", item.code());
+    let Patience { repeat_cycles, attempts, .. } = Patience::default();
+    format!(
         "Arming, by ARM_REQUEST and ARM_ANSWER, plain CRC: the host sends an item and a value, \
          repeats it every {repeat_cycles} cycles at most {attempts} times, and goes on when the rig \
          has answered. \
@@ -65,16 +87,12 @@ pub(crate) fn rules() -> String {
         ArmItem::HostNumber,
         code(ArmItem::Reset),
         ArmItem::Reset,
-    );
-    let frames = "All ids are standard. Byte order: little-endian (Intel) throughout. \
-        Physical value = code x factor, rounded half to even; saturate at the limits, never wrap. \
-        CRC of 6- and 8-byte frames: CRC-8 SAE J1850, polynomial 0x1D, start 0xFF, final xor 0xFF, \
-        not reflected, check of 123456789 = 0x4B, in byte 0. \
-        CRC of 16-byte frames: CRC-16/CCITT-FALSE, polynomial 0x1021, start 0xFFFF, final xor \
-        0x0000, not reflected, check of 123456789 = 0x29B1, in bytes 0 and 1, low byte first. \
-        Both run over the two bytes of the DataID (not sent, high byte first) and then over all \
-        payload bytes behind the CRC. DataID = 0x5000 + frame id, also given as an attribute. ";
-    let sealed = format!(
+    )
+}
+
+/// The CRC of an armed session.
+fn sealed() -> String {
+    format!(
         "That CRC is plain. CMD and MEAS of an armed rig are sealed: after the DataID and before the \
          payload the CRC register is xored with mask = (s + k * (2 * s + 1)) mod 2^w. The session \
          code s is the CRC-16/CCITT-FALSE over h and then r, four bytes each, low byte first; w is \
@@ -89,8 +107,12 @@ pub(crate) fn rules() -> String {
          passes by chance once in 256 (65536). ",
         SessionHistory::SESSIONS,
         RigArming::FIRST_COMMAND_CYCLES,
-    );
-    let counters = format!(
+    )
+}
+
+/// Counters, echo and pace.
+fn counters() -> String {
+    format!(
         "Counter: 4-bit 0 to 14, then 0 again, 15 is invalid; 8-bit 0 to 254, then 0 again, 255 is \
          invalid; one counter per message and sender. \
          Echo: the counter last accepted from the peer, 15 (8-bit: 255) when there was none yet. \
@@ -102,9 +124,5 @@ pub(crate) fn rules() -> String {
          A rig sends one MEAS per cycle and echoes the newest CMD. FAULT codes below {} are of the \
          link, the others of the bench.",
         FaultCode::ForceLimit.code()
-    );
-    format!(
-        "yawbench: a locomotive model (HOST) and damper rigs (RIG_1 to RIG_4). \
-         {safe}{arming}{frames}{sealed}{counters}"
     )
 }
