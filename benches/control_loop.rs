@@ -4,13 +4,12 @@ use can_protocol::{Node, Pace, Profile};
 use criterion::{Criterion, criterion_group, criterion_main};
 use hil_host::bus::MemoryBus;
 use hil_host::clock::Tick;
-use hil_host::control::{Buses, Port, Session};
+use hil_host::control::{Buses, Port, Requests, Session};
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 fn cycle(criterion: &mut Criterion) {
@@ -29,14 +28,15 @@ fn cycle(criterion: &mut Criterion) {
         pace: Pace::LockStep,
         slow_down: NonZeroU8::MIN,
         watched: [Some(0), Some(1), Some(3)],
+        rear_bogie: Some(2),
     };
     let bus = || vec![MemoryBus::new([RigNode::new(&run.rig, Node::ALL[0], Profile::Classical)])];
     let start = session.start(session.line.start(run.start.state.clone()));
     let (mut state, mut buses) = (start.clone(), bus());
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
-    let (patience, stop) = (Duration::from_secs(1), AtomicBool::new(false));
-    let greeted = session.greet(&state, &mut buses, patience, &stop);
+    let (patience, stop) = (Duration::from_secs(1), Requests::armed());
+    let greeted = session.greet(&mut state, &mut buses, patience, &stop);
     assert_eq!(greeted, Ok(()), "the rig in memory does not answer");
     criterion.bench_function("control cycle, memory bus", |bencher| {
         bencher.iter(|| {

@@ -6,7 +6,7 @@
 pub(crate) const FAILED: u8 = 1;
 /// Bad input; nothing was written.
 pub(crate) const BAD_INPUT: u8 = 2;
-/// The run ended in the safe state.
+/// A fault ended the run: in the safe state, or ramped out.
 pub(crate) const SAFE_STATE: u8 = 3;
 /// Ctrl-C or SIGTERM ended the command; what it had is written.
 pub(crate) const INTERRUPTED: u8 = 130;
@@ -17,5 +17,6 @@ Exit codes:
   0    done
   1    a check or target failed, or an operation failed (a full disk, a bus that went down)
   2    bad input; nothing was written
-  3    the run ended in the safe state
-  130  interrupted by Ctrl-C or SIGTERM; what there was is written; a second signal ends at once";
+  3    the run was ended by a fault: in the safe state, or ramped out
+  130  interrupted by Ctrl-C or SIGTERM; what there was is written; a second signal
+       ends at once (a run of rigs: in the safe state)";

@@ -13,6 +13,7 @@ mod error;
 mod exit;
 mod identify;
 mod identify_on_mass;
+mod keys;
 mod next_test;
 mod output;
 mod progress;

@@ -2,7 +2,8 @@
 
 use crate::bench_options::{RealtimeArgs, WireArgs, slow_down};
 use crate::error::CommandError;
-use crate::exit::{INTERRUPTED, SAFE_STATE};
+use crate::exit::{FAILED, INTERRUPTED, SAFE_STATE};
+use crate::keys::Keys;
 use crate::output::{print, stem};
 use crate::stop;
 use crate::value::number;
@@ -43,6 +44,9 @@ pub(crate) struct RunArgs {
     /// Where the rigs are: memory, or socketcan:INTERFACE.
     #[arg(long, default_value_t = BusChoice::Memory)]
     bus: BusChoice,
+    /// Arm rigs on a real bus without asking: for scripts on a bench that nobody stands at.
+    #[arg(long)]
+    arm: bool,
     /// Who sets the pace.
     #[arg(long, value_enum, default_value_t = Pace::Realtime)]
     pace: Pace,
@@ -92,8 +96,27 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         name: stem(&args.scenario),
         realtime: args.realtime.options(),
     };
-    let stop = stop::flag();
-    let finished = run::run(&scenario, &options, stop)?;
+    let requests = stop::requests();
+    let is_on_a_bus = run::is_on_a_bus(&scenario, &args.bus);
+    if args.arm || !is_on_a_bus {
+        requests.arm();
+    }
+    let keys = Keys::listen(requests);
+    if keys.is_none() && !requests.may_arm() {
+        return Err(CommandError::option(
+            "no terminal and no --arm",
+            "a terminal, whose key a arms the rigs, or --arm",
+        ));
+    }
+    let finished = match run::run(&scenario, &options, requests) {
+        Err(why) if why.is_interrupted() && keys.as_ref().is_some_and(Keys::have_ended) => {
+            eprintln!("ended before the rigs were armed: nothing is written");
+            return Ok(ExitCode::SUCCESS);
+        }
+        finished => finished?,
+    };
+    let is_ended_by_key = keys.as_ref().is_some_and(Keys::have_ended);
+    drop(keys);
     if args.json {
         print(&serde_json::to_string_pretty(&finished.summary)?)?;
     } else {
@@ -111,13 +134,21 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         lines.push(format!("files in {}: {files}", finished.folder.display()));
         print(&lines.join("\n"))?;
     }
+    let cause = finished.summary.cause.as_ref().map_or("", |cause| cause.message.as_str());
     Ok(if finished.summary.state == End::Safe {
-        let cause = finished.summary.cause.as_ref().map_or("", |cause| cause.message.as_str());
         eprintln!("ended in the safe state {cause}; rigs were brought to rest");
         ExitCode::from(SAFE_STATE)
+    } else if finished.summary.state == End::RampedOut {
+        eprintln!("ended early {cause}; rigs were ramped out");
+        ExitCode::from(SAFE_STATE)
+    } else if finished.interrupted && is_ended_by_key {
+        eprintln!("ended by key: the files hold the run up to this point");
+        ExitCode::SUCCESS
     } else if finished.interrupted {
         eprintln!("interrupted: the files hold the run up to this point");
         ExitCode::from(INTERRUPTED)
+    } else if !finished.summary.not_held.is_empty() && is_on_a_bus {
+        ExitCode::from(FAILED)
     } else {
         ExitCode::SUCCESS
     })
@@ -155,7 +186,7 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
         "{} cycles of 1 ms, {} | vehicle step p50 {:.1} p99 {:.1} µs | cycle p50 {:.1} p99 {:.1} \
          p99.9 {:.1} max {:.0} µs | skipped {}",
         summary.steps,
-        summary.state.name(),
+        if summary.not_held.is_empty() { summary.state.name() } else { "completed, not held" },
         summary.step_compute_us.p50,
         summary.step_compute_us.p99,
         summary.cycle_time_us.p50,
@@ -180,6 +211,8 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
             ));
         }
     }
+    let not_held = summary.not_held.iter();
+    lines.extend(not_held.map(|reason| format!("warning: not held: {reason}")));
     for damper in &summary.damper {
         let (cut, flagged) = (damper.saturated_commands, damper.flagged_measurements);
         if cut.unwrap_or(0) + flagged.unwrap_or(0) > 0 {

@@ -20,7 +20,7 @@ fn a_control_cycle_with_a_rig_does_not_touch_the_heap() {
     let (mut recorder, _drain) = queues.split();
     assert_no_alloc(|| cycles(&session, &mut state, &mut buses, &mut recorder, 3000));
     assert_eq!(state.line.cycle, 3000);
-    assert!(!state.line.safe);
+    assert!(!state.line.is_safe());
     // The watch over the rig ran along.
     assert!(state.ports[0].watch.view.residual_n.is_some());
     // The check itself works: an allocation inside would abort, one outside is free.

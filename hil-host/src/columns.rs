@@ -1,11 +1,11 @@
-//! The record as columns, for statistics and plots.
+//! The rows of RUN as columns, for statistics and plots.
 //!
 //! While a run goes on, only what does not grow is collected ([`Columns::count`]). The columns are
 //! read from the record when the run has ended ([`Columns::read`]).
 
 use crate::BenchError;
 use crate::record::{InputKind, Row, each_row};
-use can_protocol::Watch;
+use can_protocol::{RunState, Watch};
 use files::{Limit, input};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use hdrhistogram::Histogram;
@@ -42,6 +42,10 @@ pub(crate) struct Columns {
     pub(crate) wheelset_lateral_m: Vec<f64>,
     /// Rows that came after the limit.
     pub(crate) left_out: u64,
+    /// Rows of RUN.
+    pub(crate) run_cycles: u64,
+    /// Rows before and after RUN, which statistics leave out.
+    pub(crate) outside_run: u64,
     /// Time of one vehicle step (ns).
     pub(crate) compute_ns: Histogram<u64>,
     /// Time from receive to send (ns).
@@ -125,6 +129,8 @@ impl Default for Columns {
             acceleration: Default::default(),
             wheelset_lateral_m: Vec::new(),
             left_out: 0,
+            run_cycles: 0,
+            outside_run: 0,
             compute_ns: histogram(),
             cycle_ns: histogram(),
             lateness_ns: histogram(),
@@ -147,6 +153,9 @@ impl Columns {
             self.fresh[slot] += u64::from(input == InputKind::Fresh);
         }
         self.skipped += u64::from(row.skipped);
+        if row.state == RunState::Run {
+            self.run_cycles += 1;
+        }
         self.last = (row.cycle, row.hash);
         for (slot, watched) in self.watch.iter_mut().enumerate() {
             watched.push(row, slot);
@@ -168,7 +177,7 @@ impl Columns {
             self.keep(row);
             self.time_s.len() < ROWS_MAX
         })?;
-        self.left_out = all.saturating_sub(self.time_s.len() as u64);
+        self.left_out = all.saturating_sub(self.time_s.len() as u64 + self.outside_run);
         Ok(())
     }
 
@@ -187,10 +196,14 @@ impl Columns {
 
     /// Rows in the record.
     pub(crate) fn rows(&self) -> u64 {
-        self.time_s.len() as u64 + self.left_out
+        self.time_s.len() as u64 + self.left_out + self.outside_run
     }
 
     fn keep(&mut self, row: &Row) {
+        if row.state != RunState::Run {
+            self.outside_run += 1;
+            return;
+        }
         if self.time_s.len() >= ROWS_MAX {
             self.left_out += 1;
             return;
@@ -275,7 +288,7 @@ mod tests {
         assert_eq!(kept(2_000).0, 0);
         // The measure works.
         let mut columns = Columns::default();
-        columns.push(&Row { cycle: 1, ..Row::default() });
+        columns.push(&Row { cycle: 1, state: RunState::Run, ..Row::default() });
         assert!(growing_bytes(&columns) > 0);
     }
 }

@@ -56,6 +56,22 @@ pub enum BenchError {
         /// The bus as it was given.
         bus: String,
     },
+    /// Rigs that gave no displacement before the run.
+    BlindRigs {
+        /// Their nodes.
+        nodes: Vec<u8>,
+        /// The bus as it was given.
+        bus: String,
+    },
+    /// A ram that stands too far from where the vehicle needs it.
+    FarRam {
+        /// Its node.
+        node: u8,
+        /// The bus as it was given.
+        bus: String,
+        /// Where it stands (m).
+        ram_m: f64,
+    },
     /// Ctrl-C before the first cycle.
     Interrupted,
     /// `--require-realtime`, and the system refused a part of it.
@@ -116,6 +132,8 @@ impl BenchError {
             Self::Input(why) => why.is_bad_input(),
             Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
             Self::SilentRigs { .. }
+            | Self::BlindRigs { .. }
+            | Self::FarRam { .. }
             | Self::Interrupted
             | Self::File { .. }
             | Self::Unrecorded { .. }
@@ -125,9 +143,9 @@ impl BenchError {
         }
     }
 
-    /// Whether the bench is in its safe state because a rig is silent: exit code 3.
+    /// Whether the bench stays in its safe state because of a rig: exit code 3.
     pub const fn is_safe_state(&self) -> bool {
-        matches!(self, Self::SilentRigs { .. })
+        matches!(self, Self::SilentRigs { .. } | Self::BlindRigs { .. } | Self::FarRam { .. })
     }
 
     /// Whether the user ended it: exit code 130.
@@ -172,6 +190,24 @@ impl fmt::Display for BenchError {
                      there?",
                     nodes.join(", "),
                     quoted(bus)
+                )
+            }
+            Self::BlindRigs { nodes, bus } => {
+                let nodes: Vec<String> = nodes.iter().map(u8::to_string).collect();
+                write!(
+                    f,
+                    "rig node {} on {} gives no displacement: its ram cannot be coupled",
+                    nodes.join(", "),
+                    quoted(bus)
+                )
+            }
+            Self::FarRam { node, bus, ram_m } => {
+                write!(
+                    f,
+                    "the ram of rig node {node} on {} stands at {:.1} mm, too far from the vehicle \
+                     for the limits in [motion]: centre it first",
+                    quoted(bus),
+                    ram_m * 1e3
                 )
             }
             Self::Interrupted => f.write_str("interrupted before the first cycle"),
@@ -275,6 +311,8 @@ mod tests {
             (BenchError::File { file: path.clone(), why: disk() }, [false, false, false]),
             (BenchError::Unrecorded { file: path, why: disk(), dropped: 9 }, [false, false, false]),
             (BenchError::SilentRigs { nodes: vec![1, 3], bus: bus() }, [false, true, false]),
+            (BenchError::BlindRigs { nodes: vec![2], bus: bus() }, [false, true, false]),
+            (BenchError::FarRam { node: 1, bus: bus(), ram_m: 0.09 }, [false, true, false]),
             (BenchError::Interrupted, [false, false, true]),
             (BenchError::Thread { name: "records the run" }, [false, false, false]),
         ];

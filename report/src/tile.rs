@@ -41,11 +41,18 @@ impl Tile {
         Self { verdict: " bad", ..self }
     }
 
+    /// Marks the tile as doubtful: an exclamation mark and an amber edge.
+    #[must_use]
+    pub fn doubtful(self) -> Self {
+        Self { verdict: " doubtful", ..self }
+    }
+
     pub(crate) fn html(&self) -> String {
         // The sign says what the colour says, for print and for eyes that do not see it.
         let sign = match self.verdict {
             " good" => "<span class=\"sign\">✓</span>",
             " bad" => "<span class=\"sign\">✗</span>",
+            " doubtful" => "<span class=\"sign\">!</span>",
             _ => "",
         };
         // Words are longer than numbers and get a smaller size.

@@ -33,7 +33,19 @@ pub(crate) fn give_to_bodies(
     for end in [&mount.first, &mount.second] {
         add_point_mass(vehicle, end, 0.5 * mass_kg);
     }
-    let others = |effect: &&Effect| !matches!(effect, Effect::MovingMass(_));
+    without(damper)
+}
+
+/// The damper without its moving mass.
+///
+/// # Errors
+/// As above.
+pub(crate) fn without(damper: Damper) -> Result<Damper, DamperError> {
+    let has_mass = |effect: &Effect| matches!(effect, Effect::MovingMass(_));
+    if !damper.effects().iter().any(has_mass) {
+        return Ok(damper);
+    }
+    let others = |effect: &&Effect| !has_mass(effect);
     let left: Vec<Effect> = damper.effects().iter().filter(others).copied().collect();
     let lighter = Damper::new(*damper.nominal(), &left)?;
     Ok(match damper.empirical() {

@@ -3,7 +3,7 @@
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::irregularity::IrregularityFile;
-use crate::run_file::RunFile;
+use crate::run_file::{On, RunFile};
 use crate::source::Source;
 use crate::vehicle::VehicleFile;
 use crate::wheel_rail::SurfaceFile;
@@ -31,6 +31,10 @@ pub(crate) fn effective(
     "vehicle.toml".clone_into(&mut file.vehicle);
     file.damper = file.damper.over(&DamperFile::new_damper());
     file.rig = file.rig.with_defaults(&file.damper);
+    file.motion = file.motion.with_defaults();
+    for slot in file.slot.iter_mut().filter(|slot| slot.on == On::Rig) {
+        slot.model = Some(slot.model.take().unwrap_or_default().over(&file.damper));
+    }
     for watch in file.slot.iter_mut().filter_map(|slot| slot.watch.as_mut()) {
         *watch = watch.with_defaults(&file.damper);
     }

@@ -37,6 +37,7 @@ mod inputs;
 pub mod irregularity;
 mod kind;
 pub mod minimum_speed;
+mod motion;
 pub mod profile;
 pub mod quantity;
 pub mod rig;

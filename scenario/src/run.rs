@@ -2,8 +2,9 @@
 
 pub use crate::cycle::CYCLE_S;
 pub use crate::effective::Effective;
+pub use crate::motion::Motion;
 pub use crate::run_file::{On, RunFile, SlotFile, VirtualWearFile};
-pub use crate::slot::{Slot, SlotForce};
+pub use crate::slot::{Slot, SlotForce, worn};
 
 use crate::compare::CompareSetup;
 use crate::damper_mass;
@@ -74,6 +75,8 @@ pub struct Run {
     pub band: Option<Band>,
     /// The damper slots.
     pub slots: Vec<Slot>,
+    /// How rigs are moved.
+    pub motion: Motion,
     /// The emulated rig.
     pub rig: RigSetup,
     /// Another damper that the run is compared with.
@@ -206,7 +209,9 @@ impl Run {
         let start = Self::steady(&vehicle, contact.as_ref(), speed_m_per_s).map_err(|error| {
             ScenarioError::Equilibrium { file: vehicle_source.path().to_owned(), part: None, error }
         })?;
-        let end_m = START_M + speed_m_per_s * duration_s + 20.0;
+        let motion = file.motion.build(source)?;
+        let ramps_s = if on_rigs(&slots) { motion.ramps_s() } else { 0.0 };
+        let end_m = START_M + speed_m_per_s * (duration_s + ramps_s) + 20.0;
         let track = file.track.build(source, (0.0, end_m), &mut inputs)?;
         let irregularity = file.track.irregularity.as_ref();
         let band = irregularity.map(|rough| rough.band(source)).transpose()?.flatten();
@@ -243,6 +248,7 @@ impl Run {
             track,
             band,
             slots,
+            motion,
             rig,
             compare,
             start,
@@ -335,6 +341,11 @@ impl RunFile {
         }
         Ok((speed_m_per_s, substeps))
     }
+}
+
+/// Whether any slot is on a rig.
+fn on_rigs(slots: &[Slot]) -> bool {
+    slots.iter().any(|slot| matches!(slot.force, SlotForce::Rig { .. }))
 }
 
 /// What is unusual about the dampers of a run: each line once, with the places it is about.

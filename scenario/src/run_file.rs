@@ -4,6 +4,7 @@ use crate::compare::CompareFile;
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
+use crate::motion::MotionFile;
 use crate::quantity::Quantity;
 use crate::rig::RigFile;
 use crate::source::Source;
@@ -38,6 +39,9 @@ pub struct RunFile {
     /// What is different in single slots.
     #[serde(default)]
     pub slot: Vec<SlotFile>,
+    /// How rigs are moved.
+    #[serde(default)]
+    pub motion: MotionFile,
     /// The emulated rig on the memory bus; its damper defaults to that of the scenario.
     #[serde(default)]
     pub rig: RigFile,
@@ -62,6 +66,9 @@ pub struct SlotFile {
     pub damper: DamperFile,
     /// Wear injected in software in front of a rig.
     pub virtual_wear: Option<VirtualWearFile>,
+    /// The damper that acts on the vehicle while the rig's force is faded in and out: by default
+    /// the scenario's, with the virtual wear.
+    pub model: Option<DamperFile>,
     /// A model that the rig's force is compared with.
     pub watch: Option<WatchFile>,
 }
@@ -99,6 +106,10 @@ impl RunFile {
         for slot in &mut self.slot {
             let own = std::mem::take(&mut slot.damper);
             slot.damper = own.resolved(source, &format!("damper {}", slot.place), inputs)?;
+            if let Some(model) = slot.model.take() {
+                let role = format!("model {}", slot.place);
+                slot.model = Some(model.resolved(source, &role, inputs)?);
+            }
             if let Some(watch) = &mut slot.watch {
                 let model = std::mem::take(&mut watch.damper);
                 let role = format!("watched model {}", slot.place);

@@ -20,6 +20,7 @@ impl Run {
         let Some(CompareSetup { damper, bare, source, .. }) = &self.compare else {
             return Ok(None);
         };
+        let refused = |error| source.whole_error(format!("[compare]: {error}"));
         let mut vehicle = bare.clone();
         let mut slots = self.slots.clone();
         for (number, slot) in slots.iter_mut().enumerate() {
@@ -29,11 +30,12 @@ impl Run {
                     bus: bus.clone(),
                     virtual_clearance_2a_m: 0.0,
                     virtual_compliance_m_per_n: 0.0,
+                    model: Box::new(damper_mass::without(damper.clone()).map_err(refused)?),
                     watch: None,
                 },
                 _ => damper_mass::give_to_bodies(&mut vehicle, number, damper.clone())
                     .map(SlotForce::Modelled)
-                    .map_err(|error| source.whole_error(format!("[compare]: {error}")))?,
+                    .map_err(refused)?,
             };
         }
         let start =

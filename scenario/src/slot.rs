@@ -1,13 +1,14 @@
 //! The damper slots of a run: modelled, or on a rig.
 
 use crate::damper::DamperFile;
+use crate::damper_mass;
 use crate::error::ScenarioError;
 use crate::run_file::{On, RunFile, SlotFile};
 use crate::source::Source;
 use crate::vehicle::VehicleFile;
 use crate::watch::WatchSetup;
 use files::{did_you_mean, number, quoted};
-use firmware_core::damper::Damper;
+use firmware_core::damper::{Damper, DamperError, Nominal};
 use firmware_core::vehicle::DAMPER_SLOTS;
 
 /// One slot, ready to run.
@@ -35,6 +36,8 @@ pub enum SlotForce {
         virtual_clearance_2a_m: f64,
         /// Extra series compliance in software (m/N).
         virtual_compliance_m_per_n: f64,
+        /// The damper that acts on the vehicle while the measured force is faded in and out.
+        model: Box<Damper>,
         /// The model that its force is compared with.
         watch: Option<Box<WatchSetup>>,
     },
@@ -64,11 +67,11 @@ pub(crate) fn slots(
     }
     for slot in &file.slot {
         let place = quoted(&slot.place);
-        let wear_or_watch = slot.virtual_wear.is_some() || slot.watch.is_some();
-        let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), wear_or_watch];
+        let of_a_rig = slot.virtual_wear.is_some() || slot.watch.is_some() || slot.model.is_some();
+        let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), of_a_rig];
         if slot.on == On::Modelled && on_a_rig.contains(&true) {
             return Err(source.whole_error(format!(
-                "slot \"{place}\" is modelled: node, bus, virtual_wear and watch are for a rig"
+                "slot \"{place}\" is modelled: node, bus, virtual_wear, model and watch are for a rig"
             )));
         }
     }
@@ -138,6 +141,10 @@ impl SlotFile {
                 compliance = 1.0 / stiffness;
             }
         }
+        let model = self.model.clone().unwrap_or_default().over(&file.damper).build(source)?;
+        let model = damper_mass::without(model)
+            .and_then(|model| worn(&model, clearance, compliance))
+            .map_err(|error| source.whole_error(format!("slot \"{place}\": model: {error}")))?;
         let watch = match &self.watch {
             Some(watch) => Some(Box::new(watch.build(source, &file.damper)?)),
             None => None,
@@ -147,7 +154,34 @@ impl SlotFile {
             bus: self.bus.clone(),
             virtual_clearance_2a_m: clearance,
             virtual_compliance_m_per_n: compliance,
+            model: Box::new(model),
             watch,
         })
     }
+}
+
+/// A damper with wear in series: the damper that a vehicle feels when a rig carries the first and
+/// software adds the second.
+///
+/// # Errors
+/// Wear that no damper can have.
+pub fn worn(
+    damper: &Damper,
+    clearance_2a_m: f64,
+    compliance_m_per_n: f64,
+) -> Result<Damper, DamperError> {
+    if clearance_2a_m == 0.0 && compliance_m_per_n == 0.0 {
+        return Ok(damper.clone());
+    }
+    let new = *damper.nominal();
+    let nominal = Nominal {
+        clearance_2a_m: new.clearance_2a_m + clearance_2a_m,
+        ke_n_per_m: 1.0 / (1.0 / new.ke_n_per_m + compliance_m_per_n),
+        ..new
+    };
+    let worn = Damper::new(nominal, damper.effects())?;
+    Ok(match damper.empirical() {
+        Some(map) => worn.with_empirical(map.clone()),
+        None => worn,
+    })
 }

@@ -11,13 +11,12 @@ use firmware_core::line::Slot;
 use firmware_core::track::Track;
 use hil_host::bus::MemoryBus;
 use hil_host::clock::Tick;
-use hil_host::control::{Buses, Port, Session, SessionState};
+use hil_host::control::{Buses, Port, Requests, Session, SessionState};
 use hil_host::record::Recorder;
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// A scenario of the repository, perhaps cut to a duration.
@@ -51,6 +50,7 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>) -> Session<'a> {
         pace: WirePace::LockStep,
         slow_down: NonZeroU8::MIN,
         watched: [Some(0), Some(1), Some(3)],
+        rear_bogie: Some(2),
     }
 }
 
@@ -63,10 +63,10 @@ pub(crate) fn bus(run: &Run, session: &Session<'_>) -> MemoryBus {
 
 /// A session that has greeted its rigs and can cycle.
 pub(crate) fn ready(run: &Run, session: &Session<'_>) -> (SessionState, [MemoryBus; 1]) {
-    let state = session.start(session.line.start(run.start.state.clone()));
+    let mut state = session.start(session.line.start(run.start.state.clone()));
     let mut buses = [bus(run, session)];
     session
-        .greet(&state, &mut buses, Duration::from_secs(1), &AtomicBool::new(false))
+        .greet(&mut state, &mut buses, Duration::from_secs(1), &Requests::armed())
         .unwrap_or_else(|why| panic!("{why:?}"));
     (state, buses)
 }

@@ -1,7 +1,7 @@
 //! A scenario from its first cycle to its last, in this process.
 
 use super::session::{ready, session};
-use hil_host::control::{Buses, End, Pace};
+use hil_host::control::{Buses, End, Pace, Requests};
 use hil_host::record::Queues;
 use scenario::run::Run;
 use std::sync::atomic::AtomicBool;
@@ -17,7 +17,7 @@ pub(crate) fn run_through(run: &Run) -> (End, u64) {
     let end = std::thread::scope(|scope| {
         let done = &done;
         scope.spawn(move || drain.discard(done));
-        let stop = AtomicBool::new(false);
+        let stop = Requests::armed();
         let mut buses = Buses::new(&mut buses, &mut recorder);
         let end = session.run(&mut state, &mut buses, &mut Pace::Fast, run.cycles(), &stop);
         done.store(true, std::sync::atomic::Ordering::Release);

@@ -26,6 +26,9 @@ fn killed(name: &str, bytes: u64) -> (PathBuf, Duration) {
     (out, at)
 }
 
+/// Bytes of a row.
+const ROW: u64 = 789;
+
 /// The time of the last whole line of a log, since 1970.
 fn last_time(log: &str) -> Duration {
     let (whole, _) = log.rsplit_once('\n').unwrap();
@@ -42,7 +45,7 @@ fn kills() -> u64 {
 fn a_run_that_is_killed_leaves_files_that_can_be_read() {
     let mut longest = Duration::ZERO;
     for kill in 0..kills() {
-        let (out, at) = killed("killed", 1 + kill % 20 * 10 * 584);
+        let (out, at) = killed("killed", 1 + kill % 20 * 10 * ROW);
         let record = Record::read_killed(&out.join("record.npy"));
         for row in 0..record.rows() {
             assert_eq!(record.integer(row, "cycle", 0), row as u64 + 1, "kill {kill}");
@@ -69,7 +72,7 @@ fn a_run_that_is_killed_leaves_files_that_can_be_read() {
 #[test]
 fn a_report_is_made_of_what_a_killed_run_left_and_says_so() {
     // Without a row, and with half a second; the header takes less than ten rows.
-    for (rows, bytes) in [(0, 1), (500, 510 * 584)] {
+    for (rows, bytes) in [(0, 1), (500, 510 * ROW)] {
         let (out, _) = killed("killed-report", bytes);
         let report = || output(yawbench().arg("report").arg(&out));
         let made = report();

@@ -3,7 +3,7 @@
 use crate::support::command::{folder, output, repository, yawbench};
 use crate::support::record::Record;
 use crate::support::schema;
-use can_protocol::{Message, MessageId, Node, Profile};
+use can_protocol::{Message, MessageId, Node, Profile, RunState};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -39,8 +39,10 @@ fn a_run_leaves_a_summary_that_its_schema_knows() {
     assert_eq!(schema::misfits(&schema, &summary), Vec::<String>::new());
     assert_eq!(summary["steps"], 4000);
     assert!(summary["notes"].to_string().contains("CALIBRATED"), "{}", summary["notes"]);
-    assert_eq!(summary["frames"]["sent"], 4000);
-    assert_eq!(summary["frames"]["received"], 4000);
+    // Four fades of half a second.
+    assert_eq!(summary["cycles"], 6000);
+    assert_eq!(summary["frames"]["sent"], 6000);
+    assert_eq!(summary["frames"]["received"], 6000);
     assert_eq!(summary["frames"]["lost"], 0);
     assert_eq!(summary["damper"][0]["place"], "rig");
     assert_eq!(summary["damper"][0]["name"], "front left");
@@ -60,12 +62,14 @@ fn a_run_leaves_a_summary_that_its_schema_knows() {
 fn the_record_is_lossless_and_its_frames_are_the_forces() {
     let (out, summary) = run("ss9-160kmh.toml", "2");
     let record = Record::read(&out.join("record.npy"));
-    assert_eq!(record.rows(), 2000);
+    assert_eq!(record.rows(), 4000);
     let mut last_hash = 0;
     for row in 0..record.rows() {
         assert_eq!(record.integer(row, "cycle", 0), row as u64 + 1);
         let bytes: [u8; 16] = std::array::from_fn(|byte| record.integer(row, "frame", byte) as u8);
-        if row > 0 {
+        let runs = record.integer(row, "state", 0) == u64::from(RunState::Run.code());
+        assert_eq!(runs, (1000..3000).contains(&row), "row {row}");
+        if runs {
             // What the vehicle felt is what the frame says, to the last bit.
             let id = MessageId::Measurement(Profile::Classical, Node::ALL[0]).raw();
             let Ok(Message::Measurement(measurement)) = Message::decode(id, &bytes[..8]) else {
@@ -111,9 +115,9 @@ fn the_bus_log_is_candump_and_accounts_for_every_frame() {
         assert_eq!(direction, if sent { "T" } else { "R" }, "{line}");
         assert!(line.starts_with('(') && line.contains(") memory "), "{line}");
     }
-    // The last command ends the run and is no cycle.
-    assert_eq!(commands, summary["frames"]["sent"].as_u64().unwrap() + 1);
-    assert_eq!(measurements, summary["frames"]["received"].as_u64().unwrap());
+    // The first command asks where the ram stands, the last one ends the run: neither is a cycle.
+    assert_eq!(commands, summary["frames"]["sent"].as_u64().unwrap() + 2);
+    assert_eq!(measurements, summary["frames"]["received"].as_u64().unwrap() + 1);
     std::fs::remove_dir_all(out).unwrap();
 }
 
@@ -244,7 +248,7 @@ fn four_rigs_share_an_fd_bus() {
     assert_eq!(result.status.code(), Some(0), "{errors}");
     assert!(errors.contains("warning"), "58 % of the bus is worth a warning: {errors}");
     let summary = read_json(&out.join("summary.json"));
-    assert_eq!(summary["frames"]["received"], 8000);
+    assert_eq!(summary["frames"]["received"], 4 * summary["cycles"].as_u64().unwrap());
     for damper in summary["damper"].as_array().unwrap() {
         assert_eq!(damper["place"], "rig");
         assert!(damper["force_n"]["rms"].as_f64().unwrap() > 100.0, "{damper}");

@@ -32,7 +32,7 @@ pub struct Measured {
     pub force_n: Option<f64>,
     /// False where the rig says that its sensor is invalid.
     pub is_valid: bool,
-    /// Whether the rig is in RUN.
+    /// Whether the rig follows commands.
     pub runs: bool,
 }
 
@@ -124,6 +124,8 @@ pub struct Belief {
     sent: [Command; REMEMBERED],
     next: usize,
     cause: Option<Cause>,
+    /// The strongest action that any cause has asked for.
+    action: Option<Action>,
 }
 
 impl Belief {
@@ -155,6 +157,17 @@ impl Belief {
             "what is only logged ends nothing"
         );
         input
+    }
+
+    /// Fills the memory of commands with the place where the ram stands when it is coupled.
+    pub fn begin(&mut self, command: Command) {
+        self.sent = [command; REMEMBERED];
+    }
+
+    /// The strongest action that has been asked for: the first cause may ask to ramp out, and a
+    /// later one to stop.
+    pub fn action(&self) -> Option<Action> {
+        self.action
     }
 
     /// The first cause that asks for an end.
@@ -307,6 +320,7 @@ impl Belief {
         if is_so && action > Action::Hold {
             let (value, limit) = at;
             self.cause = self.cause.or(Some(Cause { signal, value, limit, action }));
+            self.action = self.action.max(Some(action));
         }
     }
 }

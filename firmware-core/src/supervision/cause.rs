@@ -43,11 +43,13 @@ pub enum Signal {
     BusDown,
     /// The vehicle has left its track, or its numbers.
     Vehicle,
+    /// An operator.
+    Operator,
 }
 
 impl Signal {
     /// All signals.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::LostMeasurements,
         Self::LostCommands,
         Self::OldMeasurements,
@@ -67,6 +69,7 @@ impl Signal {
         Self::BusQueue,
         Self::BusDown,
         Self::Vehicle,
+        Self::Operator,
     ];
 
     /// Its key in `summary.json`.
@@ -91,6 +94,7 @@ impl Signal {
             Self::BusQueue => "bus_queue",
             Self::BusDown => "bus_down",
             Self::Vehicle => "vehicle",
+            Self::Operator => "operator",
         }
     }
 
@@ -116,7 +120,16 @@ impl Signal {
             Self::BusQueue => "commands without room on the bus",
             Self::BusDown => "bus down",
             Self::Vehicle => "vehicle off its track",
+            Self::Operator => "stopped by the operator",
         }
+    }
+
+    /// Whether it is the measured force that cannot be believed.
+    pub const fn is_of_force(self) -> bool {
+        matches!(
+            self,
+            Self::InvalidForce | Self::Force | Self::ForceRate | Self::StuckForce | Self::Work
+        )
     }
 
     /// The unit of its value and limit; none where they are codes or mean nothing.
@@ -140,7 +153,8 @@ impl Signal {
             | Self::RigFault
             | Self::SilentRig
             | Self::BusDown
-            | Self::Vehicle => None,
+            | Self::Vehicle
+            | Self::Operator => None,
         }
     }
 }

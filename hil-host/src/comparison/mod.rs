@@ -17,11 +17,10 @@ mod second_run;
 mod section;
 
 pub use difference::{ComparedDamper, ComparedEffect, Comparison, Quantity};
-pub(crate) use second_run::SecondRun;
+pub(crate) use second_run::{Cycles, SecondRun};
 pub(crate) use section::section;
 
 use crate::columns::Columns;
-use crate::control::End;
 use crate::summary::{Accelerations, DamperSummary, Summary};
 use scenario::compare::CompareSetup;
 use scenario::run::{CYCLE_S, Run, SlotForce};
@@ -53,8 +52,8 @@ pub(crate) fn compare(
     Comparison {
         name: setup.name.clone(),
         damper: ComparedDamper::from(&setup.damper),
-        state: if second.safe { End::Safe } else { End::Completed },
-        duration_s: second.cycles as f64 * CYCLE_S,
+        state: second.end,
+        duration_s: second.run_cycles as f64 * CYCLE_S,
         trajectory_hash: format!("{:016x}", second.hash),
         modelled_instead: instead.map(|(slot, _)| slot.place.clone()).collect(),
         quantities: quantities.collect(),

@@ -4,7 +4,7 @@ use crate::BenchError;
 use crate::bus::{BusChoice, MemoryBus};
 use crate::clock::Tick;
 use crate::columns::{Columns, ROWS_MAX};
-use crate::control::{Buses, NoAnswer};
+use crate::control::{Buses, End, Ending, Requests};
 use crate::record::{NpyWriter, Queues, ROWS, Row};
 use crate::rig::RigNode;
 use crate::run::{Plan, Terms, bar, session};
@@ -23,27 +23,36 @@ pub(crate) struct SecondRun {
     pub(crate) columns: Columns,
     /// Bodies whose accelerations were recorded: carbody, front bogie, first wheelset.
     pub(crate) watched: [Option<usize>; 3],
-    /// Cycles done.
-    pub(crate) cycles: u64,
+    /// Cycles of RUN.
+    pub(crate) run_cycles: u64,
     /// The trajectory hash.
     pub(crate) hash: u64,
-    /// Whether the model left its track.
-    pub(crate) safe: bool,
+    /// How it ended: in the safe state where the model left its track.
+    pub(crate) end: End,
+}
+
+/// How long the main run was.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cycles {
+    /// Cycles before RUN.
+    pub(crate) ramp_in: u32,
+    /// Cycles of RUN.
+    pub(crate) run: u64,
 }
 
 /// A run that takes longer shows its progress.
 const SILENT: Duration = Duration::from_secs(2);
 
 impl SecondRun {
-    /// Runs through a scenario, at most as far as statistics reach, and writes its record; none,
-    /// and no record, where it was stopped.
+    /// Runs through a scenario with as many cycles before and in RUN as the main run had, at most
+    /// as far as statistics reach, and writes its record; none, and no record, where it was stopped.
     ///
     /// # Errors
     /// The record cannot be written.
     pub(crate) fn through(
         run: &Run,
         profile: Profile,
-        cycles: u64,
+        cycles: Cycles,
         record: (PathBuf, File),
         stop: &AtomicBool,
     ) -> Result<Option<Self>, BenchError> {
@@ -60,7 +69,7 @@ impl SecondRun {
 fn through(
     run: &Run,
     profile: Profile,
-    cycles: u64,
+    Cycles { ramp_in, run: cycles }: Cycles,
     (path, file): (PathBuf, File),
     stop: &AtomicBool,
 ) -> Result<Option<SecondRun>, BenchError> {
@@ -72,10 +81,10 @@ fn through(
     let rigs = plan.rigs.iter().map(|rig| RigNode::new(&run.rig, rig.node, profile));
     let mut buses = vec![MemoryBus::new(rigs)];
     let mut state = session.start(session.line.start(run.start.state.clone()));
-    session.greet(&state, &mut buses, SILENT, &AtomicBool::new(false)).map_err(|why| {
-        let NoAnswer::Silent(nodes) = why else { return BenchError::Interrupted };
-        BenchError::SilentRigs { nodes, bus: BusChoice::Memory.to_string() }
-    })?;
+    session
+        .greet(&mut state, &mut buses, SILENT, &Requests::armed())
+        .map_err(|why| why.on(&BusChoice::Memory))?;
+    state.line.delay_run(ramp_in);
     let mut queues = Queues::default();
     // The frames of this bus are not kept.
     let (mut recorder, _frames) = queues.split();
@@ -86,7 +95,8 @@ fn through(
     let bar = bar(cycles, ProgressDrawTarget::hidden());
     bar.set_message("the same with the other damper");
     let begin = Instant::now();
-    while state.line.cycle < cycles && !state.line.safe {
+    let mut ending = Ending::default();
+    let end = loop {
         if stop.load(Ordering::Relaxed) {
             drop(record);
             std::fs::remove_file(&path).map_err(failed)?;
@@ -101,17 +111,20 @@ fn through(
             if bar.is_hidden() && begin.elapsed() > SILENT {
                 bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(10));
             }
-            bar.set_position(state.line.cycle);
+            bar.set_position(columns.run_cycles);
         }
-    }
+        if let Some(end) = ending.take(&session, &mut state, cycles, false) {
+            break end;
+        }
+    };
     record.write(&rows).map_err(failed)?;
     record.finish().map_err(failed)?;
     bar.finish_and_clear();
     Ok(Some(SecondRun {
-        columns,
         watched: session.watched,
-        cycles: state.line.cycle,
+        run_cycles: columns.run_cycles,
+        columns,
         hash: state.hash,
-        safe: state.line.safe,
+        end,
     }))
 }

@@ -11,7 +11,7 @@ use can_protocol::{Frame, Heartbeat, RunState, Sender};
 use core::time::Duration;
 use firmware_core::guard::ForceInput;
 use firmware_core::line::Slot;
-use firmware_core::supervision::{Action, Cause, Signal};
+use firmware_core::supervision::{Action, Cause, Signal, State};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 use std::time::Instant;
@@ -107,13 +107,18 @@ impl Session<'_> {
         inputs
     }
 
-    /// Stops on the first cause that a rig has given.
+    /// Ends the run on the causes that the rigs have given.
     fn judge(&self, state: &mut SessionState) {
-        let ports = self.ports.iter().zip(&state.ports);
-        let mut causes = ports.map(|(port, memory)| (port.node.number(), port.cause(memory)));
-        let first = causes.find_map(|(node, cause)| Some((node, cause?)));
-        if let Some((node, cause)) = first {
-            self.stop(state, Some(node), cause);
+        for (number, port) in self.ports.iter().enumerate() {
+            let Some((cause, action)) =
+                state.ports.get(number).and_then(|memory| port.cause(memory))
+            else {
+                continue;
+            };
+            if cause.signal.is_of_force() {
+                state.line.slots[port.slot].is_force_believed = false;
+            }
+            self.stop(state, Some(port.node.number()), cause, action);
         }
     }
 
@@ -122,11 +127,11 @@ impl Session<'_> {
         let (begin, cycle) = (Instant::now(), state.line.cycle);
         self.line.step(&mut state.line, &inputs.force);
         debug_assert_eq!(state.line.cycle, cycle + 1, "a step is one cycle");
-        if state.line.safe && state.stop.is_none() {
+        if state.line.is_safe() && state.stop.is_none() {
             let tripped = |port: &&Port| state.line.slots[port.slot].guard.tripped;
             let silent = self.ports.iter().find(tripped).map(|port| port.node.number());
             let signal = if silent.is_some() { Signal::SilentRig } else { Signal::Vehicle };
-            self.stop(state, silent, Self::fact(signal));
+            self.stop(state, silent, Self::fact(signal), Action::Stop);
         }
         begin.elapsed()
     }
@@ -137,7 +142,10 @@ impl Session<'_> {
         let slots = &state.line.slots;
         let ports = self.ports.iter().zip(&mut state.ports);
         ports
-            .map(|(port, memory)| port.command(memory, &slots[port.slot].command, run, time_us))
+            .map(|(port, memory)| {
+                memory.commands += 1;
+                port.command(memory, &slots[port.slot].command, run, time_us)
+            })
             .collect()
     }
 
@@ -160,7 +168,7 @@ impl Session<'_> {
                 Sent::Down => {
                     state.late += 1;
                     let node = Some(port.node.number());
-                    self.stop(state, node, Self::fact(Signal::BusDown));
+                    self.stop(state, node, Self::fact(Signal::BusDown), Action::Stop);
                 }
             }
         }
@@ -168,7 +176,8 @@ impl Session<'_> {
         if state.late_in_a_row >= MOST_LATE_IN_A_ROW {
             let (value, limit) = (f64::from(state.late_in_a_row), f64::from(MOST_LATE_IN_A_ROW));
             let action = Action::RampOut;
-            self.stop(state, None, Cause { signal: Signal::BusQueue, value, limit, action });
+            let cause = Cause { signal: Signal::BusQueue, value, limit, action };
+            self.stop(state, None, cause, action);
         }
     }
 
@@ -188,7 +197,7 @@ impl Session<'_> {
             buses.send_to_all(&heartbeat);
         }
         if let Some(stop) = state.stop.filter(|_| !state.is_announced) {
-            buses.send_to_all(&stop.fault(0));
+            buses.send_to_all(&stop.fault(0, run_state(state)));
             state.is_announced = true;
         }
         if residuals {
@@ -205,7 +214,16 @@ impl Session<'_> {
     }
 }
 
-/// What the rigs are to do in this cycle.
-fn run_state(state: &SessionState) -> RunState {
-    if state.line.safe { RunState::Safe } else { RunState::Run }
+/// The host's state, as the rigs are given it.
+pub(super) fn run_state(state: &SessionState) -> RunState {
+    match state.line.state {
+        State::Init => RunState::Init,
+        State::Standby => RunState::Standby,
+        State::Armed | State::OpenLoop => RunState::Armed,
+        State::RampIn => RunState::RampIn,
+        State::Run => RunState::Run,
+        State::RampOut => RunState::RampOut,
+        State::Safe => RunState::Safe,
+        State::Fault => RunState::Fault,
+    }
 }

@@ -18,6 +18,7 @@ mod hash;
 mod news;
 mod pacing;
 mod port;
+mod requests;
 mod row;
 mod session;
 mod stop;
@@ -25,8 +26,10 @@ mod watch;
 
 pub use buses::Buses;
 pub use greeting::NoAnswer;
+pub(crate) use pacing::Ending;
 pub use pacing::{End, Pace, SILENCE, STOP_CYCLES};
 pub use port::{Port, PortState};
+pub use requests::Requests;
 pub use session::{Session, SessionState};
 pub use stop::{Stop, StopSummary};
 pub use watch::{View, Watch, WatchState};

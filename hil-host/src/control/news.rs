@@ -36,6 +36,15 @@ pub(super) fn cause(node: Node, frame: &WireFrame) -> Option<Cause> {
     }
 }
 
+/// The temperature in a frame of a rig, if it is its telemetry; none where it measures none.
+pub(super) fn temperature_degc(node: Node, frame: &WireFrame) -> Option<Option<f64>> {
+    let id = frame.id();
+    if MessageId::from_raw(id)? != MessageId::Telemetry(node) {
+        return None;
+    }
+    Some(Telemetry::decode(id, frame.data()).ok()?.temperature_degc)
+}
+
 /// The cause in the state of a rig, if it is one in which it has stopped by itself.
 pub(super) fn of_state(state: RunState) -> Option<Cause> {
     let has_stopped = matches!(state, RunState::Safe | RunState::Fault);

@@ -1,13 +1,14 @@
 //! Cycle after cycle: who sets the pace, and how a session ends.
 
 use super::buses::Buses;
+use super::requests::Requests;
 use super::session::{Session, SessionState};
 use crate::bus::Bus;
 use crate::clock::{Pacer, Tick};
 use can_protocol::{Pace as WirePace, RunState};
-use firmware_core::supervision::Signal;
+use firmware_core::line::Fade;
+use firmware_core::supervision::{Action, Event, Signal, State};
 use serde::{Deserialize, Serialize};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Who sets the pace.
@@ -45,6 +46,9 @@ pub enum End {
     Completed,
     /// The user interrupted it, or the record could not be kept.
     Stopped,
+    /// A limit asked for an orderly end: coupling and motion were faded out.
+    #[serde(rename = "ramped_out")]
+    RampedOut,
     /// A guard tripped or a peer was lost: the rigs were brought to rest.
     Safe,
 }
@@ -55,47 +59,89 @@ impl End {
         match self {
             Self::Completed => "completed",
             Self::Stopped => "stopped",
+            Self::RampedOut => "ramped_out",
             Self::Safe => "safe",
         }
     }
 }
 
+/// How a session comes to its end, cycle by cycle.
+#[derive(Debug, Default)]
+pub(crate) struct Ending {
+    /// Why it ends in order.
+    why: Option<End>,
+    /// Cycle in which it was safe first.
+    safe_since: Option<u64>,
+}
+
+impl Ending {
+    /// Looks at the state after a cycle; the end, once it is reached. `cycles` are those of RUN.
+    pub(crate) fn take(
+        &mut self,
+        session: &Session<'_>,
+        state: &mut SessionState,
+        cycles: u64,
+        is_stopped: bool,
+    ) -> Option<End> {
+        if state.line.is_safe() {
+            let since = *self.safe_since.get_or_insert(state.line.cycle);
+            return (state.line.cycle >= since + STOP_CYCLES).then_some(End::Safe);
+        }
+        let why = match state.line.state {
+            State::RampOut => Some(End::RampedOut),
+            State::Run if state.line.run_cycles() >= cycles => Some(End::Completed),
+            _ => is_stopped.then_some(End::Stopped),
+        };
+        self.why = self.why.or(why);
+        self.why.filter(|_| session.has_ended(state))
+    }
+}
+
 impl Session<'_> {
-    /// Runs until the cycles are done, the user stops it, the record cannot be kept, or the safe
-    /// state has been reached.
+    /// Runs until as many cycles of RUN are done, the user stops it, the record cannot be kept or a
+    /// cause ends it. Rigs are ramped out, or brought to rest in the safe state.
     pub fn run<B: Bus>(
         &self,
         state: &mut SessionState,
         buses: &mut Buses<'_, '_, B>,
         pace: &mut Pace,
         cycles: u64,
-        stop: &AtomicBool,
+        requests: &Requests,
     ) -> End {
         debug_assert_eq!(self.pace, pace.on_the_wire(), "the rigs were given another pace");
         buses.recorder().may_wait = !matches!(pace, Pace::Realtime(_));
         if let Pace::Realtime(pacer) = pace {
             pacer.restart();
         }
-        let mut safe_since = None;
+        let mut ending = Ending::default();
         let mut tick = Tick::default();
         let end = loop {
             let row = self.cycle(state, buses, tick);
             buses.recorder().row(row);
-            if state.line.safe && safe_since.is_none() {
-                safe_since = Some(state.line.cycle);
+            if requests.is_stopping() {
+                self.stop(state, None, Self::fact(Signal::Operator), Action::Stop);
             }
-            match safe_since {
-                Some(since) if state.line.cycle >= since + STOP_CYCLES => break End::Safe,
-                None if state.line.cycle >= cycles => break End::Completed,
-                None if stop.load(Ordering::Relaxed) || buses.recorder().is_overrun() => {
-                    break End::Stopped;
-                }
-                Some(_) | None => {}
+            let is_stopped = requests.is_ending() || buses.recorder().is_overrun();
+            if let Some(end) = ending.take(self, state, cycles, is_stopped) {
+                break end;
             }
             tick = self.wait(state, buses, pace);
         };
         self.close(state, buses, end);
         end
+    }
+
+    /// Goes on with an orderly end; whether it is done. Where nothing is faded, it is done at once.
+    fn has_ended(&self, state: &mut SessionState) -> bool {
+        if !self.has_rigs() || state.line.fade == Fade::default() {
+            return true;
+        }
+        state.line.on(Event::End);
+        let is_done = self.line.is_faded_out(&state.line);
+        if is_done {
+            state.line.on(Event::RampDone);
+        }
+        is_done
     }
 
     /// Waits for the next cycle, in the way of the pace.
@@ -111,12 +157,12 @@ impl Session<'_> {
                 state.skipped += tick.skipped;
                 tick
             }
-            Pace::LockStep if !state.line.safe => {
+            Pace::LockStep if !state.line.is_safe() => {
                 if !self.wait_for_echoes(state, buses) {
                     let mut ports = self.ports.iter().zip(&state.ports);
                     let silent = ports.find(|(port, memory)| !port.has_echo(memory));
                     let node = silent.map(|(port, _)| port.node.number());
-                    self.stop(state, node, Self::fact(Signal::SilentRig));
+                    self.stop(state, node, Self::fact(Signal::SilentRig), Action::Stop);
                 }
                 Tick::default()
             }
@@ -157,8 +203,6 @@ impl Session<'_> {
             let mut still = state.line.slots[port.slot].command;
             still.velocity_m_per_s = 0.0;
             let frame = port.command(memory, &still, run, time_us);
-            // It ends the run and is no cycle.
-            memory.commands -= 1;
             buses.send(port.bus, &frame);
         }
     }

@@ -42,6 +42,8 @@ pub struct PortState {
     pub belief: Belief,
     /// What the rig has said of itself, the first that ends a run.
     news: Option<Cause>,
+    /// The temperature that it reports (degrees Celsius).
+    pub temperature_degc: Option<f64>,
     /// Measurement that the last cycle used.
     pub used: Option<Measurement>,
     /// Commands sent.
@@ -123,6 +125,9 @@ impl Port {
     pub fn take_frame(&self, state: &mut PortState, frame: &WireFrame) -> bool {
         let Some(reception) = self.receiver.accept(&mut state.receiver, frame.id(), frame.data())
         else {
+            if let Some(temperature_degc) = news::temperature_degc(self.node, frame) {
+                state.temperature_degc = temperature_degc;
+            }
             let heard = news::cause(self.node, frame);
             state.news = state.news.or(heard);
             return heard.is_some();
@@ -160,17 +165,37 @@ impl Port {
             displacement_m: measurement.displacement_m,
             force_n: measurement.force_n,
             is_valid: !measurement.flags.contains(MeasurementFlags::SENSOR_INVALID),
-            runs: measurement.state == RunState::Run,
+            runs: follows(measurement.state),
         };
         let input = state.belief.take(&self.checks, Arrival::Frame(measured), state.sent);
         (input, kept.bytes)
     }
 
-    /// The first cause to end the run that this rig has given.
-    pub fn cause(&self, state: &PortState) -> Option<Cause> {
-        let cause = state.news.or(state.belief.cause());
-        debug_assert!(cause.is_none_or(|cause| cause.action > Action::Hold), "{cause:?}");
-        cause
+    /// The first cause to end the run that this rig has given, and the strongest action that it has
+    /// asked for.
+    pub fn cause(&self, state: &PortState) -> Option<(Cause, Action)> {
+        let cause = state.news.or(state.belief.cause())?;
+        let action = state.belief.action().map_or(cause.action, |own| own.max(cause.action));
+        debug_assert!(action > Action::Hold, "{cause:?}");
+        Some((cause, action))
+    }
+
+    /// Displacement of the ram in the newest measurement (m).
+    pub fn displacement_m(&self, state: &PortState) -> Option<f64> {
+        state.newest.and_then(|kept| kept.measurement.displacement_m)
+    }
+
+    /// Begins to command a ram that stands still.
+    pub fn begin(&self, state: &mut PortState, ram: guard::Command) {
+        self.forget(state);
+        // Frames are counted from here on.
+        state.receiver = ReceiverState::default();
+        state.belief.begin(ram);
+    }
+
+    /// Forgets what was measured and not used.
+    pub fn forget(&self, state: &mut PortState) {
+        (state.newest, state.bad) = (None, false);
     }
 
     /// The next command.
@@ -186,7 +211,7 @@ impl Port {
             node: self.node,
             counter,
             state: run,
-            mode: if run == RunState::Run { Mode::FollowWithVelocity } else { Mode::Hold },
+            mode: if follows(run) { Mode::FollowWithVelocity } else { Mode::Hold },
             echo: state.receiver.echo(),
             displacement_m: Some(command.displacement_m),
             velocity_m_per_s: Some(command.velocity_m_per_s),
@@ -195,7 +220,6 @@ impl Port {
         .encode(self.profile);
         state.sent = Some(counter);
         state.belief.sent(*command);
-        state.commands += 1;
         state.saturated += u64::from(!saturated.is_empty());
         frame
     }
@@ -210,6 +234,11 @@ impl Port {
     pub fn counts<'a>(&self, state: &'a PortState) -> &'a can_protocol::Counts {
         state.receiver.counts()
     }
+}
+
+/// Whether a rig follows commands in a state.
+const fn follows(state: RunState) -> bool {
+    matches!(state, RunState::RampIn | RunState::Run | RunState::RampOut)
 }
 
 #[cfg(test)]
@@ -259,7 +288,7 @@ mod tests {
         .encode(Profile::Classical);
         port.take_frame(&mut state, &WireFrame::from(&frame));
         assert_eq!(port.take_input(&mut state).0, ForceInput::Invalid);
-        let cause = port.cause(&state).unwrap();
+        let (cause, _) = port.cause(&state).unwrap();
         assert_eq!((cause.signal, cause.value), (Signal::RigState, 6.0));
     }
 
@@ -273,7 +302,7 @@ mod tests {
             port.take_frame(&mut state, &WireFrame::from(&frame));
             port.take_input(&mut state);
         }
-        assert_eq!(port.cause(&state).map(|cause| cause.value), Some(7.0));
+        assert_eq!(port.cause(&state).map(|(cause, _)| cause.value), Some(7.0));
     }
 
     #[test]

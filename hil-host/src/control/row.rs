@@ -1,17 +1,21 @@
 //! The row of a cycle: everything that a replay needs.
 
-use super::cycle::{Inputs, Timing};
+use super::cycle::{Inputs, Timing, run_state};
 use super::session::{Session, SessionState};
 use crate::record::Row;
 use core::time::Duration;
-use firmware_core::vehicle::{AXLES_MAX, LATERAL, VERTICAL};
+use firmware_core::vehicle::{AXLES_MAX, LATERAL, VERTICAL, YAW};
+
+/// Where a rig has said nothing yet.
+const UNKNOWN: u8 = u8::MAX;
 
 impl Session<'_> {
     /// Record: the row of the cycle that has just been sent.
     pub(super) fn row(&self, state: &SessionState, inputs: &Inputs, timing: &Timing) -> Row {
         let mut row = Row {
             cycle: state.line.cycle,
-            time_s: state.line.cycle.saturating_sub(1) as f64 * self.line.cycle_s,
+            time_s: state.line.time_s(self.line.cycle_s),
+            state: run_state(state),
             input: inputs.kind,
             frame: inputs.frame,
             distance_m: state.line.vehicle.distance_m.lane(0),
@@ -39,6 +43,11 @@ impl Session<'_> {
             let command = state.line.slots[slot].command;
             row.command_m[slot] = command.displacement_m;
             row.command_m_per_s[slot] = command.velocity_m_per_s;
+            row.age_cycles[slot] = memory.belief.age_cycles().unwrap_or(UNKNOWN);
+            row.rig_state[slot] = memory.used.map_or(UNKNOWN, |used| used.state.code());
+            row.rig_flags[slot] = memory.used.map_or(0, |used| used.flags.bits());
+            row.temperature_degc[slot] = memory.temperature_degc.unwrap_or(f64::NAN);
+            row.coupling[slot] = state.line.slots[slot].coupling.gain();
             if let Some(used) = memory.used {
                 row.measured_m[slot] = used.displacement_m.unwrap_or(f64::NAN);
                 row.measured_n[slot] = used.force_n.unwrap_or(f64::NAN);
@@ -49,12 +58,20 @@ impl Session<'_> {
     /// Accelerations, wheel forces and positions.
     fn motion(&self, row: &mut Row, state: &SessionState) {
         let vehicle = &state.line.vehicle;
-        for (number, body) in self.watched.into_iter().enumerate() {
+        let of = |body: Option<usize>, axis: usize| {
             let acceleration = body.and_then(|body| vehicle.acceleration.get(body));
-            let (lateral, vertical) = acceleration
-                .map_or((f64::NAN, f64::NAN), |a| (a[LATERAL].lane(0), a[VERTICAL].lane(0)));
-            row.acceleration_m_per_s2[2 * number] = lateral;
-            row.acceleration_m_per_s2[2 * number + 1] = vertical;
+            acceleration.map_or(f64::NAN, |a| a[axis].lane(0))
+        };
+        for (number, body) in self.watched.into_iter().enumerate() {
+            row.acceleration_m_per_s2[2 * number] = of(body, LATERAL);
+            row.acceleration_m_per_s2[2 * number + 1] = of(body, VERTICAL);
+        }
+        let bogies = [self.watched[1], self.rear_bogie];
+        row.bogie_rear_m_per_s2 = [LATERAL, VERTICAL].map(|axis| of(bogies[1], axis));
+        row.bogie_yaw_rad_per_s2 = bogies.map(|bogie| of(bogie, YAW));
+        for (number, axle) in self.line.vehicle.axles.iter().enumerate().take(AXLES_MAX) {
+            let body = Some(axle.body.index());
+            row.wheelset_m_per_s2[number] = [LATERAL, VERTICAL].map(|axis| of(body, axis));
         }
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let wheel = &vehicle.wheels[0][side][0];

@@ -5,8 +5,8 @@ use super::port::{Port, PortState};
 use super::stop::Stop;
 use can_protocol::{Frame, Pace as WirePace, Profile, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
-use firmware_core::line::{Line, LineState, Slot};
-use firmware_core::supervision::{Action, Cause, Signal};
+use firmware_core::line::{Fade, Line, LineState, Slot};
+use firmware_core::supervision::{Action, Cause, Event, Signal};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 
@@ -25,6 +25,8 @@ pub struct Session<'a> {
     pub slow_down: NonZeroU8,
     /// Bodies whose accelerations are recorded: carbody, front bogie, first wheelset.
     pub watched: [Option<usize>; 3],
+    /// The rear bogie.
+    pub rear_bogie: Option<usize>,
 }
 
 /// What a session remembers. A clone is a snapshot.
@@ -64,12 +66,25 @@ impl Session<'_> {
         }
     }
 
-    /// Brings the session into the safe state, with its first cause.
-    pub(super) fn stop(&self, state: &mut SessionState, node: Option<u8>, cause: Cause) {
-        state.line.safe = true;
-        let cycle = state.line.cycle;
-        let time_s = cycle.saturating_sub(1) as f64 * self.line.cycle_s;
+    /// Ends the motion as an action asks for, and keeps the first cause.
+    pub(super) fn stop(
+        &self,
+        state: &mut SessionState,
+        node: Option<u8>,
+        cause: Cause,
+        action: Action,
+    ) {
+        // Without a ramp the only way to rest is a stop.
+        let can_ramp = state.line.fade != Fade::default();
+        let is_orderly = action == Action::RampOut && can_ramp;
+        state.line.on(if is_orderly { Event::End } else { Event::Stop });
+        let (cycle, time_s) = (state.line.cycle, state.line.time_s(self.line.cycle_s));
         state.stop.get_or_insert(Stop { cycle, time_s, node, cause });
+    }
+
+    /// Whether any damper is on a rig.
+    pub(super) fn has_rigs(&self) -> bool {
+        !self.ports.is_empty()
     }
 
     /// A cause that is a fact and has no value.

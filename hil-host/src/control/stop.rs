@@ -37,7 +37,7 @@ pub struct StopSummary {
     pub limit: Option<f64>,
     /// Unit of both; null for a code.
     pub unit: Option<String>,
-    /// What the limit asks for. A run stops in any case; ramps come later.
+    /// What the limit asks for.
     pub action: String,
 }
 
@@ -59,10 +59,10 @@ impl Stop {
     }
 
     /// The host's fault message.
-    pub(super) fn fault(&self, counter: u8) -> Frame {
+    pub(super) fn fault(&self, counter: u8, state: RunState) -> Frame {
         let (code, detail) = self.code();
         let detail = detail.abs().round().min(f64::from(u16::MAX)) as u16;
-        let fault = Fault { sender: Sender::Host, counter, state: RunState::Safe, code, detail };
+        let fault = Fault { sender: Sender::Host, counter, state, code, detail };
         fault.encode().0
     }
 
@@ -87,6 +87,7 @@ impl Stop {
             Signal::BusQueue => (FaultCode::Overrun, value),
             Signal::BusDown => (FaultCode::BusOff, 0.0),
             Signal::Vehicle => (FaultCode::Internal, 0.0),
+            Signal::Operator => (FaultCode::EmergencyStop, 0.0),
         }
     }
 
@@ -161,7 +162,7 @@ mod tests {
     #[test]
     fn every_cause_has_a_fault_code() {
         for signal in Signal::ALL {
-            let frame = stop(signal, 20.0, 10.0).fault(3);
+            let frame = stop(signal, 20.0, 10.0).fault(3, RunState::Safe);
             let fault = Fault::decode(frame.id(), frame.data()).unwrap();
             assert_eq!((fault.sender, fault.counter), (Sender::Host, 3));
             assert!(fault.code != FaultCode::Cleared, "{signal:?}");

@@ -8,9 +8,12 @@ use report::{Cell, Section, Table, Tile};
 use scenario::run::Run;
 
 pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns, ending: Ending) -> Section {
-    let is_bad = summary.state == End::Safe || summary.cause.is_some();
+    let is_bad = matches!(summary.state, End::Safe | End::RampedOut) || summary.cause.is_some();
     let state = match ending {
         Ending::Known if is_bad => Tile::text("state", summary.state.name()).bad(),
+        Ending::Known if !summary.not_held.is_empty() => {
+            Tile::text("state", "completed, not held").doubtful()
+        }
         Ending::Known => Tile::text("state", summary.state.name()).good(),
         Ending::Unknown { .. } => Tile::text("state", "no end recorded").bad(),
     };
@@ -26,6 +29,9 @@ pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns, ending: 
     }
     if let Some(cause) = &summary.cause {
         section = section.warning(&format!("Stopped {}.", cause.message));
+    }
+    for reason in &summary.not_held {
+        section = section.warning(&format!("Completed, not held: {reason}."));
     }
     if let Some(fault) = &summary.record_fault {
         section = section.warning(fault);

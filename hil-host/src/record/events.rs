@@ -3,7 +3,7 @@
 use super::input_kind::InputKind;
 use super::row::Row;
 use super::storage::{Appender, Storage};
-use can_protocol::Watch;
+use can_protocol::{RunState, Watch};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use serde::Serialize;
 use std::fs::File;
@@ -37,6 +37,7 @@ const SKIPPED_S: f64 = 1.0;
 #[derive(Debug)]
 pub(crate) struct EventLog<S = File> {
     file: Appender<S>,
+    state: Option<RunState>,
     drift: [Watch; DAMPER_SLOTS],
     /// Cycles in a row without a force.
     stale: [u32; DAMPER_SLOTS],
@@ -48,6 +49,7 @@ impl<S: Storage> EventLog<S> {
     pub(crate) fn begin(file: S) -> Self {
         Self {
             file: Appender::new(file),
+            state: None,
             drift: [Watch::None; DAMPER_SLOTS],
             stale: [0; DAMPER_SLOTS],
             skipped: (0, 0.0),
@@ -68,6 +70,9 @@ impl<S: Storage> EventLog<S> {
     /// # Errors
     /// The disk is full, or gone.
     pub(crate) fn take(&mut self, row: &Row) -> io::Result<()> {
+        if self.state.replace(row.state) != Some(row.state) {
+            self.write(&of(row, entered(row.state)))?;
+        }
         for slot in 0..DAMPER_SLOTS {
             self.watch(row, slot)?;
             self.input(row, slot)?;
@@ -119,6 +124,20 @@ impl<S: Storage> EventLog<S> {
     }
 }
 
+/// A state of the host that has been entered, as an event.
+const fn entered(state: RunState) -> &'static str {
+    match state {
+        RunState::Init => "state INIT",
+        RunState::Standby => "state STANDBY",
+        RunState::Armed => "state ARMED",
+        RunState::RampIn => "state RAMP_IN",
+        RunState::Run => "state RUN",
+        RunState::RampOut => "state RAMP_OUT",
+        RunState::Safe => "state SAFE",
+        RunState::Fault => "state FAULT",
+    }
+}
+
 fn of(row: &Row, what: &'static str) -> Event {
     let (time_s, cycle) = (row.time_s, row.cycle);
     Event { time_s, cycle, what, slot: None, value: None, limit: None }
@@ -135,6 +154,7 @@ mod tests {
         let mut log = EventLog::begin(File::create(&path).unwrap());
         for cycle in 1..=3000 {
             let mut row = Row { cycle, time_s: (cycle - 1) as f64 / 1e3, ..Row::default() };
+            row.state = RunState::Run;
             row.input[1] = InputKind::Fresh;
             // Four are no event, seven are one.
             if matches!(cycle, 101..=104 | 201..=207) {
@@ -147,7 +167,8 @@ mod tests {
         }
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::remove_file(path).unwrap();
-        let expected = r#"{"time_s":0.204,"cycle":205,"event":"no valid force","slot":2,"value":5.0,"limit":5.0}
+        let expected = r#"{"time_s":0.0,"cycle":1,"event":"state RUN","slot":null,"value":null,"limit":null}
+{"time_s":0.204,"cycle":205,"event":"no valid force","slot":2,"value":5.0,"limit":5.0}
 {"time_s":0.207,"cycle":208,"event":"valid force again","slot":2,"value":7.0,"limit":5.0}
 {"time_s":0.499,"cycle":500,"event":"drift raised","slot":1,"value":30.0,"limit":20.0}
 {"time_s":0.599,"cycle":600,"event":"drift cleared","slot":1,"value":30.0,"limit":20.0}

@@ -24,14 +24,20 @@ pub(crate) fn column_reference() -> String {
     text.push_str(
         "\nCodes of `input`: 0 no rig, 1 a new measurement with a valid force, 2 nothing arrived, \
          3 a frame\nthat failed a check or a force that the rig reports as invalid. Codes of \
-         `drift`: 0 no watch,\n1 learning, 2 steady, 3 drift.\n",
+         `drift`: 0 no watch,\n1 learning, 2 steady, 3 drift.\n\n\
+         Codes of `state` and `rig_state`: 0 INIT, 1 STANDBY, 2 ARMED, 3 RAMP_IN, 4 RUN, 5 \
+         RAMP_OUT, 6 SAFE,\n7 FAULT. Bits of `rig_flags`: 1 saturated, 2 limit reached, 4 \
+         sensor invalid, 8 actuator lagging.\n",
     );
     text
 }
 
 /// The unit that a column's name ends in.
 fn unit(name: &str) -> &'static str {
-    const UNITS: [(&str, &str); 6] = [
+    const UNITS: [(&str, &str); 9] = [
+        ("rad_per_s2", "rad/s2"),
+        ("_degc", "degC"),
+        ("_cycles", "cycles"),
         ("_m_per_s2", "m/s2"),
         ("_m_per_s", "m/s"),
         ("_ns", "ns"),

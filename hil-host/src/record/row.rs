@@ -4,7 +4,7 @@
 //! bytes of a row both follow that list.
 
 use super::input_kind::InputKind;
-use can_protocol::Watch;
+use can_protocol::{RunState, Watch};
 use firmware_core::vehicle::{AXLES_MAX, DAMPER_SLOTS};
 
 /// Bytes of a kept frame: payload, zero behind it.
@@ -61,7 +61,7 @@ macro_rules! code_field {
     )* };
 }
 
-code_field!(InputKind => InputKind::NoRig, Watch => Watch::None);
+code_field!(InputKind => InputKind::NoRig, Watch => Watch::None, RunState => RunState::Init);
 
 impl<T: Field, const N: usize> Field for [T; N] {
     const KIND: &'static str = T::KIND;
@@ -147,8 +147,10 @@ fn bytes_of(kind: &str, shape: &[usize]) -> usize {
 row! {
     /// Number of the cycle, from one.
     cycle: u64,
-    /// Model time at the start of the cycle (s).
+    /// Model time at the start of the cycle: zero in the first cycle of RUN (s).
     time_s: f64,
+    /// State of the host.
+    state: RunState,
     /// Extension of every damper slot at the end of the cycle, from mid-stroke (m).
     extension_m: [f64; DAMPER_SLOTS],
     /// Its rate (m/s).
@@ -167,6 +169,16 @@ row! {
     input: [InputKind; DAMPER_SLOTS],
     /// Payload of the frame that the input came from.
     frame: [FrameBytes; DAMPER_SLOTS],
+    /// Age of the measurement that is believed, in cycles; 255 where there is none.
+    age_cycles: [u8; DAMPER_SLOTS],
+    /// State of the rig in its newest measurement; 255 where there is none.
+    rig_state: [u8; DAMPER_SLOTS],
+    /// Flags of its newest measurement.
+    rig_flags: [u8; DAMPER_SLOTS],
+    /// Temperature that the rig reports; not a number where it reports none (degC).
+    temperature_degc: [f64; DAMPER_SLOTS],
+    /// Share of the measured force in what the vehicle feels.
+    coupling: [f64; DAMPER_SLOTS],
     /// Force that the rig measured less that of the model that watches it; not a number, or zero
     /// for a modelled damper, without a watch (N).
     residual_n: [f64; DAMPER_SLOTS],
@@ -178,6 +190,12 @@ row! {
     drift: [Watch; DAMPER_SLOTS],
     /// Lateral and vertical acceleration of carbody, front bogie and first wheelset (m/s2).
     acceleration_m_per_s2: [f64; 6],
+    /// Lateral and vertical acceleration of the rear bogie (m/s2).
+    bogie_rear_m_per_s2: [f64; 2],
+    /// Yaw acceleration of front and rear bogie (rad/s2).
+    bogie_yaw_rad_per_s2: [f64; 2],
+    /// Lateral and vertical acceleration of every wheelset, at its axleboxes (m/s2).
+    wheelset_m_per_s2: [[f64; 2]; AXLES_MAX],
     /// Lateral force of the first axle's wheels on the rail, left and right, to the right (N).
     wheel_lateral_n: [f64; 2],
     /// Vertical force of the first axle's wheels on the rail, left and right (N).

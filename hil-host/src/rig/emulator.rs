@@ -121,14 +121,28 @@ impl Emulator {
 
     /// The ram in the middle, the damper at rest, the noise at cycle 0.
     pub fn start(&self) -> EmulatorState {
+        self.start_at(0.0)
+    }
+
+    /// The ram at rest at a displacement, the damper at rest there, the noise at cycle 0.
+    pub fn start_at(&self, ram_m: f64) -> EmulatorState {
+        let ram_m = ram_m.clamp(-self.ram.stroke_m, self.ram.stroke_m);
+        let held = Reference { displacement_m: ram_m, ..Reference::default() };
         EmulatorState {
             cycle: 0,
-            ram: RamState::default(),
-            eyes_m: 0.0,
+            ram: RamState { displacement_m: ram_m, ..RamState::default() },
+            eyes_m: ram_m,
             force_n: 0.0,
-            damper: DamperState::rest(),
-            line: [Reference::default(); LINE],
+            damper: DamperState::starting(Motion::new(ram_m, 0.0)),
+            line: [held; LINE],
         }
+    }
+
+    /// Begins a session with the plant as it stands: the noise counts from here, and the delay line
+    /// holds where the ram is.
+    pub fn begin(&self, state: &mut EmulatorState) {
+        let held = Reference { displacement_m: state.ram.displacement_m, ..Reference::default() };
+        (state.cycle, state.line) = (0, [held; LINE]);
     }
 
     /// One cycle.

@@ -9,11 +9,13 @@
 //!
 //! | host commands | the rig |
 //! | --- | --- |
-//! | RUN, from another state | centres the ram, rests the damper, resets the noise, follows |
-//! | RUN | follows: displacement, or displacement and velocity; HOLD; CENTRE |
+//! | RAMP_IN or RUN, from a state at rest | begins where the ram stands, and follows |
+//! | RAMP_IN, RUN or RAMP_OUT | follows: displacement, or displacement and velocity; HOLD; CENTRE |
 //! | any other state | decelerates and holds |
 //! | nothing valid for [`WATCHDOG_CYCLES`] cycles | SAFE: decelerates, holds, sends one fault, answers |
-//! | RUN after that | stays SAFE: only another state releases it, then RUN arms anew |
+//! | RAMP_IN or RUN after that | stays SAFE: only a state at rest releases it |
+//!
+//! The plant (ram, fixture, damper) stays as it is from session to session.
 //!
 //! **Cycles.** In lock-step a new valid command is a cycle and gets its answer. In clock pace the
 //! owner calls [`RigNode::cycle`] once per period; the newest valid command counts, and in a cycle
@@ -84,11 +86,21 @@ impl RigNode {
         let timing = Timing { profile, ..Timing::default() };
         let emulator = Emulator::new(setup, timing.period_s(), u64::from(node.number()));
         let state = emulator.start();
+        Self::with_plant(timing, emulator, state, node)
+    }
+
+    /// The same rig with its ram at rest somewhere else (m).
+    #[must_use]
+    pub fn with_ram_at(self, ram_m: f64) -> Self {
+        Self { state: self.emulator.start_at(ram_m), ..self }
+    }
+
+    fn with_plant(timing: Timing, emulator: Emulator, state: EmulatorState, node: Node) -> Self {
         Self {
             node,
             timing,
             emulator,
-            session: Session::new(profile, node),
+            session: Session::new(timing.profile, node),
             state,
             run_state: RunState::Init,
             latched: false,
@@ -145,7 +157,7 @@ impl RigNode {
         if self.is_coupled() && self.silent_cycles >= WATCHDOG_CYCLES {
             self.go_safe(self.silent_cycles);
         }
-        let target = if self.run_state == RunState::Run { self.target } else { Target::Hold };
+        let target = if self.is_coupled() { self.target } else { Target::Hold };
         let reading = self.emulator.cycle(&mut self.state, target);
         self.cycles += 1;
         self.last = Some(reading);
@@ -170,13 +182,13 @@ impl RigNode {
             RunState::Fault => RunState::Safe,
             state => state,
         };
-        if commanded == RunState::Run {
-            // What is refused is arming; a rig that runs keeps to its own timing.
-            if self.latched || (self.refused && self.run_state != RunState::Run) {
+        if is_coupled(commanded) {
+            // What is refused is coupling; a rig that runs keeps to its own timing.
+            if self.latched || (self.refused && !self.is_coupled()) {
                 return;
             }
-            if self.run_state != RunState::Run {
-                self.state = self.emulator.start();
+            if !self.is_coupled() {
+                self.emulator.begin(&mut self.state);
                 self.trips = Trips::empty();
                 self.runs += 1;
             }
@@ -288,7 +300,7 @@ impl RigNode {
 
     /// Whether the watchdog watches: the host moves the ram, or is about to.
     pub fn is_coupled(&self) -> bool {
-        matches!(self.run_state, RunState::RampIn | RunState::Run | RunState::RampOut)
+        is_coupled(self.run_state)
     }
 
     /// Whether the ram stands still.
@@ -327,8 +339,13 @@ impl RigNode {
     }
 }
 
+/// Whether a rig follows commands in a state.
+const fn is_coupled(state: RunState) -> bool {
+    matches!(state, RunState::RampIn | RunState::Run | RunState::RampOut)
+}
+
 /// Whether a command has every value that its mode needs.
 fn has_value(command: &Command) -> bool {
     let follows = matches!(command.mode, Mode::Follow | Mode::FollowWithVelocity);
-    command.state != RunState::Run || !follows || command.displacement_m.is_some()
+    !is_coupled(command.state) || !follows || command.displacement_m.is_some()
 }

@@ -13,14 +13,15 @@ mod space;
 
 pub use late_report::{LateReport, report};
 pub(crate) use plan::Plan;
+pub use plan::is_on_a_bus;
 pub(crate) use progress::bar;
 pub(crate) use setup::{Terms, session};
 pub use setup::{line, watch_of};
 
 use crate::BenchError;
 use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
-use crate::comparison::{self, SecondRun};
-use crate::control::{End, NoAnswer, Session, SessionState};
+use crate::comparison::{self, Cycles, SecondRun};
+use crate::control::{End, Requests, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
 use crate::page::{Ending, page};
 use crate::realtime::{self, RealtimeOptions};
@@ -35,7 +36,6 @@ use report::Section;
 use scenario::run::Run;
 use setup::{open_buses, pace};
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 const RECORD: &str = "record.npy";
@@ -69,12 +69,12 @@ pub struct Finished {
 
 /// Runs a scenario.
 ///
-/// `stop` ends it early: record, summary and report hold the run up to that point, and
+/// `requests` arm it and end it early: record, summary and report hold the run up to that point, and
 /// [`Finished::interrupted`] is set.
 ///
 /// # Errors
 /// Bad input, before anything is written; rigs that do not answer; a bus or disk that fails.
-pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finished, BenchError> {
+pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finished, BenchError> {
     let plan = Plan::new(run, &options.bus)?;
     plan.check_pace(options.pace)?;
     let load = plan.load(options)?;
@@ -101,7 +101,7 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         require_realtime(options.realtime)?;
     }
     let epoch = Epoch::now();
-    let handshake = greet(&session, &state, &mut buses, &options.bus, epoch, stop)?;
+    let handshake = greet(&session, &mut state, &mut buses, &options.bus, epoch, requests)?;
 
     folder.create()?;
     folder.write(SCENARIO, &run.effective.scenario)?;
@@ -124,7 +124,7 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
         pace: &mut pace,
         cycles: run.cycles(),
     };
-    let mut recording = recording::record(task, &options.realtime, &output, stop)?;
+    let mut recording = recording::record(task, &options.realtime, &output, requests)?;
     recording.columns.read(&folder.file(RECORD))?;
 
     let mut summary = summary(run, options, &session, &state, &buses, &load, &recording);
@@ -143,7 +143,11 @@ pub fn run(run: &Run, options: &RunOptions, stop: &AtomicBool) -> Result<Finishe
     let mut interrupted = recording.end == End::Stopped;
     if let (Some(setup), Some(other), false) = (&run.compare, &other, interrupted) {
         let record = (folder.file(COMPARED), folder.create_file(COMPARED)?);
-        match SecondRun::through(other, options.profile, summary.steps, record, stop)? {
+        // One that left its track shows the other damper for as long as it took to stop.
+        let is_safe = summary.state == End::Safe;
+        let asked = if is_safe { state.line.run_cycles() } else { summary.steps };
+        let cycles = Cycles { ramp_in: state.line.ramp_in_cycles, run: asked };
+        match SecondRun::through(other, options.profile, cycles, record, requests.end_flag())? {
             Some(second) => {
                 let main = (run, &summary, &recording.columns);
                 let found = comparison::compare(setup, main, (other, &second));
@@ -178,17 +182,14 @@ fn require_realtime(wanted: RealtimeOptions) -> Result<(), BenchError> {
 /// Waits for the rigs; gives the frames of the handshake.
 fn greet(
     session: &Session<'_>,
-    state: &SessionState,
+    state: &mut SessionState,
     buses: &mut [AnyBus],
     bus: &BusChoice,
     epoch: Epoch,
-    stop: &AtomicBool,
+    requests: &Requests,
 ) -> Result<Vec<BusEvent>, BenchError> {
     let mut heard = Heard::all(buses, epoch);
-    session.greet(state, &mut heard, PATIENCE, stop).map_err(|why| match why {
-        NoAnswer::Silent(nodes) => BenchError::SilentRigs { nodes, bus: bus.to_string() },
-        NoAnswer::Interrupted => BenchError::Interrupted,
-    })?;
+    session.greet(state, &mut heard, PATIENCE, requests).map_err(|why| why.on(bus))?;
     Ok(Heard::events(heard))
 }
 

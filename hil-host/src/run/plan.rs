@@ -33,6 +33,15 @@ pub(crate) struct BusLoad {
     pub(crate) most: f64,
 }
 
+/// Whether a rig of a scenario is on a real bus; `default` is the bus of slots that name none.
+pub fn is_on_a_bus(run: &Run, default: &BusChoice) -> bool {
+    run.slots.iter().any(|slot| match &slot.force {
+        SlotForce::Rig { bus: Some(name), .. } => name.parse() != Ok(BusChoice::Memory),
+        SlotForce::Rig { bus: None, .. } => *default != BusChoice::Memory,
+        SlotForce::Modelled(_) => false,
+    })
+}
+
 impl Plan {
     /// The plan of a scenario; `default` is the bus of slots that name none.
     pub(crate) fn new(run: &Run, default: &BusChoice) -> Result<Self, BenchError> {

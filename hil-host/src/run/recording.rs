@@ -5,7 +5,7 @@ use super::progress::{self, Progress};
 use crate::BenchError;
 use crate::bus::Bus;
 use crate::columns::Columns;
-use crate::control::{Buses, End, Pace, Session, SessionState};
+use crate::control::{Buses, End, Pace, Requests, Session, SessionState};
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
     BusEvent, BusLog, Drain, Event, EventLog, Loss, NpyWriter, Outlet, Queues, Row, Storage,
@@ -62,7 +62,7 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
     task: Task<'_, '_, B>,
     realtime_options: &RealtimeOptions,
     output: &Output<S>,
-    stop: &AtomicBool,
+    requests: &Requests,
 ) -> Result<Recording, BenchError> {
     let Task { session, state, buses, pace, cycles } = task;
     let cycle_ns = session.line.cycle_s * 1e9 * f64::from(session.slow_down.get());
@@ -74,7 +74,9 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
     let mut lines = BusLog::begin(log, epoch.unix_ns, output.bus_names.clone());
     lines.write(&output.handshake).map_err(|why| failed(&output.log, why))?;
     let mut happened = EventLog::begin(&output.events.1);
-    happened.write(&of_run(0, 0.0, "run begun")).map_err(|why| failed(&output.events, why))?;
+    happened
+        .write(&of_run(0, state.line.time_s(session.line.cycle_s), "run begun"))
+        .map_err(|why| failed(&output.events, why))?;
     let mut queues = Queues::for_rigs(session.ports.len());
     let (mut recorder, drain) = queues.split();
     recorder.rows_lost_at_most = 1_000_000_000 / cycle_ns;
@@ -85,11 +87,11 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
         let (done, Drain { rows, events }) = (&done, drain);
         let record = scope.spawn(move || {
             let to = RowOutput { record: begun, events: happened, progress, cycle_ns };
-            write_rows(to, &rows, done, stop)
+            write_rows(to, &rows, done, requests)
         });
-        let log = scope.spawn(move || write_events(lines, &events, done, stop));
+        let log = scope.spawn(move || write_events(lines, &events, done, requests));
         let storages = files.map(|(_, storage)| storage);
-        let sync = scope.spawn(move || synchronise(storages, &ended, stop));
+        let sync = scope.spawn(move || synchronise(storages, &ended, requests));
         scope.spawn(move || progress::show(&shown, cycles));
 
         // After the other threads have started: they must not inherit the loop's processor.
@@ -100,12 +102,12 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
         }
         let begin = Instant::now();
         let mut buses = Buses::new(buses, &mut recorder).counted_from(epoch.begin);
-        let end = session.run(state, &mut buses, pace, cycles, stop);
+        let end = session.run(state, &mut buses, pace, cycles, requests);
         let wall_s = begin.elapsed().as_secs_f64();
         done.store(true, Ordering::Release);
         drop(running);
         let (record, columns, mut happened) = joined(record)?;
-        let (cycle, time_s) = (state.line.cycle, state.line.cycle as f64 * session.line.cycle_s);
+        let (cycle, time_s) = (state.line.cycle, state.line.time_s(session.line.cycle_s));
         // A disk that does not take it is named below or has taken all rows.
         let _ = happened.write(&of_run(cycle, time_s, ended_as(end)));
         let (log, [record_sync, log_sync]) = (joined(log)?, joined(sync)?);
@@ -152,6 +154,7 @@ const fn ended_as(end: End) -> &'static str {
     match end {
         End::Completed => "run ended: completed",
         End::Stopped => "run ended: stopped",
+        End::RampedOut => "run ended: ramped out",
         End::Safe => "run ended: safe",
     }
 }
@@ -161,14 +164,14 @@ fn write_rows<S: Storage>(
     to: RowOutput<S>,
     rows: &Outlet<'_, Row>,
     done: &AtomicBool,
-    stop: &AtomicBool,
+    requests: &Requests,
 ) -> (Loss, Columns, EventLog<S>) {
     let RowOutput { mut record, mut events, mut progress, cycle_ns } = to;
     let (mut loss, mut columns) = (Loss::default(), Columns::default());
     rows.run(done, |rows| {
         let Some(last) = rows.last() else { return };
         if loss.take(record.write(rows), rows.len() as u64, last.cycle * cycle_ns) {
-            stop.store(true, Ordering::Relaxed);
+            requests.end();
         }
         for row in rows {
             columns.count(row);
@@ -185,13 +188,13 @@ fn write_events<S: Storage>(
     mut log: BusLog<S>,
     events: &Outlet<'_, BusEvent>,
     done: &AtomicBool,
-    stop: &AtomicBool,
+    requests: &Requests,
 ) -> Loss {
     let mut loss = Loss::default();
     events.run(done, |events| {
         let Some(last) = events.last() else { return };
         if loss.take(log.write(events), events.len() as u64, last.time_ns) {
-            stop.store(true, Ordering::Relaxed);
+            requests.end();
         }
     });
     finish(&mut loss, log.finish());
@@ -208,12 +211,12 @@ fn finish(loss: &mut Loss, finished: io::Result<()>) {
 
 /// Has the disk synchronised from time to time, until the run has ended. The writing threads do not
 /// wait for it.
-fn synchronise<S: Storage>(files: [&S; 2], ended: &Receiver<()>, stop: &AtomicBool) -> [Loss; 2] {
+fn synchronise<S: Storage>(files: [&S; 2], ended: &Receiver<()>, requests: &Requests) -> [Loss; 2] {
     let (begin, mut losses) = (Instant::now(), [Loss::default(), Loss::default()]);
     while ended.recv_timeout(SYNC) == Err(RecvTimeoutError::Timeout) {
         for (file, loss) in files.iter().zip(&mut losses) {
             if loss.take(file.sync(), 0, begin.elapsed().as_nanos() as u64) {
-                stop.store(true, Ordering::Relaxed);
+                requests.end();
             }
         }
     }
@@ -254,8 +257,8 @@ mod tests {
         let rigs = plan.rigs.iter().map(|rig| RigNode::new(&run.rig, rig.node, session.profile));
         let mut buses = vec![MemoryBus::new(rigs)];
         let mut state = session.start(session.line.start(run.start.state.clone()));
-        let stop = AtomicBool::new(false);
-        session.greet(&state, &mut buses, Duration::from_secs(10), &stop).unwrap();
+        let stop = Requests::armed();
+        session.greet(&mut state, &mut buses, Duration::from_secs(10), &stop).unwrap();
         let output = Output {
             record: (path.to_owned(), record_file),
             log: (PathBuf::from("bus.log"), log),
@@ -339,14 +342,15 @@ mod tests {
         let disk = |file, every| Flaky { file, every, writes: AtomicU64::new(0) };
         let files = [disk(File::create(&path).unwrap(), 3), disk(nowhere(), 0), disk(nowhere(), 0)];
         let (recording, cycles) = recorded(12.0, files, &path);
-        assert_eq!((recording.end, cycles), (End::Completed, 12_000));
+        // 12 s, and four fades of half a second.
+        assert_eq!((recording.end, cycles), (End::Completed, 14_000));
         assert!(recording.failure.is_none(), "{:?}", recording.failure);
         let series = read_record(&path, 1).unwrap();
         assert!(recording.dropped > 0, "no write failed");
         assert_eq!(series.lines.len() as u64 + recording.dropped, cycles);
         // Whole rows in order, with gaps.
         let all = series.time_s.is_sorted_by(|a, b| a < b);
-        assert!(all && *series.time_s.last().unwrap() < 12.0);
+        assert!(all && *series.time_s.last().unwrap() < 13.0);
         std::fs::remove_file(path).unwrap();
     }
 

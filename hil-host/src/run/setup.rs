@@ -10,7 +10,8 @@ use crate::rig::RigNode;
 use can_protocol::{MessageId, Node, Pace as WirePace, Profile, Sender};
 use firmware_core::compensation::VirtualWear;
 use firmware_core::guard::Guard;
-use firmware_core::line::{Line, Slot};
+use firmware_core::line::{Fade, Line, RigSlot, Slot};
+use firmware_core::supervision::CommandLimits;
 use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::{CYCLE_S, Run, SlotForce};
@@ -54,6 +55,7 @@ pub(crate) fn session<'a>(
         pace,
         slow_down,
         watched: [body("carbody"), body("bogie_front"), body("wheelset_1")],
+        rear_bogie: body("bogie_rear"),
     })
 }
 
@@ -66,13 +68,17 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
     for (slot, place) in slots.iter_mut().zip(&run.slots) {
         *slot = match &place.force {
             SlotForce::Modelled(damper) => Slot::Modelled(damper.clone().prepared(substep_s)),
-            SlotForce::Rig { virtual_clearance_2a_m, virtual_compliance_m_per_n, .. } => {
-                Slot::Rig(VirtualWear {
+            SlotForce::Rig {
+                virtual_clearance_2a_m, virtual_compliance_m_per_n, model, ..
+            } => Slot::Rig(RigSlot {
+                model: (**model).clone().prepared(substep_s),
+                wear: VirtualWear {
                     clearance_2a_m: *virtual_clearance_2a_m,
                     compliance_m_per_n: *virtual_compliance_m_per_n,
                     ..VirtualWear::default()
-                })
-            }
+                },
+                limits: limits(run),
+            }),
         };
     }
     Line {
@@ -84,6 +90,19 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
         substeps: run.substeps,
         slots,
         guard: Guard::default(),
+        fade: Fade {
+            motion_cycles: run.motion.ramp_cycles,
+            coupling_cycles: run.motion.ramp_cycles,
+        },
+    }
+}
+
+/// The limits of the commands to a rig.
+fn limits(run: &Run) -> CommandLimits {
+    CommandLimits {
+        stroke_m: run.motion.stroke_m,
+        velocity_m_per_s: run.motion.velocity_m_per_s,
+        acceleration_m_per_s2: run.motion.acceleration_m_per_s2,
     }
 }
 

@@ -32,6 +32,8 @@ pub struct DamperSummary {
     pub saturated_commands: Option<u64>,
     /// Measurements with a flag: limit reached, actuator lagging, saturated; null without a rig.
     pub flagged_measurements: Option<u64>,
+    /// Commands that the limits in `[motion]` changed; null without a rig.
+    pub limited_commands: Option<u64>,
     /// Running rms of measured less modelled force at the end (N); null without a watch.
     pub residual_rms_n: Option<f64>,
     /// The same when the usual residual had been learnt (N); null before.
@@ -105,6 +107,7 @@ fn damper(name: &str, rig: bool, slot: usize, first: usize, columns: &Columns) -
         stale_cycles: rig.then_some(columns.stale[slot]),
         saturated_commands: None,
         flagged_measurements: None,
+        limited_commands: None,
         residual_rms_n: watch.last_rms_n(),
         residual_learnt_rms_n: watch.learnt_rms_n,
         drift: match watch.verdict {

@@ -16,6 +16,7 @@ pub(crate) struct KeptSummary {
     pub(crate) frames: Frames,
     pub(crate) bus_counters: super::BusCount,
     pub(crate) state: End,
+    pub(crate) not_held: Vec<String>,
     pub(crate) cause: Option<StopSummary>,
     pub(crate) record_fault: Option<String>,
     pub(crate) trajectory_hash: String,
@@ -45,9 +46,9 @@ impl Summary {
         kept: Option<&KeptSummary>,
     ) -> Self {
         let first = columns.first_after(run.run_in_s);
-        let (steps, hash) = columns.last;
+        let (cycles, hash) = columns.last;
         let counted = Frames {
-            sent: steps * asked.rigs as u64,
+            sent: cycles * asked.rigs as u64,
             received: columns.fresh.iter().sum(),
             lost: columns.stale.iter().sum(),
             crc_errors: 0,
@@ -64,8 +65,9 @@ impl Summary {
             bus: asked.bus.clone(),
             pace: asked.pace,
             speed_kmh: run.speed_m_per_s * 3.6,
-            steps,
-            duration_s: steps as f64 * CYCLE_S,
+            steps: columns.run_cycles,
+            cycles,
+            duration_s: columns.run_cycles as f64 * CYCLE_S,
             run_in_s: run.run_in_s,
             statistics_s: (columns.time_s.len() - first) as f64 * CYCLE_S,
             wall_s: kept.map_or(0.0, |kept| kept.wall_s),
@@ -80,12 +82,13 @@ impl Summary {
             accelerations: accelerations(asked.watched, columns, first),
             comparison: None,
             state: kept.map_or(End::Stopped, |kept| kept.state),
+            not_held: kept.map_or_else(Vec::new, |kept| kept.not_held.clone()),
             cause: kept.and_then(|kept| kept.cause.clone()),
             record_fault: kept.and_then(|kept| kept.record_fault.clone()),
             trajectory_hash: kept
                 .map_or_else(|| format!("{hash:016x}"), |kept| kept.trajectory_hash.clone()),
             trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),
-            record_dropped: kept.map_or(steps - columns.rows(), |kept| kept.record_dropped),
+            record_dropped: kept.map_or(cycles - columns.rows(), |kept| kept.record_dropped),
             bus_load: asked.bus_load,
         }
     }

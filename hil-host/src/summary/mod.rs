@@ -3,6 +3,7 @@
 mod accelerations;
 mod dampers;
 mod frames;
+mod held;
 mod late;
 mod outcome;
 mod times;
@@ -23,6 +24,7 @@ use crate::comparison::Comparison;
 use crate::control::{End, HASH_ALGORITHM, StopSummary};
 use crate::options::PaceChoice;
 use frames::frames;
+use held::Counted;
 use scenario::run::CYCLE_S;
 use serde::Serialize;
 use times::{percentiles, step_percentiles};
@@ -44,9 +46,11 @@ pub struct Summary {
     pub pace: PaceChoice,
     /// Running speed (km/h).
     pub speed_kmh: f64,
-    /// Control cycles done.
+    /// Control cycles of RUN.
     pub steps: u64,
-    /// Model time (s).
+    /// All control cycles, those before and after RUN included.
+    pub cycles: u64,
+    /// Model time in RUN (s).
     pub duration_s: f64,
     /// Time at the start that the statistics leave out (s).
     pub run_in_s: f64,
@@ -72,8 +76,10 @@ pub struct Summary {
     pub accelerations: Accelerations,
     /// The same run with another damper; null without `[compare]`.
     pub comparison: Option<Comparison>,
-    /// `completed`, `stopped` or `safe`.
+    /// `completed`, `stopped`, `ramped_out` or `safe`.
     pub state: End,
+    /// Why a completed run is not held, one sentence each; empty where it is.
+    pub not_held: Vec<String>,
     /// What stopped it; null unless it ended in the safe state.
     pub cause: Option<StopSummary>,
     /// Why the record could not be kept and the run was ended; null otherwise.
@@ -101,8 +107,20 @@ impl Summary {
             if let Some(damper) = dampers.get_mut(port.slot) {
                 damper.saturated_commands = Some(memory.saturated);
                 damper.flagged_measurements = Some(memory.flagged);
+                damper.limited_commands = Some(state.line.slots[port.slot].limited);
             }
         }
+        let frames = frames(outcome);
+        let counted = Counted {
+            cycles: state.line.cycle,
+            skipped: state.skipped,
+            frames: &frames,
+            dampers: &dampers,
+        };
+        let not_held = match outcome.end {
+            End::Completed => held::not_held(&counted),
+            End::Stopped | End::RampedOut | End::Safe => Vec::new(),
+        };
         Self {
             format: 1,
             title: run.title.clone(),
@@ -111,8 +129,9 @@ impl Summary {
             bus: outcome.bus.clone(),
             pace: outcome.pace,
             speed_kmh: run.speed_m_per_s * 3.6,
-            steps: state.line.cycle,
-            duration_s: state.line.cycle as f64 * CYCLE_S,
+            steps: columns.run_cycles,
+            cycles: state.line.cycle,
+            duration_s: columns.run_cycles as f64 * CYCLE_S,
             run_in_s: run.run_in_s,
             statistics_s: (columns.time_s.len() - first) as f64 * CYCLE_S,
             wall_s: outcome.wall_s,
@@ -120,12 +139,13 @@ impl Summary {
             cycle_time_us: percentiles(&columns.cycle_ns),
             step_compute_us: step_percentiles(&columns.compute_ns),
             lateness_us: clocked.then(|| percentiles(&columns.lateness_ns)),
-            frames: frames(outcome),
+            frames,
             bus_counters: outcome.counters.into(),
             damper: dampers,
             accelerations: accelerations(outcome.watched, columns, first),
             comparison: None,
             state: outcome.end,
+            not_held,
             cause: state.stop.map(|stop| stop.summary()),
             record_fault: outcome.record_fault.clone(),
             trajectory_hash: format!("{:016x}", state.hash),

@@ -5,12 +5,11 @@ use crate::support::locomotive::{NODE, scenario, session};
 use can_protocol::{Frame, MessageId, Pace as WirePace, Profile};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::{Pacer, Tick};
-use hil_host::control::{Buses, End, NoAnswer, Pace, STOP_CYCLES, Session, SessionState};
+use hil_host::control::{Buses, End, NoAnswer, Pace, Requests, STOP_CYCLES, Session, SessionState};
 use hil_host::record::{Queues, ROWS};
 use hil_host::rig::RigNode;
 use scenario::run::Run;
 use std::collections::VecDeque;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// The bus of the rig, with room for frames that neither host nor rig has sent.
@@ -74,10 +73,10 @@ impl Bus for Disturbed {
 }
 
 fn greeted(session: &Session<'_>, run: &Run) -> (SessionState, Disturbed) {
-    let state = session.start(session.line.start(run.start.state.clone()));
+    let mut state = session.start(session.line.start(run.start.state.clone()));
     let mut bus = Disturbed::new(run);
     let buses = std::slice::from_mut(&mut bus);
-    session.greet(&state, buses, Duration::from_secs(1), &AtomicBool::new(false)).unwrap();
+    session.greet(&mut state, buses, Duration::from_secs(1), &Requests::armed()).unwrap();
     (state, bus)
 }
 
@@ -110,7 +109,8 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
     assert_eq!((counts.wrong_sequence, counts.lost_frames), (times, 0));
     let (rig, clean_rig) = (bus.bus.rigs()[0].frames(), clean_bus.bus.rigs()[0].frames());
     assert_eq!((rig.crc_errors, clean_rig.crc_errors), (times, 0));
-    assert_eq!((rig.received, rig.lost), (2000, 0));
+    // One command in STANDBY asked where the ram stands.
+    assert_eq!((rig.received, rig.lost), (2001, 0));
     assert_eq!(bus.bus.rigs()[0].physics(), clean_bus.bus.rigs()[0].physics());
 }
 
@@ -122,11 +122,11 @@ fn a_host_whose_rig_falls_silent_goes_safe_in_the_fifth_cycle_and_ends_after_the
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
     let (mut state, mut bus) = greeted(&session, &run);
-    bus.most = 300;
+    bus.most = bus.measurements.len() + 300;
     let mut buses = Buses::new(std::slice::from_mut(&mut bus), &mut recorder);
     // A clock that waits for nothing and skips nothing.
     let mut pace = Pace::Realtime(Pacer::virtual_time(1_000_000));
-    let end = session.run(&mut state, &mut buses, &mut pace, 5000, &AtomicBool::new(false));
+    let end = session.run(&mut state, &mut buses, &mut pace, 5000, &Requests::armed());
     assert_eq!(end, End::Safe);
     // The last measurement is used in cycle 301; the guard trips in the fifth cycle after it.
     assert_eq!(state.line.cycle, 301 + 5 + STOP_CYCLES);
@@ -139,14 +139,16 @@ fn a_stop_before_the_first_cycle_ends_the_wait_for_the_rigs() {
     let run = scenario();
     let track = run.track.view();
     let session = session(&run, &track, WirePace::LockStep);
-    let state = session.start(session.line.start(run.start.state.clone()));
+    let mut state = session.start(session.line.start(run.start.state.clone()));
     let mut bus = Disturbed::new(&run);
     bus.most = 0;
+    let requests = Requests::armed();
+    requests.end();
     let greeting = session.greet(
-        &state,
+        &mut state,
         std::slice::from_mut(&mut bus),
         Duration::from_secs(600),
-        &AtomicBool::new(true),
+        &requests,
     );
     assert_eq!(greeting, Err(NoAnswer::Interrupted));
 }
@@ -163,8 +165,9 @@ fn a_loop_whose_rows_find_no_room_for_more_than_a_second_ends_in_order() {
     let (mut state, mut bus) = greeted(&session, &run);
     let mut buses = Buses::new(std::slice::from_mut(&mut bus), &mut recorder);
     let mut pace = Pace::Realtime(Pacer::virtual_time(1_000_000));
-    let end = session.run(&mut state, &mut buses, &mut pace, 20_000, &AtomicBool::new(false));
-    assert_eq!((end, state.line.cycle), (End::Stopped, ROWS as u64 + 1001));
-    assert!(!state.line.safe);
-    assert_eq!((recorder.dropped_rows, recorder.is_overrun()), (1001, true));
+    let end = session.run(&mut state, &mut buses, &mut pace, 20_000, &Requests::armed());
+    // Coupling and motion are faded out, for half a second each.
+    assert_eq!((end, state.line.cycle), (End::Stopped, ROWS as u64 + 1001 + 1000));
+    assert!(!state.line.is_safe());
+    assert_eq!((recorder.dropped_rows, recorder.is_overrun()), (2001, true));
 }

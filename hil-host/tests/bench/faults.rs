@@ -9,11 +9,10 @@ use can_protocol::{
 use firmware_core::supervision::{Action, Signal};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::Tick;
-use hil_host::control::{Buses, Stop};
+use hil_host::control::{Buses, Requests, Stop};
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
 use std::collections::VecDeque;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// Cycle in which a fault begins.
@@ -79,7 +78,8 @@ fn stop_of(change: Change, is_full: fn(u64) -> bool) -> Option<Stop> {
     let bus = MemoryBus::new(Some(RigNode::new(&run.rig, NODE, Profile::Classical)));
     let mut bus = Faulty { bus, cycle: 0, change, is_full, pending: VecDeque::new() };
     let buses = std::slice::from_mut(&mut bus);
-    session.greet(&state, buses, Duration::from_secs(1), &AtomicBool::new(false)).unwrap();
+    session.greet(&mut state, buses, Duration::from_secs(1), &Requests::armed()).unwrap();
+    bus.cycle = 0;
     while state.line.cycle < BEGIN + LASTS && state.stop.is_none() {
         let buses = std::slice::from_mut(&mut bus);
         session.cycle(&mut state, &mut Buses::new(buses, &mut recorder), Tick::default());

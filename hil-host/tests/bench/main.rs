@@ -3,6 +3,7 @@
 
 mod control_loop;
 mod faults;
+mod ramps;
 mod rig_answers;
 mod rig_physics;
 mod rig_process;

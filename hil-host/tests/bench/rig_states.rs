@@ -113,7 +113,7 @@ fn safe_is_latched_against_run_and_released_by_another_state() {
     give(&mut rig, &host.run());
     rig.cycle();
     assert_eq!(measured(&mut rig).state, RunState::Run);
-    assert_eq!((rig.runs(), rig.physics().cycle()), (2, 1), "armed anew: middle, rest, cycle 0");
+    assert_eq!((rig.runs(), rig.physics().cycle()), (2, 1), "coupled anew: noise from cycle 0");
 }
 
 #[test]

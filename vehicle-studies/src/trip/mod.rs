@@ -18,9 +18,9 @@ mod tests;
 pub mod track;
 
 use crate::error::StudyError;
-use firmware_core::damper::{Damper, DamperError, Nominal};
+use firmware_core::damper::{Damper, DamperError};
 use firmware_core::guard::{ForceInput, Guard};
-use firmware_core::line::{Line, LineState, Slot};
+use firmware_core::line::{Fade, Line, LineState, Slot};
 use firmware_core::track::Track;
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
@@ -28,7 +28,7 @@ use pace::Odometer;
 pub use pace::Pace;
 use scenario::equilibrium::{self, NoEquilibrium};
 use scenario::minimum_speed::minimum_speed_m_per_s;
-use scenario::run::{CYCLE_S, Run, SlotForce};
+use scenario::run::{CYCLE_S, Run, SlotForce, worn};
 use scenario::wheel_rail::Contact;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -136,13 +136,7 @@ fn modelled(force: &SlotForce, on_rig: &Damper) -> Result<Damper, DamperError> {
     match force {
         SlotForce::Modelled(damper) => Ok(damper.clone()),
         SlotForce::Rig { virtual_clearance_2a_m, virtual_compliance_m_per_n, .. } => {
-            let new = *on_rig.nominal();
-            let worn = Nominal {
-                clearance_2a_m: new.clearance_2a_m + virtual_clearance_2a_m,
-                ke_n_per_m: 1.0 / (1.0 / new.ke_n_per_m + virtual_compliance_m_per_n),
-                ..new
-            };
-            Damper::new(worn, on_rig.effects())
+            worn(on_rig, *virtual_clearance_2a_m, *virtual_compliance_m_per_n)
         }
     }
 }
@@ -182,6 +176,7 @@ impl<'a> Trip<'a> {
             substeps,
             slots,
             guard: Guard::default(),
+            fade: Fade::default(),
         };
         Self { line, equipped }
     }
@@ -227,7 +222,7 @@ impl<'a> Trip<'a> {
                 }
             }
             self.line.step(state, &[ForceInput::Missing; DAMPER_SLOTS]);
-            if state.safe {
+            if state.is_safe() {
                 break;
             }
             see(state);

@@ -173,7 +173,7 @@ impl Seen {
         };
         let number = self.number(profile, reception.status, measurement.counter, stamp_us);
         self.last = Some((number, measurement.counter, stamp_us));
-        if measurement.state != RunState::Run {
+        if !matches!(measurement.state, RunState::RampIn | RunState::Run | RunState::RampOut) {
             self.not_running += 1;
             return Ok(());
         }

@@ -27,5 +27,6 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>, pace: Pace) -> Ses
         pace,
         slow_down: NonZeroU8::MIN,
         watched: [Some(0), Some(1), Some(3)],
+        rear_bogie: Some(2),
     }
 }

@@ -3,29 +3,28 @@
 //! ```text
 //! received forces -> guard -> vehicle step (modelled dampers inside) -> compensation -> commands
 //! ```
+//! A rig is coupled gradually ([`Fade`]): its ram takes up the vehicle's motion from where it
+//! stands, then its measured force takes the place of a model's. At the end it is the other way
+//! round.
+//!
 //! The step of a cycle takes the forces that were received since the last one and holds them over
 //! the cycle; modelled dampers act at every substep. Forces are applied in slot order. What goes
 //! out is each rig's displacement and velocity at the end of the cycle.
 
-use crate::compensation::{VirtualWear, VirtualWearState};
-use crate::damper::{Damper, DamperState, Motion};
-use crate::guard::{Command, ForceInput, Guard, GuardState};
-use crate::lanes::Lanes;
-use crate::track::Track;
-use crate::vehicle::{DAMPER_SLOTS, DamperForces, Running, Vehicle, VehicleState};
-use crate::wheel_rail::table::ContactTable;
+mod fade;
+mod slot;
 
-/// Where the force of a slot comes from.
-#[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "four of them, made once, never moved in the loop")]
-pub enum Slot {
-    /// Nothing is mounted.
-    Empty,
-    /// The model, inside the vehicle step.
-    Modelled(Damper),
-    /// A rig.
-    Rig(VirtualWear),
-}
+pub use fade::{Fade, TooFar, URGENT_S};
+pub use slot::{RigSlot, Slot, SlotState};
+
+use crate::damper::DamperState;
+use crate::guard::{Command, ForceInput, Guard};
+use crate::lanes::Lanes;
+use crate::supervision::{Event, Outcome, State};
+use crate::track::Track;
+use crate::vehicle::{DAMPER_SLOTS, Running, Vehicle, VehicleState};
+use crate::wheel_rail::table::ContactTable;
+use slot::SlotForces;
 
 /// Everything that does not change during a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,21 +45,8 @@ pub struct Line<'a> {
     pub slots: [Slot; DAMPER_SLOTS],
     /// The guard of every rig.
     pub guard: Guard,
-}
-
-/// What a slot remembers.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SlotState {
-    /// The model's state.
-    pub damper: DamperState,
-    /// The guard's state.
-    pub guard: GuardState,
-    /// Where the injected play stands.
-    pub wear: VirtualWearState,
-    /// Extension at which the vehicle stands still: mid-stroke (m).
-    pub mid_stroke_m: f64,
-    /// Last command to a rig.
-    pub command: Command,
+    /// How long the coupling of rigs is faded in and out.
+    pub fade: Fade,
 }
 
 /// Everything that does change. Copying it is a snapshot.
@@ -72,9 +58,39 @@ pub struct LineState {
     pub slots: [SlotState; DAMPER_SLOTS],
     /// Cycles done.
     pub cycle: u64,
-    /// Whether a guard has tripped or the model has blown up: the vehicle stands, rigs are brought
-    /// to rest.
-    pub safe: bool,
+    /// State of the host. In SAFE and FAULT the vehicle stands and rigs are brought to rest.
+    pub state: State,
+    /// The fades of this run: longer than the line's where a ram begins far away.
+    pub fade: Fade,
+    /// Cycles before RUN.
+    pub ramp_in_cycles: u32,
+}
+
+impl LineState {
+    /// Takes an event.
+    pub fn on(&mut self, event: Event) -> Outcome {
+        let outcome = self.state.on(event);
+        if let Outcome::Enters(state) = outcome {
+            self.state = state;
+        }
+        outcome
+    }
+
+    /// Whether the vehicle stands and rigs are brought to rest.
+    pub fn is_safe(&self) -> bool {
+        matches!(self.state, State::Safe | State::Fault)
+    }
+
+    /// Cycles of RUN, or what would have been them, that have begun.
+    pub fn run_cycles(&self) -> u64 {
+        self.cycle.saturating_sub(u64::from(self.ramp_in_cycles))
+    }
+
+    /// Time of the cycle that was done last: zero in the first cycle of RUN (s).
+    pub fn time_s(&self, cycle_s: f64) -> f64 {
+        let since = self.cycle as i64 - i64::from(self.ramp_in_cycles) - 1;
+        since as f64 * cycle_s
+    }
 }
 
 impl<'a> Line<'a> {
@@ -105,7 +121,8 @@ impl<'a> Line<'a> {
         );
     }
 
-    /// The state at the start of a run, from a vehicle in steady motion.
+    /// The state at the start of a run, from a vehicle in steady motion: INIT, or RUN where no
+    /// damper is on a rig.
     pub fn start(&self, vehicle: VehicleState) -> LineState {
         self.assert_configured();
         debug_assert!(self.vehicle.check().is_ok(), "a vehicle that cannot run");
@@ -113,8 +130,14 @@ impl<'a> Line<'a> {
             vehicle,
             slots: [SlotState::default(); DAMPER_SLOTS],
             cycle: 0,
-            safe: false,
+            state: State::Init,
+            fade: self.fade,
+            ramp_in_cycles: 0,
         };
+        if !self.slots.iter().any(|slot| matches!(slot, Slot::Rig(_))) {
+            // There is nobody to agree with.
+            state.state = State::Run;
+        }
         let running = self.running();
         self.vehicle.start(&mut state.vehicle, &running);
         let motions = self.vehicle.damper_motions(&state.vehicle, &running);
@@ -128,20 +151,33 @@ impl<'a> Line<'a> {
     /// One cycle: takes what arrived, leaves the commands in the slots.
     pub fn step(&self, state: &mut LineState, inputs: &[ForceInput; DAMPER_SLOTS]) {
         self.assert_configured();
-        let was_safe = state.safe;
+        debug_assert!(state.state.moves() || state.is_safe(), "a step in {:?}", state.state);
         let mut held_n = [0.0; DAMPER_SLOTS];
+        let mut has_tripped = false;
         for (((slot, memory), input), force_n) in
             self.slots.iter().zip(&mut state.slots).zip(inputs).zip(&mut held_n)
         {
             if let Slot::Rig(_) = slot {
-                *force_n = self.guard.take(&mut memory.guard, *input);
-                state.safe |= memory.guard.tripped;
+                *force_n = if memory.is_force_believed {
+                    self.guard.take(&mut memory.guard, *input)
+                } else {
+                    memory.guard.force_n
+                };
+                has_tripped |= memory.guard.tripped;
             }
         }
+        if has_tripped {
+            state.on(Event::Stop);
+        }
+        if !state.is_safe() {
+            self.advance_fades(state);
+        }
         state.cycle += 1;
-        if state.safe {
-            for slot in &mut state.slots {
-                slot.command = slot.command.stopping(self.cycle_s);
+        if state.is_safe() {
+            for (slot, memory) in self.slots.iter().zip(&mut state.slots) {
+                let Slot::Rig(rig) = slot else { continue };
+                let most = rig.limits.acceleration_m_per_s2;
+                memory.command = memory.command.stopping(self.cycle_s, most);
             }
             debug_assert!(
                 state.slots.iter().all(|slot| slot.command.is_finite()),
@@ -155,25 +191,28 @@ impl<'a> Line<'a> {
         let motions = self.vehicle.damper_motions(&state.vehicle, &running);
         if !self.is_plausible(state, &motions) {
             // The model has blown up: the last sound command is the one to stop from.
-            state.safe = true;
+            state.on(Event::Stop);
             return;
         }
+        let (fade, phase) = (state.fade, state.state);
         for ((slot, memory), (extension, rate)) in
             self.slots.iter().zip(&mut state.slots).zip(motions)
         {
-            let Slot::Rig(wear) = slot else { continue };
-            let (displacement_m, moves) = wear.displacement_m(
+            let Slot::Rig(rig) = slot else { continue };
+            let (displacement_m, moves) = rig.wear.displacement_m(
                 &mut memory.wear,
                 extension.lane(0) - memory.mid_stroke_m,
                 memory.guard.force_n,
             );
-            memory.command = Command {
-                displacement_m,
-                velocity_m_per_s: if moves { rate.lane(0) } else { 0.0 },
-            };
+            let velocity_m_per_s = if moves { rate.lane(0) } else { 0.0 };
+            let vehicle = Command { displacement_m, velocity_m_per_s };
+            let wanted = memory.faded(vehicle, fade, phase);
+            let limited = rig.limits.limited(memory.command, wanted, self.cycle_s);
+            memory.limited += u64::from(limited.is_saturated);
+            memory.command = limited.command;
             debug_assert!(memory.command.is_finite(), "a plausible state gives a finite command");
         }
-        debug_assert!(!was_safe && !state.safe, "a line in its safe state moves nothing");
+        debug_assert!(!state.is_safe(), "a line in its safe state moves nothing");
     }
 }
 
@@ -201,44 +240,26 @@ impl Line<'_> {
     }
 }
 
-/// Forces of the four slots during one cycle.
-struct SlotForces<'a> {
-    line: &'a Line<'a>,
-    slots: &'a mut [SlotState; DAMPER_SLOTS],
-    held_n: [f64; DAMPER_SLOTS],
-}
-
-impl DamperForces for SlotForces<'_> {
-    #[inline]
-    fn force_n(
-        &mut self,
-        slot: usize,
-        lane: usize,
-        extension_m: f64,
-        rate_m_per_s: f64,
-        substep_s: f64,
-    ) -> f64 {
-        debug_assert!(slot < DAMPER_SLOTS, "slot {slot} of {DAMPER_SLOTS}");
-        debug_assert!(lane == 0, "the line has one lane, not lane {lane}");
-        let (Some(source), Some(state)) = (self.line.slots.get(slot), self.slots.get_mut(slot))
-        else {
-            return 0.0;
-        };
-        match source {
-            Slot::Empty => 0.0,
-            Slot::Rig(_) => self.held_n.get(slot).copied().unwrap_or(0.0),
-            Slot::Modelled(damper) => {
-                let motion = Motion::new(extension_m - state.mid_stroke_m, rate_m_per_s);
-                damper.advance(&mut state.damper, motion, substep_s)
-            }
-        }
-    }
-}
-
 #[cfg(all(test, debug_assertions))]
 mod tests {
     use super::*;
+    use crate::compensation::VirtualWear;
+    use crate::damper::{Damper, Nominal};
+    use crate::supervision::CommandLimits;
     use crate::track::Track;
+    use crate::vehicle::DamperForces as _;
+
+    fn rig() -> RigSlot {
+        RigSlot {
+            model: Damper::new(Nominal::NEW, &[]).unwrap(),
+            wear: VirtualWear::default(),
+            limits: CommandLimits {
+                stroke_m: 0.05,
+                velocity_m_per_s: 0.3,
+                acceleration_m_per_s2: 20.0,
+            },
+        }
+    }
 
     fn line<'a>(vehicle: &'a Vehicle, track: &'a Track<'a>) -> Line<'a> {
         Line {
@@ -250,6 +271,7 @@ mod tests {
             substeps: 4,
             slots: core::array::from_fn(|_| Slot::Empty),
             guard: Guard::default(),
+            fade: Fade::default(),
         }
     }
 
@@ -278,7 +300,7 @@ mod tests {
     fn a_damper_without_a_mount_stops_a_debug_build() {
         let (vehicle, track) = (Vehicle::default(), Track::default());
         let mut line = line(&vehicle, &track);
-        line.slots[1] = Slot::Rig(VirtualWear::default());
+        line.slots[1] = Slot::Rig(rig());
         line.start(VehicleState::default());
     }
 
@@ -297,8 +319,8 @@ mod tests {
         let mut state = line.start(VehicleState::default());
         state.vehicle.position[0][1] = Lanes([f64::NAN]);
         line.step(&mut state, &[ForceInput::Missing; DAMPER_SLOTS]);
-        assert!(state.safe);
+        assert!(state.is_safe());
         line.step(&mut state, &[ForceInput::Missing; DAMPER_SLOTS]);
-        assert!(state.safe);
+        assert!(state.is_safe());
     }
 }

@@ -1,0 +1,174 @@
+//! How a run begins and ends: motion and coupling of every rig are faded in and out.
+//!
+//! ```text
+//! x = x_0 + g_m (x_vehicle - x_0)              x_0: where the ram stood
+//! F = (1 - g_c) F_model + g_c F_measured       the vehicle always has a damper
+//!
+//! RAMP_IN:   g_m from 0 to 1, then g_c from 0 to 1
+//! RAMP_OUT:  g_c to 0, then g_m to 0: the ram rests where it began
+//! ```
+//! A force that is not believed any more is faded out within [`URGENT_S`], from its last believed
+//! value; a ram is never brought back along a displacement that is not believed: that is SAFE.
+
+use super::slot::SlotState;
+use super::{Line, LineState, Slot};
+use crate::guard::Command;
+use crate::supervision::{CommandLimits, Event, Outcome, Ramp, State};
+use crate::vehicle::DAMPER_SLOTS;
+
+/// Length of both fades.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Fade {
+    /// Cycles in which the ram takes up the vehicle's motion.
+    pub motion_cycles: u32,
+    /// Cycles in which the measured force takes the place of the model's.
+    pub coupling_cycles: u32,
+}
+
+/// Time within which a force that is not believed leaves the vehicle (s).
+pub const URGENT_S: f64 = 0.02;
+
+/// Longest fade of the motion (s): a ram that needs more is to be centred first.
+const LONGEST_S: f64 = 2.0;
+
+/// A ram that stands too far from where the vehicle is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TooFar {
+    /// Its damper slot.
+    pub slot: usize,
+    /// Where it stands (m).
+    pub ram_m: f64,
+}
+
+impl Fade {
+    /// The same, with a fade of the motion that is long enough for a way within half the limits.
+    ///
+    /// The steepest speed of a raised cosine over `T` is `pi x / (2 T)`, its strongest acceleration
+    /// `pi^2 x / (2 T^2)`; the other half of the limits is for the vehicle's own motion.
+    fn over(self, way_m: f64, limits: &CommandLimits, cycle_s: f64) -> Option<Self> {
+        use core::f64::consts::PI;
+        if self.motion_cycles == 0 {
+            // The limits alone drive it there.
+            return Some(self);
+        }
+        let by_velocity_s = PI * way_m / limits.velocity_m_per_s;
+        let by_acceleration_s = PI * libm::sqrt(way_m / limits.acceleration_m_per_s2);
+        let least_s = by_velocity_s.max(by_acceleration_s);
+        let cycles = libm::ceil(least_s / cycle_s) as u32;
+        (least_s <= LONGEST_S)
+            .then_some(Self { motion_cycles: self.motion_cycles.max(cycles), ..self })
+    }
+}
+
+impl Line<'_> {
+    /// Couples the rigs of an armed line, whose rams stand at these displacements (m, by slot).
+    ///
+    /// RUN begins after as many cycles as the fades take.
+    ///
+    /// # Errors
+    /// A ram that stands too far away.
+    pub fn couple(&self, state: &mut LineState, rams_m: [f64; DAMPER_SLOTS]) -> Result<(), TooFar> {
+        let motions = self.vehicle.damper_motions(&state.vehicle, &self.running());
+        let mut fade = self.fade;
+        let rams = self.slots.iter().zip(&mut state.slots).zip(motions).zip(rams_m).enumerate();
+        for (slot, (((kind, memory), (extension, _)), ram_m)) in rams {
+            let Slot::Rig(rig) = kind else { continue };
+            memory.begin(ram_m);
+            let way_m = (extension.lane(0) - memory.mid_stroke_m - ram_m).abs();
+            let longer = fade.over(way_m, &rig.limits, self.cycle_s);
+            fade = longer.ok_or(TooFar { slot, ram_m })?;
+        }
+        if fade.motion_cycles == 0 {
+            state.slots.iter_mut().for_each(|memory| memory.motion = Ramp::FULL);
+        }
+        if fade.coupling_cycles == 0 {
+            state.slots.iter_mut().for_each(|memory| memory.coupling = Ramp::FULL);
+        }
+        state.fade = fade;
+        if state.state == State::Run {
+            // Without a rig there is nothing to couple.
+            return Ok(());
+        }
+        state.ramp_in_cycles = fade.motion_cycles + fade.coupling_cycles;
+        let outcome = state.on(Event::Couple);
+        debug_assert!(outcome == Outcome::Enters(State::RampIn), "coupled without being armed");
+        Ok(())
+    }
+
+    /// One cycle of the fades; a fade-in that is done enters RUN.
+    pub(super) fn advance_fades(&self, state: &mut LineState) {
+        if state.state == State::RampIn && state.cycle >= u64::from(state.ramp_in_cycles) {
+            state.on(Event::RampDone);
+        }
+        let (phase, fade) = (state.state, state.fade);
+        let urgent_cycles = libm::ceil(URGENT_S / self.cycle_s) as u32;
+        let slots = self.slots.iter().zip(&mut state.slots);
+        for (_, memory) in slots.filter(|(slot, _)| matches!(slot, Slot::Rig(_))) {
+            match phase {
+                State::RampIn if !memory.motion.is_full() => memory.motion.up(fade.motion_cycles),
+                State::RampIn => memory.coupling.up(fade.coupling_cycles),
+                State::RampOut if !memory.coupling.is_empty() => {
+                    let cycles = fade.coupling_cycles;
+                    memory.coupling.down(if memory.is_force_believed {
+                        cycles
+                    } else {
+                        cycles.min(urgent_cycles)
+                    });
+                }
+                State::RampOut => memory.motion.down(fade.motion_cycles),
+                _ => {
+                    debug_assert!(memory.motion.is_full() && memory.coupling.is_full());
+                }
+            }
+        }
+    }
+
+    /// Whether every fade-out is done: the rams rest where they began.
+    pub fn is_faded_out(&self, state: &LineState) -> bool {
+        let slots = self.slots.iter().zip(&state.slots);
+        let mut rigs = slots.filter(|(slot, _)| matches!(slot, Slot::Rig(_)));
+        state.state == State::RampOut
+            && rigs.all(|(_, memory)| {
+                memory.motion.is_empty()
+                    && memory.coupling.is_empty()
+                    && memory.command.velocity_m_per_s == 0.0
+            })
+    }
+}
+
+impl LineState {
+    /// Has RUN begin after at least so many cycles, so that it begins at the same place on the
+    /// track as that of another run. For a line that was not stepped yet.
+    pub fn delay_run(&mut self, cycles: u32) {
+        debug_assert!(self.cycle == 0, "RUN is delayed after {} cycles", self.cycle);
+        self.ramp_in_cycles = self.ramp_in_cycles.max(cycles);
+        if self.ramp_in_cycles > 0 && self.state == State::Run {
+            self.state = State::RampIn;
+        }
+    }
+}
+
+impl SlotState {
+    /// A ram at rest that takes up nothing yet.
+    fn begin(&mut self, ram_m: f64) {
+        self.ram_start_m = ram_m;
+        self.command = Command { displacement_m: ram_m, velocity_m_per_s: 0.0 };
+        (self.motion, self.coupling) = (Ramp::default(), Ramp::default());
+        self.is_force_believed = true;
+    }
+
+    /// The command for a rig on its way into or out of the vehicle's motion.
+    pub(super) fn faded(&self, vehicle: Command, fade: Fade, phase: State) -> Command {
+        if self.motion.is_full() {
+            return vehicle;
+        }
+        let gain = self.motion.gain();
+        let slope = self.motion.slope(fade.motion_cycles);
+        let slope = if phase == State::RampOut { -slope } else { slope };
+        let way_m = vehicle.displacement_m - self.ram_start_m;
+        Command {
+            displacement_m: self.ram_start_m + gain * way_m,
+            velocity_m_per_s: gain * vehicle.velocity_m_per_s + slope * way_m,
+        }
+    }
+}

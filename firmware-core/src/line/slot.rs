@@ -1,0 +1,96 @@
+//! A damper slot of the line: where its force comes from, and what it remembers.
+
+use super::Line;
+use crate::compensation::{VirtualWear, VirtualWearState};
+use crate::damper::{Damper, DamperState, Motion};
+use crate::guard::{Command, GuardState};
+use crate::supervision::{CommandLimits, Ramp};
+use crate::vehicle::{DAMPER_SLOTS, DamperForces};
+
+/// Where the force of a slot comes from.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "four of them, made once, never moved in the loop")]
+pub enum Slot {
+    /// Nothing is mounted.
+    Empty,
+    /// The model, inside the vehicle step.
+    Modelled(Damper),
+    /// A rig.
+    Rig(RigSlot),
+}
+
+/// A slot whose damper is on a rig.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigSlot {
+    /// The damper that acts while the measured force is faded in and out.
+    pub model: Damper,
+    /// Wear in software.
+    pub wear: VirtualWear,
+    /// Limits of the commands.
+    pub limits: CommandLimits,
+}
+
+/// What a slot remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SlotState {
+    /// The model's state.
+    pub damper: DamperState,
+    /// The guard's state.
+    pub guard: GuardState,
+    /// Where the injected play stands.
+    pub wear: VirtualWearState,
+    /// Extension at which the vehicle stands still: mid-stroke (m).
+    pub mid_stroke_m: f64,
+    /// Last command to a rig.
+    pub command: Command,
+    /// Commands that a limit has changed.
+    pub limited: u64,
+    /// Displacement at which the ram stood when it was coupled (m).
+    pub ram_start_m: f64,
+    /// Share of the vehicle's motion in the command.
+    pub motion: Ramp,
+    /// Share of the measured force in what the vehicle feels.
+    pub coupling: Ramp,
+    /// Whether the measured force may be taken; a fade-out goes on without it.
+    pub is_force_believed: bool,
+}
+
+/// Forces of the four slots during one cycle.
+pub(super) struct SlotForces<'a> {
+    pub(super) line: &'a Line<'a>,
+    pub(super) slots: &'a mut [SlotState; DAMPER_SLOTS],
+    pub(super) held_n: [f64; DAMPER_SLOTS],
+}
+
+impl DamperForces for SlotForces<'_> {
+    #[inline]
+    fn force_n(
+        &mut self,
+        slot: usize,
+        lane: usize,
+        extension_m: f64,
+        rate_m_per_s: f64,
+        substep_s: f64,
+    ) -> f64 {
+        debug_assert!(slot < DAMPER_SLOTS, "slot {slot} of {DAMPER_SLOTS}");
+        debug_assert!(lane == 0, "the line has one lane, not lane {lane}");
+        let (Some(source), Some(state)) = (self.line.slots.get(slot), self.slots.get_mut(slot))
+        else {
+            return 0.0;
+        };
+        let motion = Motion::new(extension_m - state.mid_stroke_m, rate_m_per_s);
+        match source {
+            Slot::Empty => 0.0,
+            Slot::Modelled(damper) => damper.advance(&mut state.damper, motion, substep_s),
+            Slot::Rig(rig) => {
+                let model_n = rig.model.advance(&mut state.damper, motion, substep_s);
+                let held_n = self.held_n.get(slot).copied().unwrap_or(0.0);
+                if state.coupling.is_full() {
+                    return held_n;
+                }
+                let gain = state.coupling.gain();
+                (1.0 - gain) * model_n + gain * held_n
+            }
+        }
+    }
+}

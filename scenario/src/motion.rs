@@ -1,0 +1,131 @@
+//! How the rigs of a run are moved: the ramps at both ends, and the limits of the commands.
+//!
+//! ```toml
+//! [motion]                         # all of it may be left out
+//! ramp_s = 0.5                     # each of the two fades: of the motion, of the coupling
+//! stroke_m = 0.1                   # furthest command from mid-stroke
+//! velocity_m_per_s = 0.5
+//! acceleration_m_per_s2 = 20.0
+//! ```
+//! The limits are those of the host's commands. A rig has its own, and the tighter ones rule.
+
+use crate::cycle::CYCLE_S;
+use crate::error::ScenarioError;
+use crate::quantity::Quantity;
+use crate::source::Source;
+use serde::{Deserialize, Serialize};
+
+/// The motion of rigs as it stands in a scenario.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotionFile {
+    /// Duration of each fade.
+    pub ramp_s: Option<Quantity>,
+    /// Furthest command from mid-stroke.
+    pub stroke_m: Option<Quantity>,
+    /// Highest speed of a command.
+    pub velocity_m_per_s: Option<Quantity>,
+    /// Highest acceleration of a command.
+    pub acceleration_m_per_s2: Option<Quantity>,
+}
+
+/// The motion of rigs, ready to run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Length of each fade (cycles).
+    pub ramp_cycles: u32,
+    /// Furthest command from mid-stroke (m).
+    pub stroke_m: f64,
+    /// Highest speed of a command (m/s).
+    pub velocity_m_per_s: f64,
+    /// Highest acceleration of a command (m/s2).
+    pub acceleration_m_per_s2: f64,
+}
+
+const RAMP_S: f64 = 0.5;
+const RAMP_MAX_S: f64 = 60.0;
+const STROKE_M: f64 = 0.1;
+/// A hunting locomotive asks for 0.4 m/s at most.
+const VELOCITY_M_PER_S: f64 = 0.5;
+/// Five times what a run at 160 km/h on class-6 track asks for.
+const ACCELERATION_M_PER_S2: f64 = 20.0;
+
+impl MotionFile {
+    /// The same with every default written out.
+    pub(crate) fn with_defaults(&self) -> Self {
+        let or = |given: &Option<Quantity>, default| {
+            Some(given.clone().unwrap_or_else(|| Quantity::plain(default)))
+        };
+        Self {
+            ramp_s: or(&self.ramp_s, RAMP_S),
+            stroke_m: or(&self.stroke_m, STROKE_M),
+            velocity_m_per_s: or(&self.velocity_m_per_s, VELOCITY_M_PER_S),
+            acceleration_m_per_s2: or(&self.acceleration_m_per_s2, ACCELERATION_M_PER_S2),
+        }
+    }
+
+    /// Builds it.
+    ///
+    /// # Errors
+    /// The first number that does not fit, with file and line.
+    pub(crate) fn build(&self, source: &Source) -> Result<Motion, ScenarioError> {
+        let within = |given: &Option<Quantity>, key: &str, (least, most): (f64, f64), unit, or| {
+            let range = format!("{least} to {most} {unit}");
+            given.as_ref().map_or(Ok(or), |value| value.within(source, key, least, most, &range))
+        };
+        let ramp_s = within(&self.ramp_s, "ramp_s", (0.0, RAMP_MAX_S), "s", RAMP_S)?;
+        Ok(Motion {
+            ramp_cycles: libm::round(ramp_s / CYCLE_S) as u32,
+            stroke_m: within(&self.stroke_m, "stroke_m", (1e-3, 1.0), "m", STROKE_M)?,
+            velocity_m_per_s: within(
+                &self.velocity_m_per_s,
+                "velocity_m_per_s",
+                (1e-3, 10.0),
+                "m/s",
+                VELOCITY_M_PER_S,
+            )?,
+            acceleration_m_per_s2: within(
+                &self.acceleration_m_per_s2,
+                "acceleration_m_per_s2",
+                (0.1, 1e4),
+                "m/s2",
+                ACCELERATION_M_PER_S2,
+            )?,
+        })
+    }
+}
+
+impl Motion {
+    /// The time that the ramps at both ends take, from a ram that does not begin far away (s).
+    pub(crate) fn ramps_s(&self) -> f64 {
+        4.0 * f64::from(self.ramp_cycles) * CYCLE_S
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn built(text: &str) -> Result<Motion, ScenarioError> {
+        let source = Source::from_text(Path::new("motion.toml"), text);
+        source.parse::<MotionFile>()?.build(&source)
+    }
+
+    #[test]
+    fn what_is_absent_keeps_its_default_and_what_is_impossible_is_refused() {
+        let usual = built("").unwrap();
+        assert_eq!((usual.ramp_cycles, usual.acceleration_m_per_s2), (500, 20.0));
+        assert_eq!(built("ramp_s = 0.0").unwrap(), Motion { ramp_cycles: 0, ..usual });
+        for text in ["ramp_s = -1.0", "ramp_s = 1e9", "stroke_m = 0.0", "velocity_m_per_s = 0.0"] {
+            assert!(built(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_defaults_written_out_build_the_same() {
+        let source = Source::from_text(Path::new("motion.toml"), "");
+        let written = MotionFile::default().with_defaults().build(&source).unwrap();
+        assert_eq!(written, built("").unwrap());
+    }
+}

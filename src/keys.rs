@@ -1,0 +1,79 @@
+//! The keys of a run: an operator arms rigs on a real bus and ends the run from the terminal.
+//!
+//! Software cannot know whether a terminal is local: whoever reaches this one can arm the rigs. What
+//! keeps people safe is the key switch at the rig and what is hard-wired.
+
+use hil_host::control::Requests;
+use rustix::process;
+use rustix::termios::{self, LocalModes, OptionalActions, SpecialCodeIndex, Termios};
+use std::io::{self, IsTerminal, Read};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+
+/// Reads keys until it is dropped.
+#[derive(Debug)]
+pub(crate) struct Keys {
+    before: Termios,
+    done: Arc<AtomicBool>,
+    ended: Arc<AtomicBool>,
+    reader: Option<JoinHandle<()>>,
+}
+
+impl Keys {
+    /// Takes over the terminal; none where there is no terminal.
+    pub(crate) fn listen(requests: &'static Requests) -> Option<Self> {
+        // A process in the background would be stopped by the terminal that it changes.
+        let is_foreground = || termios::tcgetpgrp(io::stdin()) == Ok(process::getpgrp());
+        if !io::stdin().is_terminal() || !is_foreground() {
+            return None;
+        }
+        let before = termios::tcgetattr(io::stdin()).ok()?;
+        let mut single = before.clone();
+        single.local_modes.remove(LocalModes::ICANON | LocalModes::ECHO);
+        // A read comes back after a tenth of a second, with or without a key.
+        single.special_codes[SpecialCodeIndex::VMIN] = 0;
+        single.special_codes[SpecialCodeIndex::VTIME] = 1;
+        termios::tcsetattr(io::stdin(), OptionalActions::Now, &single).ok()?;
+        let (done, ended) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+        let reader = {
+            let (done, ended) = (Arc::clone(&done), Arc::clone(&ended));
+            thread::spawn(move || read(requests, &done, &ended))
+        };
+        eprintln!("keys: a arms the rigs, s ends the run in order");
+        Some(Self { before, done, ended, reader: Some(reader) })
+    }
+
+    /// Whether a key has ended the run.
+    pub(crate) fn have_ended(&self) -> bool {
+        self.ended.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Keys {
+    fn drop(&mut self) {
+        self.done.store(true, Ordering::Relaxed);
+        if let Some(reader) = self.reader.take() {
+            // A reader that has panicked reads no more.
+            let _ = reader.join();
+        }
+        // A terminal that is gone needs its modes no more.
+        let _ = termios::tcsetattr(io::stdin(), OptionalActions::Now, &self.before);
+    }
+}
+
+fn read(requests: &Requests, done: &AtomicBool, ended: &AtomicBool) {
+    let mut key = [0];
+    while !done.load(Ordering::Relaxed) {
+        match io::stdin().lock().read(&mut key) {
+            Ok(1) if key == *b"a" => requests.arm(),
+            Ok(1) if key == *b"s" => {
+                ended.store(true, Ordering::Relaxed);
+                requests.end();
+            }
+            Ok(_) => {}
+            Err(why) if why.kind() == io::ErrorKind::Interrupted => {}
+            Err(_) => return,
+        }
+    }
+}
