@@ -154,6 +154,24 @@ impl MessageId {
         (0..=0x7FF).filter_map(Self::from_raw)
     }
 
+    /// Whether only a host sends it.
+    pub const fn is_of_host(self) -> bool {
+        match self {
+            Self::PressureOff(_)
+            | Self::Sync
+            | Self::Command(..)
+            | Self::Residual(_)
+            | Self::ArmRequest(_)
+            | Self::Fault(Sender::Host)
+            | Self::Heartbeat(Sender::Host) => true,
+            Self::Measurement(..)
+            | Self::Telemetry(_)
+            | Self::ArmAnswer(_)
+            | Self::Fault(Sender::Rig(_))
+            | Self::Heartbeat(Sender::Rig(_)) => false,
+        }
+    }
+
     /// The number that enters the CRC in front of the payload: `0x5000 + id`.
     pub const fn data_id(self) -> u16 {
         0x5000 + self.raw()

@@ -28,6 +28,7 @@ pub mod clock;
 mod columns;
 mod comparison;
 pub mod control;
+mod draw;
 mod error;
 mod options;
 mod page;
@@ -36,8 +37,10 @@ pub mod record;
 pub mod rig;
 pub mod run;
 mod summary;
+mod wire_state;
 
 pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};
+pub use draw::Draw;
 pub use error::BenchError;
 pub use options::{PaceChoice, RunOptions};
 pub use summary::{

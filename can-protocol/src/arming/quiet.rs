@@ -78,7 +78,7 @@ impl Quiet {
             (listener, MessageId::Heartbeat(sender)) if !is_own(listener, sender) => {
                 self.foreign_heartbeat(sender, id, data)
             }
-            (Listener::Host, _) => is_of_host(message).then_some(Foreign::AnotherHost),
+            (Listener::Host, _) => message.is_of_host().then_some(Foreign::AnotherHost),
             (Listener::Rig(own), MessageId::Command(_, node)) if node == own => {
                 Some(Foreign::AnotherHost)
             }
@@ -136,24 +136,6 @@ fn is_own(listener: Listener, sender: Sender) -> bool {
     }
 }
 
-/// Messages that only a host sends.
-const fn is_of_host(message: MessageId) -> bool {
-    match message {
-        MessageId::PressureOff(_)
-        | MessageId::Sync
-        | MessageId::Command(..)
-        | MessageId::Residual(_)
-        | MessageId::ArmRequest(_)
-        | MessageId::Fault(Sender::Host)
-        | MessageId::Heartbeat(Sender::Host) => true,
-        MessageId::Measurement(..)
-        | MessageId::Telemetry(_)
-        | MessageId::ArmAnswer(_)
-        | MessageId::Fault(Sender::Rig(_))
-        | MessageId::Heartbeat(Sender::Rig(_)) => false,
-    }
-}
-
 /// Messages that only this rig sends.
 fn is_of_rig(message: MessageId, own: Node) -> bool {
     match message {
@@ -199,7 +181,7 @@ mod tests {
     #[test]
     fn a_host_is_disturbed_by_every_frame_that_only_a_host_sends() {
         for message in MessageId::all() {
-            assert_eq!(disturbs(Listener::Host, message), is_of_host(message), "{message}");
+            assert_eq!(disturbs(Listener::Host, message), message.is_of_host(), "{message}");
         }
     }
 

@@ -41,6 +41,8 @@ pub enum Signal {
     BusQueue,
     /// A bus that is down.
     BusDown,
+    /// Frames of a second sender under an id of this session.
+    SecondSender,
     /// The vehicle has left its track, or its numbers.
     Vehicle,
     /// An operator.
@@ -49,7 +51,7 @@ pub enum Signal {
 
 impl Signal {
     /// All signals.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::LostMeasurements,
         Self::LostCommands,
         Self::OldMeasurements,
@@ -68,6 +70,7 @@ impl Signal {
         Self::SilentRig,
         Self::BusQueue,
         Self::BusDown,
+        Self::SecondSender,
         Self::Vehicle,
         Self::Operator,
     ];
@@ -93,6 +96,7 @@ impl Signal {
             Self::SilentRig => "silent_rig",
             Self::BusQueue => "bus_queue",
             Self::BusDown => "bus_down",
+            Self::SecondSender => "second_sender",
             Self::Vehicle => "vehicle",
             Self::Operator => "operator",
         }
@@ -119,6 +123,7 @@ impl Signal {
             Self::SilentRig => "silent rig",
             Self::BusQueue => "commands without room on the bus",
             Self::BusDown => "bus down",
+            Self::SecondSender => "second sender on",
             Self::Vehicle => "vehicle off its track",
             Self::Operator => "stopped by the operator",
         }
@@ -153,6 +158,7 @@ impl Signal {
             | Self::RigFault
             | Self::SilentRig
             | Self::BusDown
+            | Self::SecondSender
             | Self::Vehicle
             | Self::Operator => None,
         }

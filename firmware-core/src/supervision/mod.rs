@@ -9,6 +9,7 @@
 //! | `age` | how old a measurement is |
 //! | `rule` | a limit on a signal, its debounce and its action |
 //! | `stuck` | a sensor that has frozen |
+//! | `second_sender` | frames of somebody else under the id of a peer |
 //! | `work` | the work of a damper over a cycle of the motion |
 //! | `ramp` | fading in and out |
 //! | `limiter` | commands within what the ram can do |
@@ -25,6 +26,7 @@ mod ramp;
 #[cfg(test)]
 mod random;
 mod rule;
+mod second_sender;
 mod state;
 mod stuck;
 mod work;
@@ -38,6 +40,7 @@ pub use loss::{
 };
 pub use ramp::Ramp;
 pub use rule::{Action, Rule, RuleState};
+pub use second_sender::{Frames, SecondSender};
 pub use state::{Event, Outcome, State, write_diagram};
 pub use stuck::{FEWEST_CYCLES, Stuck};
 pub use work::{LEAST_AMPLITUDE_M, LEAST_FORCE_N, SUMMED, Work, WorkVerdict};
