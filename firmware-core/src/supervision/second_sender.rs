@@ -9,7 +9,8 @@
 //! three of ten cycles with a bad frame next to a good   evidence
 //! ```
 //!
-//! A frame that is repeated bit for bit and a single bad frame are no evidence.
+//! A frame that is repeated bit for bit and a single bad frame are no evidence. By chance a bad frame
+//! next to a good one passes for a foreign one once in 256 (FD 65,536).
 
 /// Cycles that are looked at.
 const WINDOW_CYCLES: u32 = 10;

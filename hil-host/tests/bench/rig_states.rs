@@ -52,7 +52,7 @@ fn before_a_command_the_rig_is_in_init_and_answers_a_sync_at_once() {
     }
     let idle = answers(&mut rig);
     assert!(idle.iter().all(|m| matches!(m, Message::Heartbeat(_) | Message::Telemetry(_))));
-    give(&mut rig, &host.sync(Pace::LockStep));
+    give(&mut rig, &host.sync_message(Pace::LockStep).encode());
     let [Message::Heartbeat(heartbeat)] = answers(&mut rig)[..] else { panic!("no heartbeat") };
     assert_eq!((heartbeat.state, heartbeat.boot), (RunState::Standby, rig.boot()));
     assert_eq!(rig.pace(), Pace::LockStep);
@@ -297,7 +297,7 @@ fn a_lock_step_host_that_starts_anew_was_given_a_rig_in_motion() {
     let mut rig = armed(&quiet(), &mut host, Pace::LockStep);
     for cycle in 0..250 {
         if cycle % 100 == 1 {
-            give(&mut rig, &host.sync(Pace::LockStep));
+            give(&mut rig, &host.sync_message(Pace::LockStep).encode());
             assert_eq!(rig.run_state(), RunState::Run, "a sync of the same host changes nothing");
         }
         give(&mut rig, &host.run());

@@ -42,10 +42,6 @@ impl Host {
         Self { node: Node::ALL[0], profile, sent: 0, cycle: 0, number: 0x1234_5678, code: None }
     }
 
-    pub(crate) fn sync(&self, pace: Pace) -> Frame {
-        self.sync_message(pace).encode()
-    }
-
     pub(crate) fn sync_message(&self, pace: Pace) -> Sync {
         Sync {
             version: PROTOCOL_VERSION,

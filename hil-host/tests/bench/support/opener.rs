@@ -9,11 +9,11 @@ use hil_host::bus::WireFrame;
 /// What a listener knows of one rig.
 #[derive(Debug, Default)]
 pub(crate) struct Opener {
-    host_number: Option<u32>,
-    rig_number: Option<u32>,
+    pub(crate) host_number: Option<u32>,
+    pub(crate) rig_number: Option<u32>,
     /// The session's code.
     pub(crate) code: Option<SessionCode>,
-    receiver: ReceiverState,
+    pub(crate) receiver: ReceiverState,
 }
 
 impl Opener {
