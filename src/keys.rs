@@ -1,7 +1,7 @@
 //! The keys of a run: an operator arms rigs on a real bus and ends the run from the terminal.
 //!
-//! Software cannot know whether a terminal is local: whoever reaches this one can arm the rigs. What
-//! keeps people safe is the key switch at the rig and what is hard-wired.
+//! Software cannot know whether a terminal is local: whoever reaches this one can arm the rigs.
+//! What keeps people safe is the key switch at the rig and what is hard-wired.
 
 use hil_host::control::Requests;
 use rustix::process;

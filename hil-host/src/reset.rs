@@ -1,8 +1,8 @@
 //! `yawbench rig-reset`: a latched rig is released over the bus.
 //!
-//! It is the short exchange of [`can_protocol::arming`]: numbers, then RESET with the rig's own. The
-//! rig decides whether it may: only in SAFE or FAULT, and only with its ram at rest. It leads to
-//! INIT, never to motion.
+//! It is the short exchange of [`can_protocol::arming`]: numbers, then RESET with the rig's own.
+//! The rig decides whether it may: only in SAFE or FAULT, and only with its ram at rest. It leads
+//! to INIT, never to motion.
 
 use crate::BenchError;
 use crate::bus::{Bus, BusChoice, SocketCanBus};

@@ -5,9 +5,9 @@ use crate::support::whole_run::run_through;
 use hil_host::control::End;
 use hil_host::record::Queues;
 
-/// Hash of 3 s and their ramps of `ss9-160kmh.toml`. It changes with the physics and with nothing else:
-/// not with the build profile, the processor or the load of the machine. After a change of the
-/// physics put the number of the failure message here, and say in the commit what changed.
+/// Hash of 3 s and their ramps of `ss9-160kmh.toml`. It changes with the physics and with nothing
+/// else: not with the build profile, the processor or the load of the machine. After a change of
+/// the physics put the number of the failure message here, and say in the commit what changed.
 const GOLDEN_160_KMH: u64 = 0xe272_7c28_f856_d3ed;
 
 #[test]

@@ -1,7 +1,7 @@
 //! Evidence of a second sender under the id of one peer.
 //!
-//! A frame that is damaged on its way takes the place of the good one; a second sender's frame comes
-//! in addition to it. So a cycle counts as disturbed when it has a bad frame and a good one:
+//! A frame that is damaged on its way takes the place of the good one; a second sender's frame
+//! comes in addition to it. So a cycle counts as disturbed when it has a bad frame and a good one:
 //!
 //! ```text
 //! two different valid frames under one counter          evidence at once
@@ -9,8 +9,8 @@
 //! three of ten cycles with a bad frame next to a good   evidence
 //! ```
 //!
-//! A frame that is repeated bit for bit and a single bad frame are no evidence. By chance a bad frame
-//! next to a good one passes for a foreign one once in 256 (FD 65,536).
+//! A frame that is repeated bit for bit and a single bad frame are no evidence. By chance a bad
+//! frame next to a good one passes for a foreign one once in 256 (FD 65,536).
 
 /// Cycles that are looked at.
 const WINDOW_CYCLES: u32 = 10;

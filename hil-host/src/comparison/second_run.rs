@@ -45,7 +45,8 @@ const SILENT: Duration = Duration::from_secs(2);
 
 impl SecondRun {
     /// Runs through a scenario with as many cycles before and in RUN as the main run had, at most
-    /// as far as statistics reach, and writes its record; none, and no record, where it was stopped.
+    /// as far as statistics reach, and writes its record; none, and no record, where it was
+    /// stopped.
     ///
     /// # Errors
     /// The record cannot be written.

@@ -6,57 +6,14 @@ use super::port::Port;
 use super::requests::Requests;
 use super::session::{Session, SessionState};
 use crate::bus::{Bus, WireFrame};
-use crate::draw::Draw;
 use crate::rig::WATCHDOG_CYCLES;
-use can_protocol::arming::{
-    Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience, Requirements,
-};
+use can_protocol::arming::{Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience};
 use can_protocol::{ArmMessage, RunState, SessionHistory};
 use firmware_core::guard::Command;
 use firmware_core::line::Slot;
 use firmware_core::supervision::{CommandLimits, Event};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use std::time::{Duration, Instant};
-
-/// What a host brings into the exchange.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arming {
-    /// Its number of this session.
-    pub number: u32,
-    /// The number that it drew when it started.
-    pub boot: u32,
-    /// What it requires of a rig.
-    pub requirements: Requirements,
-    /// Real time of a cycle without commands; zero where rigs are in memory.
-    pub cycle: Duration,
-}
-
-impl Arming {
-    /// With rigs in memory: always the same numbers, no key switch, no time.
-    pub fn in_memory() -> Self {
-        let requirements = Requirements { enabled: false, ..REQUIRED };
-        Self::with(Draw::seeded(0, 0), requirements, Duration::ZERO)
-    }
-
-    /// With rigs on a real bus: numbers that nobody can foresee, and a key switch.
-    pub fn on_a_bus(draw: Draw, cycle: Duration) -> Self {
-        Self::with(draw, REQUIRED, cycle)
-    }
-
-    fn with(mut draw: Draw, requirements: Requirements, cycle: Duration) -> Self {
-        Self { number: draw.number(), boot: draw.number(), requirements, cycle }
-    }
-}
-
-/// Readiness that a host requires of every rig: a zero of this shift, a force at rest that a gas
-/// preload explains, and way to move.
-const REQUIRED: Requirements = Requirements {
-    enabled: true,
-    zero_age_s: 8 * 3600,
-    shunt_passed: true,
-    force_at_rest_n: 2000,
-    stroke_um: 5000,
-};
 
 /// Limits below which no run makes sense, unless it asks for less itself.
 const LEAST: Limits = Limits {

@@ -26,9 +26,9 @@ mod requests;
 mod row;
 mod session;
 mod stop;
+mod terms;
 mod watch;
 
-pub use arming::Arming;
 pub use buses::Buses;
 pub use no_answer::NoAnswer;
 pub(crate) use pacing::Ending;
@@ -37,6 +37,7 @@ pub use port::{Port, PortState};
 pub use requests::Requests;
 pub use session::{Session, SessionState};
 pub use stop::{Stop, StopSummary};
+pub use terms::Arming;
 pub use watch::{View, Watch, WatchState};
 
 pub(crate) use hash::ALGORITHM as HASH_ALGORITHM;

@@ -204,6 +204,9 @@ impl Session<'_> {
             return;
         }
         self.wait_for_echoes(state, buses, SILENCE);
+        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            port.finish(memory);
+        }
         // A rig that does not hear of the end would go safe; so one that does not answer is sent it
         // again.
         for _ in 0..FAREWELLS {

@@ -39,6 +39,10 @@ pub struct PortState {
     receiver: ReceiverState,
     /// What was received before the first cycle of the run.
     before: Counts,
+    /// What was received by the end of the run.
+    at_end: Option<Counts>,
+    /// Where the ram stood in the first measurement after arming (m).
+    stands_m: Option<f64>,
     /// Number of the next command since arming.
     cycle: u32,
     /// Counter of the last command sent.
@@ -148,6 +152,7 @@ impl Port {
         match reception.data {
             Some(measurement) => {
                 state.frames.good = true;
+                state.stands_m = state.stands_m.or(measurement.displacement_m);
                 let mut bytes = FrameBytes::default();
                 for (to, from) in bytes.iter_mut().zip(frame.data()) {
                     *to = *from;
@@ -200,16 +205,16 @@ impl Port {
         Some((cause, action))
     }
 
-    /// Displacement of the ram in the newest measurement (m).
+    /// Where the ram stood in the first measurement after arming, from which on it is held (m).
     pub fn displacement_m(&self, state: &PortState) -> Option<f64> {
-        state.newest.and_then(|kept| kept.measurement.displacement_m)
+        state.stands_m
     }
 
     /// Begins the sealed session of a rig that is armed: both sides count from cycle 0.
     pub fn arm(&self, state: &mut PortState, agreement: Agreement) {
         state.agreement = Some(agreement);
         (state.receiver, state.before) = (ReceiverState::default(), Counts::default());
-        (state.cycle, state.sent) = (0, None);
+        (state.cycle, state.sent, state.stands_m) = (0, None, None);
     }
 
     /// Ends it.
@@ -223,6 +228,11 @@ impl Port {
         (state.newest, state.frames) = (None, Frames::default());
         state.before = *state.receiver.counts();
         state.belief.begin(ram);
+    }
+
+    /// Ends the run: what comes now belongs to no cycle.
+    pub fn finish(&self, state: &mut PortState) {
+        state.at_end = Some(self.counts(state));
     }
 
     /// The largest force that the host believes (N).
@@ -285,8 +295,11 @@ impl Port {
         newest.is_some_and(|measurement| measurement.echo == state.sent && state.sent.is_some())
     }
 
-    /// How often each receiver status occurred since the first cycle of the run.
+    /// How often each receiver status occurred in the cycles of the run.
     pub fn counts(&self, state: &PortState) -> Counts {
+        if let Some(counts) = state.at_end {
+            return counts;
+        }
         let (now, before) = (state.receiver.counts(), &state.before);
         Counts {
             initial: now.initial - before.initial,

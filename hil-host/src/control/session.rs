@@ -1,10 +1,10 @@
 //! What a session is: parameters and state.
 
-use super::arming::Arming;
 use super::hash;
 use super::overheard::Overheard;
 use super::port::{Port, PortState};
 use super::stop::{PressureRequest, Stop};
+use super::terms::Arming;
 use crate::wire_state::wire_state;
 use can_protocol::arming::Quiet;
 use can_protocol::{Frame, Heartbeat, Pace as WirePace, Profile, Sender, Sync};

@@ -4,9 +4,9 @@
 //! runs in line on the memory bus and in its own process ([`process`]). The same frames get the
 //! same answers, bit for bit.
 //!
-//! **States.** A rig runs the machine of [`firmware_core::supervision::State`]. A sync leads it from
-//! INIT to STANDBY, the arming exchange ([`can_protocol::arming`]) to ARMED. From there on it enters
-//! the state that sealed commands name, where that can follow from its own:
+//! **States.** A rig runs the machine of [`firmware_core::supervision::State`]. A sync leads it
+//! from INIT to STANDBY, the arming exchange ([`can_protocol::arming`]) to ARMED. From there on it
+//! enters the state that sealed commands name, where that can follow from its own:
 //!
 //! | the rig is in | and |
 //! | --- | --- |
@@ -184,6 +184,9 @@ impl RigNode {
         let command = self.session.take();
         if let Some(command) = &command {
             self.arming.commanded();
+            if self.session.is_new() {
+                self.emulator.begin(&mut self.state);
+            }
             if self.obey(command) {
                 self.silent_cycles = 0;
             } else {

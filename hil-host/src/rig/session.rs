@@ -196,6 +196,11 @@ impl Session {
         self.echo().is_some()
     }
 
+    /// Whether no measurement of the session was sent yet.
+    pub(super) fn is_new(&self) -> bool {
+        self.armed.as_ref().is_some_and(|armed| armed.cycle == 0)
+    }
+
     pub(super) fn echo(&self) -> Option<u8> {
         self.armed.as_ref().and_then(|armed| armed.state.echo())
     }

@@ -70,8 +70,8 @@ pub struct Finished {
 
 /// Runs a scenario.
 ///
-/// `requests` arm it and end it early: record, summary and report hold the run up to that point, and
-/// [`Finished::interrupted`] is set.
+/// `requests` arm it and end it early: record, summary and report hold the run up to that point,
+/// and [`Finished::interrupted`] is set.
 ///
 /// # Errors
 /// Bad input, before anything is written; rigs that do not answer; a bus or disk that fails.

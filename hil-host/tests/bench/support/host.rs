@@ -85,8 +85,8 @@ impl Host {
         }
     }
 
-    /// Arms a rig that has had this sync; `pass` sends a frame, lets a cycle pass and gives what has
-    /// arrived.
+    /// Arms a rig that has had this sync; `pass` sends a frame, lets a cycle pass and gives what
+    /// has arrived.
     pub(crate) fn arm(
         &mut self,
         sync: &Sync,
