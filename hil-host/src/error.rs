@@ -211,6 +211,54 @@ impl BenchError {
     }
 }
 
+impl BenchError {
+    /// What is said of a rig that does not take part.
+    fn fmt_of_rig(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ForeignVersion { node, bus, version } => {
+                write!(f, "rig node {node} on {}: found ", quoted(bus))?;
+                match version {
+                    Some(version) => write!(f, "protocol version {version}")?,
+                    None => f.write_str("a heartbeat of another protocol version")?,
+                }
+                write!(f, ", expected protocol version {PROTOCOL_VERSION}")
+            }
+            Self::LatchedRig { node, bus, state } => write!(
+                f,
+                "rig node {node} on {} is latched in {state}: reset it by the key at the rig, or by \
+                 `yawbench rig-reset --bus {} --node {node}`",
+                quoted(bus),
+                quoted(bus)
+            ),
+            Self::UnarmedRig { node, bus, refusal } => {
+                write!(f, "rig node {node} on {} is not armed: {refusal}", quoted(bus))?;
+                match refusal {
+                    Refusal::ByRig(ArmItem::State) => write!(
+                        f,
+                        "; one that is latched is reset by the key at the rig, or by `yawbench \
+                         rig-reset --bus {} --node {node}`",
+                        quoted(bus)
+                    ),
+                    _ => Ok(()),
+                }
+            }
+            Self::UnresetRig { node, bus, refusal } => {
+                write!(f, "rig node {node} on {} is not reset: {refusal}", quoted(bus))?;
+                match refusal {
+                    Refusal::ByRig(ArmItem::State) => {
+                        f.write_str("; only a rig in SAFE or FAULT is reset")
+                    }
+                    Refusal::ByRig(ArmItem::Reset) => {
+                        f.write_str("; its ram still moves, or it is reset by its key alone")
+                    }
+                    _ => Ok(()),
+                }
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 impl fmt::Display for BenchError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -267,45 +315,10 @@ impl fmt::Display for BenchError {
                     ram_m * 1e3
                 )
             }
-            Self::ForeignVersion { node, bus, version } => {
-                write!(f, "rig node {node} on {}: found ", quoted(bus))?;
-                match version {
-                    Some(version) => write!(f, "protocol version {version}")?,
-                    None => f.write_str("a heartbeat of another protocol version")?,
-                }
-                write!(f, ", expected protocol version {PROTOCOL_VERSION}")
-            }
-            Self::LatchedRig { node, bus, state } => write!(
-                f,
-                "rig node {node} on {} is latched in {state}: reset it by the key at the rig, or by \
-                 `yawbench rig-reset --bus {} --node {node}`",
-                quoted(bus),
-                quoted(bus)
-            ),
-            Self::UnarmedRig { node, bus, refusal } => {
-                write!(f, "rig node {node} on {} is not armed: {refusal}", quoted(bus))?;
-                match refusal {
-                    Refusal::ByRig(ArmItem::State) => write!(
-                        f,
-                        "; one that is latched is reset by the key at the rig, or by `yawbench \
-                         rig-reset --bus {} --node {node}`",
-                        quoted(bus)
-                    ),
-                    _ => Ok(()),
-                }
-            }
-            Self::UnresetRig { node, bus, refusal } => {
-                write!(f, "rig node {node} on {} is not reset: {refusal}", quoted(bus))?;
-                match refusal {
-                    Refusal::ByRig(ArmItem::State) => {
-                        f.write_str("; only a rig in SAFE or FAULT is reset")
-                    }
-                    Refusal::ByRig(ArmItem::Reset) => {
-                        f.write_str("; its ram still moves, or it is reset by its key alone")
-                    }
-                    _ => Ok(()),
-                }
-            }
+            Self::ForeignVersion { .. }
+            | Self::LatchedRig { .. }
+            | Self::UnarmedRig { .. }
+            | Self::UnresetRig { .. } => self.fmt_of_rig(f),
             Self::NoRandom { why } => {
                 write!(f, "the system gives no random numbers for the session: {why}")
             }
@@ -387,6 +400,8 @@ mod tests {
         let disk = || io::Error::from(io::ErrorKind::StorageFull);
         let path = PathBuf::from("runs/a-1");
         let bus = || "socketcan:can\n0".to_owned();
+        let safe = [false, true, false];
+        let by_rig = Refusal::ByRig(ArmItem::State);
         // Bad input, safe state, interrupted, or none of them.
         let cases = [
             (
@@ -412,6 +427,11 @@ mod tests {
             (BenchError::SilentRigs { nodes: vec![1, 3], bus: bus() }, [false, true, false]),
             (BenchError::BlindRigs { nodes: vec![2], bus: bus() }, [false, true, false]),
             (BenchError::FarRam { node: 1, bus: bus(), ram_m: 0.09 }, [false, true, false]),
+            (BenchError::ForeignVersion { node: 1, bus: bus(), version: Some(1) }, safe),
+            (BenchError::LatchedRig { node: 1, bus: bus(), state: RunState::Safe }, safe),
+            (BenchError::UnarmedRig { node: 1, bus: bus(), refusal: by_rig }, safe),
+            (BenchError::UnresetRig { node: 1, bus: bus(), refusal: by_rig }, safe),
+            (BenchError::NoRandom { why: disk() }, [false, false, false]),
             (BenchError::Interrupted, [false, false, true]),
             (BenchError::Thread { name: "records the run" }, [false, false, false]),
         ];

@@ -9,7 +9,6 @@ use crate::vehicle::{DAMPER_SLOTS, DamperForces};
 
 /// Where the force of a slot comes from.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "four of them, made once, never moved in the loop")]
 pub enum Slot {
     /// Nothing is mounted.
     Empty,

@@ -20,6 +20,7 @@ const MOST_DISTURBED: u32 = 3;
 
 /// What came under one id in a cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "they are independent")]
 pub struct Frames {
     /// A frame that was accepted.
     pub good: bool,

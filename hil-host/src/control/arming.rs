@@ -77,7 +77,7 @@ impl Session<'_> {
             self.listen(state, buses, &mut exchanges);
             state.quiet.iter_mut().for_each(can_protocol::arming::Quiet::cycle);
             self.take_outcomes(state, buses, &mut exchanges)?;
-            if exchanges.iter().all(|exchange| is_armed(exchange)) {
+            if exchanges.iter().all(is_armed) {
                 let rams_m = self.rams_m(state);
                 armed_cycles += 1;
                 if rams_m.is_ok() || armed_cycles > MEASURES_WITHIN_CYCLES {
@@ -87,9 +87,9 @@ impl Session<'_> {
             self.say(state, buses, &mut exchanges, cycle);
             due += self.arming.cycle;
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
-            buses.iter_mut().for_each(|bus| {
+            for bus in buses.iter_mut() {
                 bus.wait(Duration::ZERO);
-            });
+            }
         }
         unreachable!("no host waits for 2^64 cycles")
     }
@@ -208,14 +208,15 @@ impl Session<'_> {
     ) {
         if cycle.is_multiple_of(HEARTBEAT_CYCLES) {
             let heartbeat = self.heartbeat(state);
-            buses.iter_mut().for_each(|bus| {
+            for bus in buses.iter_mut() {
                 bus.send(&heartbeat);
-            });
+            }
         }
         if cycle % SYNC_CYCLES == SYNC_CYCLES - 1 {
-            buses.iter_mut().for_each(|bus| {
-                bus.send(&self.sync(state));
-            });
+            let sync = self.sync(state);
+            for bus in buses.iter_mut() {
+                bus.send(&sync);
+            }
         }
         let ports = self.ports.iter().zip(&mut state.ports).zip(exchanges);
         for ((port, memory), exchange) in ports {

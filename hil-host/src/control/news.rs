@@ -38,13 +38,10 @@ pub(super) fn cause(node: Node, frame: &WireFrame) -> Option<Cause> {
     }
 }
 
-/// The temperature in a frame of a rig, if it is its telemetry; none where it measures none.
-pub(super) fn temperature_degc(node: Node, frame: &WireFrame) -> Option<Option<f64>> {
-    let id = frame.id();
-    if MessageId::from_raw(id)? != MessageId::Telemetry(node) {
-        return None;
-    }
-    Some(Telemetry::decode(id, frame.data()).ok()?.temperature_degc)
+/// The telemetry in a frame of a rig.
+pub(super) fn telemetry(node: Node, frame: &WireFrame) -> Option<Telemetry> {
+    let telemetry = Telemetry::decode(frame.id(), frame.data()).ok();
+    telemetry.filter(|telemetry| telemetry.node == node)
 }
 
 /// The cause in the state of a rig, if it is one in which it has stopped by itself.

@@ -139,8 +139,8 @@ impl Port {
     pub fn take_frame(&self, state: &mut PortState, frame: &WireFrame) -> bool {
         let receiver = self.receiver(state);
         let Some(reception) = receiver.accept(&mut state.receiver, frame.id(), frame.data()) else {
-            if let Some(temperature_degc) = news::temperature_degc(self.node, frame) {
-                state.temperature_degc = temperature_degc;
+            if let Some(telemetry) = news::telemetry(self.node, frame) {
+                state.temperature_degc = telemetry.temperature_degc;
             }
             let heard = news::cause(self.node, frame);
             state.news = state.news.or(heard);
@@ -149,17 +149,14 @@ impl Port {
         state.frames.conflict |= reception.status == Status::Conflict;
         state.frames.foreign |= reception.plain;
         state.frames.bad |= reception.status == Status::WrongCrc;
-        match reception.data {
-            Some(measurement) => {
-                state.frames.good = true;
-                state.stands_m = state.stands_m.or(measurement.displacement_m);
-                let mut bytes = FrameBytes::default();
-                for (to, from) in bytes.iter_mut().zip(frame.data()) {
-                    *to = *from;
-                }
-                state.newest = Some(Kept { measurement, bytes });
+        if let Some(measurement) = reception.data {
+            state.frames.good = true;
+            state.stands_m = state.stands_m.or(measurement.displacement_m);
+            let mut bytes = FrameBytes::default();
+            for (to, from) in bytes.iter_mut().zip(frame.data()) {
+                *to = *from;
             }
-            None => {}
+            state.newest = Some(Kept { measurement, bytes });
         }
         true
     }

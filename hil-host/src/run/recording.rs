@@ -108,7 +108,9 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
         let mut heard = Heard::all(buses, epoch);
         // From the first command on a rig waits for no file and no thread.
         let armed = session.arm(state, &mut heard, requests);
-        Heard::events(heard).into_iter().for_each(|event| recorder.event(event));
+        for event in Heard::events(heard) {
+            recorder.event(event);
+        }
         if let Err(why) = armed {
             done.store(true, Ordering::Release);
             drop(running);

@@ -81,9 +81,9 @@ fn on_memory_bus(pace: Pace, profile: Profile) -> (Vec<Measurement>, [u32; 4]) {
     bus.send(&sync.encode());
     let hold = |bus: &mut MemoryBus, hosts: &mut [Host]| {
         // The rigs that are armed already do not wait for the others.
-        hosts.iter_mut().for_each(|host| {
+        for host in hosts {
             bus.send(&host.state(RunState::Armed));
-        });
+        }
     };
     let mut codes = Vec::new();
     for number in 0..hosts.len() {

@@ -124,7 +124,7 @@ fn safe_is_latched_until_it_is_reset_at_the_rig() {
     assert_eq!(heartbeat.state, RunState::Safe);
     assert!(heartbeat.flags.contains(HeartbeatFlags::LATCHED));
     let exchange = HostArming::new(host.plan(&sync), SessionHistory::default());
-    let refused = host.exchange(exchange, |question| pass_latched(&mut rig, question));
+    let refused = Host::exchange(exchange, |question| pass_latched(&mut rig, question));
     assert_eq!(refused, HostOutcome::Refused(Refusal::ByRig(ArmItem::State)));
     assert!(rig.reset());
     let released = answers(&mut rig);

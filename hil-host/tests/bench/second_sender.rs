@@ -166,15 +166,12 @@ fn one_frame_of_the_dbc_moved_an_idle_ram_by_3_mm() {
             }
             assert_eq!((rig.run_state(), rig.runs()), (state, 0));
             assert_eq!(rig.physics().ram().displacement_m, 0.0);
-            match state {
-                RunState::Init => give(&mut rig, &host.sync_message(pace).encode()),
-                _ => {
-                    let sync = host.sync_message(pace);
-                    if state == RunState::Standby {
-                        answers(&mut rig);
-                        arm(&mut rig, &mut host, &sync);
-                    }
-                }
+            let sync = host.sync_message(pace);
+            if state == RunState::Init {
+                give(&mut rig, &sync.encode());
+            } else if state == RunState::Standby {
+                answers(&mut rig);
+                arm(&mut rig, &mut host, &sync);
             }
         }
         assert_eq!(rig.frames().unarmed, 40);
@@ -389,12 +386,11 @@ fn a_displacement_that_is_not_believed_asks_for_the_pressure_off() {
     session.greet(&mut state, buses, Duration::from_secs(1), &Requests::armed()).unwrap();
     bus.bus.cycle = 0;
     let mut queues = Queues::default();
-    let (mut recorder, drain) = queues.split();
+    let (mut recorder, _drain) = queues.split();
     for _ in 0..BEGIN + 10 {
         let buses = std::slice::from_mut(&mut bus);
         session.cycle(&mut state, &mut Buses::new(buses, &mut recorder), Tick::default());
     }
-    drop(drain);
     let stop = state.stop.unwrap();
     assert_eq!(stop.cause.action, Action::PowerOff);
     assert!(stop.cycle - BEGIN <= 2, "{stop}");
@@ -443,7 +439,7 @@ fn pressure_off_is_obeyed_in_every_state_and_latched() {
         give(&mut moving, &host.run());
         answers(&mut moving);
     }
-    for (mut rig, node) in [(idle, None), (moving, Some(NODE))] {
+    for (mut rig, node) in vec![(idle, None), (moving, Some(NODE))] {
         give(&mut rig, &off(Some(Node::ALL[1])));
         assert!(!rig.is_latched(), "another node's");
         give(&mut rig, &off(node));

@@ -92,7 +92,8 @@ impl Host {
         sync: &Sync,
         pass: impl FnMut(Option<Frame>) -> Vec<WireFrame>,
     ) -> SessionCode {
-        match self.exchange(HostArming::new(self.plan(sync), SessionHistory::default()), pass) {
+        let exchange = HostArming::new(self.plan(sync), SessionHistory::default());
+        match Self::exchange(exchange, pass) {
             HostOutcome::Armed(agreement) => {
                 (self.code, self.sent) = (Some(agreement.code()), 0);
                 agreement.code()
@@ -103,7 +104,6 @@ impl Host {
 
     /// One exchange to its end.
     pub(crate) fn exchange(
-        &self,
         mut exchange: HostArming,
         mut pass: impl FnMut(Option<Frame>) -> Vec<WireFrame>,
     ) -> HostOutcome {
