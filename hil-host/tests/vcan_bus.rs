@@ -216,7 +216,9 @@ impl Armed {
             }
             let until = Instant::now() + Duration::from_micros(period_us);
             let mut heard = Vec::new();
-            while bus.wait(until.saturating_duration_since(Instant::now())) {
+            // The kernel waits for whole milliseconds.
+            while Instant::now() < until {
+                bus.wait(Duration::from_millis(1));
                 heard.extend(std::iter::from_fn(|| bus.receive()));
             }
             heard

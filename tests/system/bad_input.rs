@@ -100,7 +100,7 @@ fn places_nodes_and_buses_that_do_not_exist_are_refused() {
     has(&text, &["front left", "modelled", "virtual_wear"]);
     let text = refused("soft", &slot("virtual_wear = { stiffness_n_per_m = 5e6 }\n"), None, &[]);
     has(&text, &["case.toml:8", "stiffness_n_per_m = 5000000", "12500000"]);
-    let text = refused("pace", &slot(""), None, &["--bus", "socketcan:nobus0"]);
+    let text = refused("pace", &slot(""), None, &["--arm", "--bus", "socketcan:nobus0"]);
     has(&text, &["pace fast", "memory bus"]);
 }
 

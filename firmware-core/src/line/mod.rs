@@ -255,8 +255,9 @@ mod tests {
     use crate::vehicle::DamperForces as _;
 
     fn rig() -> RigSlot {
+        let Ok(model) = Damper::new(Nominal::NEW, &[]) else { panic!("a new damper") };
         RigSlot {
-            model: Damper::new(Nominal::NEW, &[]).unwrap(),
+            model,
             wear: VirtualWear::default(),
             limits: CommandLimits {
                 stroke_m: 0.05,

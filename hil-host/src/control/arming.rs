@@ -8,7 +8,7 @@ use super::session::{Session, SessionState};
 use crate::bus::{Bus, WireFrame};
 use crate::rig::WATCHDOG_CYCLES;
 use can_protocol::arming::{Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience};
-use can_protocol::{ArmMessage, RunState, SessionHistory};
+use can_protocol::{ArmMessage, Pace, RunState, SessionHistory};
 use firmware_core::guard::Command;
 use firmware_core::line::Slot;
 use firmware_core::supervision::{CommandLimits, Event};
@@ -80,7 +80,8 @@ impl Session<'_> {
             if exchanges.iter().all(is_armed) {
                 let rams_m = self.rams_m(state);
                 armed_cycles += 1;
-                if rams_m.is_ok() || armed_cycles > MEASURES_WITHIN_CYCLES {
+                let is_known = rams_m.is_ok() && self.has_every_echo(state);
+                if is_known || armed_cycles > MEASURES_WITHIN_CYCLES {
                     return rams_m;
                 }
             }
@@ -186,6 +187,12 @@ impl Session<'_> {
         Ok(())
     }
 
+    /// Whether no answer is still to come, where every command has one.
+    fn has_every_echo(&self, state: &SessionState) -> bool {
+        let mut ports = self.ports.iter().zip(&state.ports);
+        self.pace == Pace::Clock || ports.all(|(port, memory)| port.has_echo(memory))
+    }
+
     /// Where the rams stand, by slot (m).
     fn rams_m(&self, state: &SessionState) -> Result<[f64; DAMPER_SLOTS], NoAnswer> {
         let (mut rams_m, mut missing) = ([0.0; DAMPER_SLOTS], Vec::new());
@@ -225,7 +232,10 @@ impl Session<'_> {
                 continue;
             };
             if memory.is_armed() {
-                bus.send(&port.command(memory, &Command::default(), RunState::Armed, 0));
+                // In lock-step the next command waits for the answer to the last.
+                if self.pace == Pace::Clock || port.has_echo(memory) || memory.is_new() {
+                    bus.send(&port.command(memory, &Command::default(), RunState::Armed, 0));
+                }
             } else if let Some(question) = exchange.cycle(quiet) {
                 bus.send(&question.encode().0);
             }

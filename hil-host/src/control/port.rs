@@ -319,6 +319,11 @@ impl PortState {
         self.agreement.is_some()
     }
 
+    /// Whether no command was sent since arming.
+    pub(super) fn is_new(&self) -> bool {
+        self.cycle == 0
+    }
+
     /// What was agreed with the rig: numbers, session code, limits.
     pub fn agreement(&self) -> Option<&Agreement> {
         self.agreement.as_ref()

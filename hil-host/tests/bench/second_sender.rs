@@ -439,7 +439,7 @@ fn pressure_off_is_obeyed_in_every_state_and_latched() {
         give(&mut moving, &host.run());
         answers(&mut moving);
     }
-    for (mut rig, node) in vec![(idle, None), (moving, Some(NODE))] {
+    let mut obeys = |mut rig: FedRig, node: Option<Node>| {
         give(&mut rig, &off(Some(Node::ALL[1])));
         assert!(!rig.is_latched(), "another node's");
         give(&mut rig, &off(node));
@@ -462,7 +462,9 @@ fn pressure_off_is_obeyed_in_every_state_and_latched() {
         give(&mut rig, &host.run());
         rig.cycle();
         assert_eq!(rig.run_state(), RunState::Fault);
-    }
+    };
+    obeys(idle, None);
+    obeys(moving, Some(NODE));
 }
 
 #[test]
