@@ -4,7 +4,7 @@ use can_protocol::{Node, Pace, Profile};
 use criterion::{Criterion, criterion_group, criterion_main};
 use hil_host::bus::MemoryBus;
 use hil_host::clock::Tick;
-use hil_host::control::{Buses, Port, Requests, Session};
+use hil_host::control::{Arming, Buses, Port, Requests, Session};
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
@@ -27,6 +27,7 @@ fn cycle(criterion: &mut Criterion) {
         profile: Profile::Classical,
         pace: Pace::LockStep,
         slow_down: NonZeroU8::MIN,
+        arming: Arming::in_memory(),
         watched: [Some(0), Some(1), Some(3)],
         rear_bogie: Some(2),
     };

@@ -21,6 +21,7 @@ mod report;
 mod reproduce;
 mod ride;
 mod rig;
+mod rig_reset;
 mod run;
 mod simulate;
 mod stop;
@@ -56,6 +57,9 @@ enum Command {
         after_help = "Example: yawbench rig scenarios/rigs/laboratory-rig.toml --bus socketcan:vcan0 --node 1"
     )]
     Rig(rig::RigArgs),
+    /// Reset a rig that is latched in SAFE or FAULT. It does not arm it.
+    #[command(after_help = "Example: yawbench rig-reset --bus socketcan:can0 --node 1")]
+    RigReset(rig_reset::RigResetArgs),
     /// Simulate the bench tests of a damper model, or evaluate measured records: records and
     /// figures.
     #[command(
@@ -158,6 +162,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
         Command::Run(args) => run::command(args)?,
         Command::Report(args) => report::command(args).map(done)?,
         Command::Rig(args) => rig::command(args)?,
+        Command::RigReset(args) => rig_reset::command(args)?,
         Command::Characterise(args) => characterise::command(args)?,
         Command::Identify(args) => identify::command(args)?,
         Command::Campaign(args) => campaign::command(args)?,

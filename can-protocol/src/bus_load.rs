@@ -226,8 +226,8 @@ mod tests {
             nominal_bits_per_s: 1e6,
             data_bits_per_s: 1e6,
         };
-        // Sync 10 x 135, two heartbeats 50 x 65, telemetry and residual 20 x 115, all per million.
-        let expected = (1350.0 + 2.0 * 3250.0 + 2.0 * 2300.0) * 1e-6;
+        // Sync 10 x 135, two heartbeats 50 x 135, telemetry and residual 20 x 115, all per million.
+        let expected = (1350.0 + 2.0 * 6750.0 + 2.0 * 2300.0) * 1e-6;
         assert!((plan.background_load() - expected).abs() < 1e-12);
     }
 }

@@ -1,7 +1,7 @@
 //! The command: where the host wants the damper's eyes to be, once per cycle.
 use crate::signal::{Field, FixedPoint, Quantity, Saturated, Word};
 use crate::wire_enum::wire_enum;
-use crate::{Error, Frame, MessageId, Node, Profile, RunState, protection};
+use crate::{Error, Frame, MessageId, Node, Profile, RunState, Seal, protection};
 use core::fmt;
 
 /// A command from the host to one rig.
@@ -94,6 +94,16 @@ impl CommandLayout {
 impl Command {
     /// The frame, and what had to be saturated to fit it.
     pub fn encode(&self, profile: Profile) -> (Frame, Saturated) {
+        self.encode_as(profile, None)
+    }
+
+    /// The frame of an armed session. Its counter is that of the seal's cycle; the `counter` here
+    /// is not used.
+    pub fn encode_sealed(&self, profile: Profile, seal: Seal) -> (Frame, Saturated) {
+        Self { counter: seal.counter(profile), ..*self }.encode_as(profile, Some(seal))
+    }
+
+    fn encode_as(&self, profile: Profile, seal: Option<Seal>) -> (Frame, Saturated) {
         let layout = CommandLayout::of(profile);
         let mut word = Word::default();
         let mut saturated = Saturated::empty();
@@ -110,7 +120,7 @@ impl Command {
         if let Some(time) = layout.time {
             word.put_time(time, self.time_us);
         }
-        (protection::seal(MessageId::Command(profile, self.node), word), saturated)
+        (protection::protect(MessageId::Command(profile, self.node), word, seal), saturated)
     }
 
     /// The command in a frame.
@@ -118,14 +128,32 @@ impl Command {
     /// # Errors
     /// Not a command's id, a wrong length or CRC, an invalid counter, a reserved state or mode.
     pub fn decode(id: u16, data: &[u8]) -> Result<Self, Error> {
+        Self::decode_as(id, data, None)
+    }
+
+    /// The command in a frame of an armed session.
+    ///
+    /// # Errors
+    /// As `decode`; the CRC is that of this seal, and a counter other than the seal's is wrong.
+    pub fn decode_sealed(id: u16, data: &[u8], seal: Seal) -> Result<Self, Error> {
+        Self::decode_as(id, data, Some(seal))
+    }
+
+    fn decode_as(id: u16, data: &[u8], seal: Option<Seal>) -> Result<Self, Error> {
         let Some(message @ MessageId::Command(profile, node)) = MessageId::from_raw(id) else {
             return Err(Error::UnknownId { id });
         };
         let layout = CommandLayout::of(profile);
-        let word = protection::open(message, data)?;
+        let word = protection::open(message, data, seal)?;
+        let counter = word.counter(message, layout.counter)?;
+        if let Some(expected) = seal.map(|seal| seal.counter(profile))
+            && counter != expected
+        {
+            return Err(Error::Counter { id, found: counter, expected });
+        }
         Ok(Self {
             node,
-            counter: word.counter(message, layout.counter)?,
+            counter,
             state: word.code(message, layout.state)?,
             mode: word.code(message, layout.mode)?,
             echo: word.get_counter(layout.echo),

@@ -60,9 +60,10 @@ mod tests {
 
     #[test]
     fn a_frame_crosses_the_bridge_and_comes_back() {
-        let frame = Heartbeat { sender: Sender::Host, state: RunState::Run }.encode();
+        let (frame, _) = Heartbeat::new(Sender::Host, 1, RunState::Run, 2).encode();
         let driver: DriverFrame = to_embedded(&frame).unwrap();
-        assert_eq!(from_embedded(&driver), Some((0x700, &[0x04][..])));
+        assert_eq!(from_embedded(&driver), Some((0x700, frame.data())));
+        assert_eq!(frame.data()[1..], [0x41, 2, 0, 0, 0, 0, 0x02]);
     }
 
     #[test]

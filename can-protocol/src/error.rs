@@ -39,6 +39,15 @@ pub enum Error {
         /// The CRC of what the frame holds.
         expected: u16,
     },
+    /// The counter is not that of the cycle which the frame should be of.
+    Counter {
+        /// The frame's id.
+        id: u16,
+        /// The counter in the frame.
+        found: u8,
+        /// The counter of the cycle.
+        expected: u8,
+    },
     /// A field holds a code that has no meaning (yet).
     ReservedCode {
         /// The frame's id.
@@ -65,6 +74,7 @@ impl Error {
             Self::UnknownId { .. }
             | Self::Length { .. }
             | Self::Checksum { .. }
+            | Self::Counter { .. }
             | Self::ReservedCode { .. } => false,
         }
     }
@@ -83,6 +93,9 @@ impl fmt::Display for Error {
             }
             Self::Checksum { id, found, expected } => {
                 write!(f, "frame {id:#05x} has crc {found:#x}, its content gives {expected:#x}")
+            }
+            Self::Counter { id, found, expected } => {
+                write!(f, "frame {id:#05x} has counter {found}, its cycle gives {expected}")
             }
             Self::ReservedCode { id, field, code } => {
                 write!(f, "frame {id:#05x} has reserved code {code} in {field}")

@@ -119,7 +119,7 @@ impl Fault {
         word.put(Self::STATE, u32::from(self.state.code()));
         word.put(Self::CODE, u32::from(self.code.code()));
         word.put(Self::DETAIL, u32::from(self.detail));
-        (protection::seal(MessageId::Fault(self.sender), word), saturated)
+        (protection::protect(MessageId::Fault(self.sender), word, None), saturated)
     }
 
     /// The fault in a frame.
@@ -130,7 +130,7 @@ impl Fault {
         let Some(message @ MessageId::Fault(sender)) = MessageId::from_raw(id) else {
             return Err(Error::UnknownId { id });
         };
-        let word = protection::open(message, data)?;
+        let word = protection::open(message, data, None)?;
         Ok(Self {
             sender,
             counter: word.counter(message, Self::COUNTER)?,

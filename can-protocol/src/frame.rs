@@ -31,7 +31,7 @@ impl Frame {
         self.id
     }
 
-    /// The payload: 1, 6, 8 or 16 bytes.
+    /// The payload: 6, 8 or 16 bytes.
     pub fn data(&self) -> &[u8] {
         &self.payload
     }

@@ -1,8 +1,8 @@
 //! The nodes on the bus and the ids of their messages.
 //!
-//! Ids are ordered by urgency, since the lower id wins: sync, commands, measurements, faults,
-//! telemetry, residuals, heartbeats. The `DataID` that enters a frame's CRC is `0x5000 + id`, so
-//! that a frame sent under a wrong id fails its check.
+//! Ids are ordered by urgency, since the lower id wins: pressure off, sync, commands, measurements,
+//! faults, telemetry, residuals, arming, heartbeats. The `DataID` that enters a frame's CRC is
+//! `0x5000 + id`, so that a frame sent under a wrong id fails its check.
 use crate::{Error, Profile};
 use core::fmt;
 
@@ -77,6 +77,8 @@ impl fmt::Display for Sender {
 /// A message of the protocol, as its frame id states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MessageId {
+    /// `0x040 + n`, n = 0 for all rigs: the host asks to drop the pressure.
+    PressureOff(Option<Node>),
     /// `0x080`: period, pace and time, from the host to all rigs.
     Sync,
     /// `0x100 + n`, FD `0x110 + n`: the host commands a rig.
@@ -89,6 +91,10 @@ pub enum MessageId {
     Telemetry(Node),
     /// `0x500 + n`: how far a rig's damper is from its model, from the host.
     Residual(Node),
+    /// `0x600 + n`: the host asks a rig in the arming exchange.
+    ArmRequest(Node),
+    /// `0x610 + n`: the rig answers.
+    ArmAnswer(Node),
     /// `0x700 + n`: alive, and in which state.
     Heartbeat(Sender),
 }
@@ -103,6 +109,8 @@ impl MessageId {
     /// ```
     pub const fn raw(self) -> u16 {
         let (base, number) = match self {
+            Self::PressureOff(None) => (0x040, 0),
+            Self::PressureOff(Some(node)) => (0x040, node.number()),
             Self::Sync => (0x080, 0),
             Self::Command(Profile::Classical, node) => (0x100, node.number()),
             Self::Command(Profile::Fd, node) => (0x110, node.number()),
@@ -111,6 +119,8 @@ impl MessageId {
             Self::Fault(sender) => (0x300, sender.number()),
             Self::Telemetry(node) => (0x400, node.number()),
             Self::Residual(node) => (0x500, node.number()),
+            Self::ArmRequest(node) => (0x600, node.number()),
+            Self::ArmAnswer(node) => (0x610, node.number()),
             Self::Heartbeat(sender) => (0x700, sender.number()),
         };
         base + number as u16
@@ -122,6 +132,8 @@ impl MessageId {
         let node = Node::new(number).ok();
         let sender = Sender::new(number).ok();
         match id & !0xF {
+            0x040 if number == 0 => Some(Self::PressureOff(None)),
+            0x040 => node.map(|node| Self::PressureOff(Some(node))),
             0x080 if number == 0 => Some(Self::Sync),
             0x100 => node.map(|node| Self::Command(Profile::Classical, node)),
             0x110 => node.map(|node| Self::Command(Profile::Fd, node)),
@@ -130,6 +142,8 @@ impl MessageId {
             0x300 => sender.map(Self::Fault),
             0x400 => node.map(Self::Telemetry),
             0x500 => node.map(Self::Residual),
+            0x600 => node.map(Self::ArmRequest),
+            0x610 => node.map(Self::ArmAnswer),
             0x700 => sender.map(Self::Heartbeat),
             _ => None,
         }
@@ -140,6 +154,24 @@ impl MessageId {
         (0..=0x7FF).filter_map(Self::from_raw)
     }
 
+    /// Whether only a host sends it.
+    pub const fn is_of_host(self) -> bool {
+        match self {
+            Self::PressureOff(_)
+            | Self::Sync
+            | Self::Command(..)
+            | Self::Residual(_)
+            | Self::ArmRequest(_)
+            | Self::Fault(Sender::Host)
+            | Self::Heartbeat(Sender::Host) => true,
+            Self::Measurement(..)
+            | Self::Telemetry(_)
+            | Self::ArmAnswer(_)
+            | Self::Fault(Sender::Rig(_))
+            | Self::Heartbeat(Sender::Rig(_)) => false,
+        }
+    }
+
     /// The number that enters the CRC in front of the payload: `0x5000 + id`.
     pub const fn data_id(self) -> u16 {
         0x5000 + self.raw()
@@ -148,10 +180,9 @@ impl MessageId {
     /// Payload length, bytes.
     pub const fn payload_len(self) -> usize {
         match self {
-            Self::Sync => 8,
+            Self::Sync | Self::ArmRequest(_) | Self::ArmAnswer(_) | Self::Heartbeat(_) => 8,
             Self::Command(profile, _) | Self::Measurement(profile, _) => profile.cyclic_len(),
-            Self::Fault(_) | Self::Telemetry(_) | Self::Residual(_) => 6,
-            Self::Heartbeat(_) => 1,
+            Self::PressureOff(_) | Self::Fault(_) | Self::Telemetry(_) | Self::Residual(_) => 6,
         }
     }
 
@@ -172,7 +203,9 @@ impl MessageId {
                 Some(1_000)
             }
             Self::Command(Profile::Fd, _) | Self::Measurement(Profile::Fd, _) => Some(500),
-            Self::Fault(_) => None,
+            Self::PressureOff(_) | Self::Fault(_) | Self::ArmRequest(_) | Self::ArmAnswer(_) => {
+                None
+            }
             Self::Telemetry(_) | Self::Residual(_) => Some(50_000),
             Self::Heartbeat(_) => Some(20_000),
         }
@@ -183,6 +216,8 @@ impl MessageId {
 impl fmt::Display for MessageId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::PressureOff(None) => f.write_str("PRESSURE_OFF_ALL"),
+            Self::PressureOff(Some(node)) => write!(f, "PRESSURE_OFF_{node}"),
             Self::Sync => f.write_str("SYNC"),
             Self::Command(Profile::Classical, node) => write!(f, "CMD_{node}"),
             Self::Command(Profile::Fd, node) => write!(f, "CMD_FD_{node}"),
@@ -191,6 +226,8 @@ impl fmt::Display for MessageId {
             Self::Fault(sender) => write!(f, "FAULT_{sender}"),
             Self::Telemetry(node) => write!(f, "TELEMETRY_{node}"),
             Self::Residual(node) => write!(f, "RESIDUAL_{node}"),
+            Self::ArmRequest(node) => write!(f, "ARM_REQUEST_{node}"),
+            Self::ArmAnswer(node) => write!(f, "ARM_ANSWER_{node}"),
             Self::Heartbeat(sender) => write!(f, "HEARTBEAT_{sender}"),
         }
     }
@@ -207,17 +244,19 @@ mod tests {
                 assert_eq!(message.raw(), id);
             }
         }
-        // Sync, 4 x (command + measurement) x 2, 5 faults, 4 telemetry, 4 residuals, 5 heartbeats.
-        assert_eq!(MessageId::all().count(), 1 + 16 + 5 + 4 + 4 + 5);
+        // 5 pressure off, sync, 4 x (command + measurement) x 2, 5 faults, 4 telemetry,
+        // 4 residuals, 4 x (request + answer) of arming, 5 heartbeats.
+        assert_eq!(MessageId::all().count(), 5 + 1 + 16 + 5 + 4 + 4 + 8 + 5);
     }
 
     #[test]
-    fn sync_commands_and_measurements_win_the_bus() {
+    fn pressure_off_sync_commands_and_measurements_win_the_bus() {
         let rank = |message| match message {
-            MessageId::Sync => 0,
-            MessageId::Command(..) => 1,
-            MessageId::Measurement(..) => 2,
-            _ => 3,
+            MessageId::PressureOff(_) => 0,
+            MessageId::Sync => 1,
+            MessageId::Command(..) => 2,
+            MessageId::Measurement(..) => 3,
+            _ => 4,
         };
         assert!(MessageId::all().is_sorted_by_key(rank));
     }

@@ -1,7 +1,7 @@
 //! The measurement: what a rig felt, once per cycle.
 use crate::command::{write_echo, write_time, write_value};
 use crate::signal::{Field, FixedPoint, Quantity, Saturated, Word};
-use crate::{Error, Frame, MessageId, Node, Profile, RunState, protection};
+use crate::{Error, Frame, MessageId, Node, Profile, RunState, Seal, protection};
 use core::fmt;
 
 /// A rig's answer to a command.
@@ -97,6 +97,16 @@ impl Measurement {
     /// The frame, and what had to be saturated to fit it; the frame then carries
     /// [`MeasurementFlags::SATURATED`], so that the peer knows too.
     pub fn encode(&self, profile: Profile) -> (Frame, Saturated) {
+        self.encode_as(profile, None)
+    }
+
+    /// The frame of an armed session. Its counter is that of the seal's cycle; the `counter` here
+    /// is not used.
+    pub fn encode_sealed(&self, profile: Profile, seal: Seal) -> (Frame, Saturated) {
+        Self { counter: seal.counter(profile), ..*self }.encode_as(profile, Some(seal))
+    }
+
+    fn encode_as(&self, profile: Profile, seal: Option<Seal>) -> (Frame, Saturated) {
         let layout = MeasurementLayout::of(profile);
         let mut word = Word::default();
         let mut saturated = Saturated::empty();
@@ -117,7 +127,7 @@ impl Measurement {
         if let Some(time) = layout.time {
             word.put_time(time, self.time_us);
         }
-        (protection::seal(MessageId::Measurement(profile, self.node), word), saturated)
+        (protection::protect(MessageId::Measurement(profile, self.node), word, seal), saturated)
     }
 
     /// The measurement in a frame.
@@ -125,14 +135,32 @@ impl Measurement {
     /// # Errors
     /// Not a measurement's id, a wrong length or CRC, an invalid counter, a reserved state.
     pub fn decode(id: u16, data: &[u8]) -> Result<Self, Error> {
+        Self::decode_as(id, data, None)
+    }
+
+    /// The measurement in a frame of an armed session.
+    ///
+    /// # Errors
+    /// As `decode`; the CRC is that of this seal, and a counter other than the seal's is wrong.
+    pub fn decode_sealed(id: u16, data: &[u8], seal: Seal) -> Result<Self, Error> {
+        Self::decode_as(id, data, Some(seal))
+    }
+
+    fn decode_as(id: u16, data: &[u8], seal: Option<Seal>) -> Result<Self, Error> {
         let Some(message @ MessageId::Measurement(profile, node)) = MessageId::from_raw(id) else {
             return Err(Error::UnknownId { id });
         };
         let layout = MeasurementLayout::of(profile);
-        let word = protection::open(message, data)?;
+        let word = protection::open(message, data, seal)?;
+        let counter = word.counter(message, layout.counter)?;
+        if let Some(expected) = seal.map(|seal| seal.counter(profile))
+            && counter != expected
+        {
+            return Err(Error::Counter { id, found: counter, expected });
+        }
         Ok(Self {
             node,
-            counter: word.counter(message, layout.counter)?,
+            counter,
             state: word.code(message, layout.state)?,
             flags: MeasurementFlags::from_bits_truncate(word.get(layout.flags) as u8),
             echo: word.get_counter(layout.echo),

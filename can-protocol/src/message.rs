@@ -1,13 +1,15 @@
 //! Any frame of the protocol: for logs, monitors and tests.
 use crate::{
-    Command, Error, Fault, Frame, Heartbeat, Measurement, MessageId, Residual, Saturated, Sync,
-    Telemetry,
+    ArmMessage, Command, Error, Fault, Frame, Heartbeat, Measurement, MessageId, PressureOff,
+    Residual, Saturated, Sync, Telemetry,
 };
 use core::fmt;
 
 /// One decoded frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Message {
+    /// The host asks to drop the pressure.
+    PressureOff(PressureOff),
     /// Period, pace and time.
     Sync(Sync),
     /// Host to rig.
@@ -20,23 +22,30 @@ pub enum Message {
     Telemetry(Telemetry),
     /// How far a rig's damper is from its model.
     Residual(Residual),
+    /// One step of the arming exchange.
+    Arm(ArmMessage),
     /// Alive.
     Heartbeat(Heartbeat),
 }
 
 impl Message {
-    /// The message in a frame, whichever it is.
+    /// The message in a plain frame, whichever it is. A sealed command or measurement needs its
+    /// seal: [`Command::decode_sealed`], [`Measurement::decode_sealed`].
     ///
     /// # Errors
     /// An id that is not of this protocol, or whatever that message's own `decode` finds.
     pub fn decode(id: u16, data: &[u8]) -> Result<Self, Error> {
         match MessageId::from_raw(id).ok_or(Error::UnknownId { id })? {
+            MessageId::PressureOff(_) => PressureOff::decode(id, data).map(Self::PressureOff),
             MessageId::Sync => Sync::decode(id, data).map(Self::Sync),
             MessageId::Command(..) => Command::decode(id, data).map(Self::Command),
             MessageId::Measurement(..) => Measurement::decode(id, data).map(Self::Measurement),
             MessageId::Fault(_) => Fault::decode(id, data).map(Self::Fault),
             MessageId::Telemetry(_) => Telemetry::decode(id, data).map(Self::Telemetry),
             MessageId::Residual(_) => Residual::decode(id, data).map(Self::Residual),
+            MessageId::ArmRequest(_) | MessageId::ArmAnswer(_) => {
+                ArmMessage::decode(id, data).map(Self::Arm)
+            }
             MessageId::Heartbeat(_) => Heartbeat::decode(id, data).map(Self::Heartbeat),
         }
     }
@@ -45,13 +54,15 @@ impl Message {
     /// measurements only.
     pub fn encode(&self, profile: crate::Profile) -> (Frame, Saturated) {
         match self {
+            Self::PressureOff(request) => request.encode(),
             Self::Sync(sync) => (sync.encode(), Saturated::empty()),
             Self::Command(command) => command.encode(profile),
             Self::Measurement(measurement) => measurement.encode(profile),
             Self::Fault(fault) => fault.encode(),
             Self::Telemetry(telemetry) => telemetry.encode(),
             Self::Residual(residual) => residual.encode(),
-            Self::Heartbeat(heartbeat) => (heartbeat.encode(), Saturated::empty()),
+            Self::Arm(message) => message.encode(),
+            Self::Heartbeat(heartbeat) => heartbeat.encode(),
         }
     }
 }
@@ -59,12 +70,14 @@ impl Message {
 impl fmt::Display for Message {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::PressureOff(request) => request.fmt(f),
             Self::Sync(sync) => sync.fmt(f),
             Self::Command(command) => command.fmt(f),
             Self::Measurement(measurement) => measurement.fmt(f),
             Self::Fault(fault) => fault.fmt(f),
             Self::Telemetry(telemetry) => telemetry.fmt(f),
             Self::Residual(residual) => residual.fmt(f),
+            Self::Arm(message) => message.fmt(f),
             Self::Heartbeat(heartbeat) => heartbeat.fmt(f),
         }
     }
@@ -102,7 +115,17 @@ mod tests {
                 &[0x5C, 0x4E, 0x1D, 0x10, 0x03, 0x22],
                 "telemetry 3 #14 RUN temperature +41.25 degC pressure READY STROKE_LIMIT WATCHDOG",
             ),
-            (0x703, &[0x36], "heartbeat 3 SAFE"),
+            (
+                0x703,
+                &[0x58, 0x67, 0xEF, 0xBE, 0xAD, 0xDE, 0x01, 0x32],
+                "heartbeat 3 #7 SAFE v2 boot deadbeef ENABLED",
+            ),
+            (
+                0x602,
+                &[0x15, 0x14, 0x01, 0x05, 0xEF, 0xBE, 0xAD, 0xDE],
+                "arming request 2 #4 STANDBY ARM 0xdeadbeef",
+            ),
+            (0x042, &[0x83, 0x63, 0x20, 0x00, 0x02, 0x00], "pressure off 2 #3 SAFE SENSOR (32) 2"),
         ] {
             assert_eq!(Message::decode(id, bytes).unwrap().to_string(), line);
         }

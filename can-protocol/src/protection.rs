@@ -8,28 +8,47 @@
 //! | 6 and 8 bytes | CRC-8 SAE J1850, byte 0 | 0x1D | 0xFF | 0xFF | 0x4B |
 //! | 16 bytes | CRC-16/CCITT-FALSE, bytes 0 and 1, low byte first | 0x1021 | 0xFFFF | 0 | 0x29B1 |
 //!
-//! Neither is reflected. The heartbeat, one byte, has none.
+//! Neither is reflected. That is the **plain** CRC, which all messages have. Commands and
+//! measurements of an armed session are **sealed**: the register is xored with the frame's mask
+//! ([`Seal::mask`]) after the `DataID` and before the payload. With the mask 0 the CRC is plain.
+//! In Python:
+//!
+//! ```python
+//! def crc8(data, register=0xFF):
+//!     for byte in data:
+//!         register ^= byte
+//!         for _ in range(8):
+//!             register = (register << 1 ^ 0x1D if register & 0x80 else register << 1) & 0xFF
+//!     return register
+//!
+//! def crc_of(frame_id, payload, mask=0):        # 6- and 8-byte frames
+//!     return crc8(payload[1:], crc8((0x5000 + frame_id).to_bytes(2, "big")) ^ mask) ^ 0xFF
+//!
+//! def mask(code, cycle):                        # classical; code = low byte of the session code
+//!     return (code + cycle // 15 * (2 * code + 1)) & 0xFF
+//! ```
+//!
+//! What the seal refuses, and how often it errs, stands at [`SessionCode`](crate::SessionCode).
 //!
 //! The method is that of AUTOSAR's end-to-end profiles 1 and 5 (counter, `DataID` in the CRC,
 //! receiver status); the frames are not bit-compatible with them.
 use crate::signal::{Field, Word};
-use crate::{Error, Frame, MessageId};
+use crate::{Error, Frame, MessageId, Profile, Seal};
 use crc::{CRC_8_SAE_J1850, CRC_16_IBM_3740, Crc};
 
 const CRC8: Crc<u8> = Crc::<u8>::new(&CRC_8_SAE_J1850);
 /// The catalogue's name for CRC-16/CCITT-FALSE.
 const CRC16: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
 
-/// The CRC field of a message, `None` for the heartbeat.
-pub const fn crc_field(message: MessageId) -> Option<Field> {
-    match message.payload_len() {
-        1 => None,
-        16 => Some(Field::new(0, 16)),
-        _ => Some(Field::new(0, 8)),
+/// The CRC field of a message.
+pub const fn crc_field(message: MessageId) -> Field {
+    match message.profile() {
+        Profile::Fd => Field::new(0, 16),
+        Profile::Classical => Field::new(0, 8),
     }
 }
 
-/// The CRC of a payload, read from behind its CRC bytes; 0 for a message without one.
+/// The plain CRC of a payload, read from behind its CRC bytes.
 ///
 /// ```
 /// use can_protocol::{MessageId, Node, Profile, protection::checksum};
@@ -39,56 +58,75 @@ pub const fn crc_field(message: MessageId) -> Option<Field> {
 /// # Ok::<(), can_protocol::Error>(())
 /// ```
 pub fn checksum(message: MessageId, payload: &[u8]) -> u16 {
+    masked_checksum(message, payload, 0)
+}
+
+/// The sealed CRC of a payload, read from behind its CRC bytes.
+///
+/// ```
+/// use can_protocol::{MessageId, Node, Profile, Seal, SessionCode};
+/// use can_protocol::protection::sealed_checksum;
+/// let message = MessageId::Command(Profile::Classical, Node::new(1)?);
+/// let payload = [0x00, 0x4A, 0x28, 0x87, 0x00, 0x50, 0xE2, 0x22];
+/// let code = SessionCode::of(0x1234_5678, 0xDEAD_BEEF);
+/// let seal = Seal { code, cycle: 1000 }; // counter 10, mask 0x9B
+/// assert_eq!(sealed_checksum(message, &payload, seal), 0xBA);
+/// # Ok::<(), can_protocol::Error>(())
+/// ```
+pub fn sealed_checksum(message: MessageId, payload: &[u8], seal: Seal) -> u16 {
+    masked_checksum(message, payload, seal.mask(message.profile()))
+}
+
+fn masked_checksum(message: MessageId, payload: &[u8], mask: u16) -> u16 {
     debug_assert!(payload.len() == message.payload_len(), "{message:?} in {} bytes", payload.len());
     let data_id = message.data_id().to_be_bytes();
-    match (message.payload_len(), payload) {
-        (1, _) | (_, []) => 0,
-        (16, [_, _, protected @ ..]) => {
-            let mut digest = CRC16.digest();
-            digest.update(&data_id);
+    match (message.profile(), payload) {
+        (Profile::Fd, [_, _, protected @ ..]) => {
+            let register = CRC16.checksum(&data_id) ^ mask;
+            let mut digest = CRC16.digest_with_initial(register);
             digest.update(protected);
             digest.finalize()
         }
-        (_, [_, protected @ ..]) => {
-            let mut digest = CRC8.digest();
-            digest.update(&data_id);
+        (Profile::Classical, [_, protected @ ..]) => {
+            // The checksum comes with the final xor, the register is without.
+            let register = CRC8.checksum(&data_id) ^ CRC_8_SAE_J1850.xorout ^ mask as u8;
+            let mut digest = CRC8.digest_with_initial(register);
             digest.update(protected);
             u16::from(digest.finalize())
         }
+        _ => 0,
     }
 }
 
 /// The frame of a message whose fields are set: with its CRC.
-pub(crate) fn seal(message: MessageId, mut word: Word) -> Frame {
-    if let Some(field) = crc_field(message) {
-        let bytes = word.to_bytes();
-        debug_assert!(message.payload_len() <= bytes.len(), "{message:?} is longer than 16 bytes");
-        let payload = bytes.get(..message.payload_len()).unwrap_or(&bytes);
-        word.put(field, u32::from(checksum(message, payload)));
-    }
+pub(crate) fn protect(message: MessageId, mut word: Word, seal: Option<Seal>) -> Frame {
+    let bytes = word.to_bytes();
+    debug_assert!(message.payload_len() <= bytes.len(), "{message:?} is longer than 16 bytes");
+    let payload = bytes.get(..message.payload_len()).unwrap_or(&bytes);
+    word.put(crc_field(message), u32::from(expected(message, payload, seal)));
     Frame::new(message, word.to_bytes())
 }
 
 /// The fields of a payload whose length and CRC are right.
-pub(crate) fn open(message: MessageId, payload: &[u8]) -> Result<Word, Error> {
-    let (id, expected) = (message.raw(), message.payload_len());
-    if payload.len() != expected {
-        return Err(Error::Length { id, found: payload.len(), expected });
+pub(crate) fn open(message: MessageId, payload: &[u8], seal: Option<Seal>) -> Result<Word, Error> {
+    let (id, length) = (message.raw(), message.payload_len());
+    if payload.len() != length {
+        return Err(Error::Length { id, found: payload.len(), expected: length });
     }
     let word = Word::from_bytes(payload);
-    if let Some(field) = crc_field(message) {
-        let (found, expected) = (word.get(field) as u16, checksum(message, payload));
-        if found != expected {
-            return Err(Error::Checksum { id, found, expected });
-        }
-    }
-    Ok(word)
+    let found = word.get(crc_field(message)) as u16;
+    let expected = expected(message, payload, seal);
+    if found == expected { Ok(word) } else { Err(Error::Checksum { id, found, expected }) }
+}
+
+fn expected(message: MessageId, payload: &[u8], seal: Option<Seal>) -> u16 {
+    seal.map_or_else(|| checksum(message, payload), |seal| sealed_checksum(message, payload, seal))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Profile;
+    use crate::SessionCode;
 
     #[test]
     fn both_crcs_meet_their_published_check_values() {
@@ -99,7 +137,7 @@ mod tests {
     #[test]
     fn no_payload_passes_under_another_id() {
         // Both CRCs are linear: if one payload distinguishes two ids, every payload does.
-        for first in MessageId::all().filter(|id| crc_field(*id).is_some()) {
+        for first in MessageId::all() {
             let payload = [0; 16];
             let payload = &payload[..first.payload_len()];
             for second in MessageId::all().filter(|id| *id != first) {
@@ -118,8 +156,8 @@ mod tests {
     fn every_single_and_double_bit_error_is_found() {
         for profile in [Profile::Classical, Profile::Fd] {
             let message = MessageId::Measurement(profile, crate::Node::ALL[2]);
-            let frame = seal(message, Word::default());
-            assert!(open(message, frame.data()).is_ok());
+            let frame = protect(message, Word::default(), None);
+            assert!(open(message, frame.data(), None).is_ok());
             let bits = frame.data().len() * 8;
             for first in 0..bits {
                 for second in first..bits {
@@ -129,9 +167,28 @@ mod tests {
                     if second != first {
                         data[second / 8] ^= 1 << (second % 8);
                     }
-                    let opened = open(message, &data);
+                    let opened = open(message, &data, None);
                     assert!(matches!(opened, Err(Error::Checksum { .. })), "bits {first} {second}");
                 }
+            }
+        }
+    }
+    #[test]
+    fn a_frame_opens_under_its_own_mask_and_no_other() {
+        let code = SessionCode::of(3, 4);
+        for (profile, cycles) in [(Profile::Classical, 1_u32 << 16), (Profile::Fd, 1 << 18)] {
+            let message = MessageId::Command(profile, crate::Node::ALL[0]);
+            let mut word = Word::default();
+            word.put(Field::new(32, 32), 0x2A48_D30F);
+            let seal = |cycle| Seal { code, cycle };
+            let frame = protect(message, word, Some(seal(77)));
+            let opens =
+                |seal| open(message, frame.data(), seal) == Ok(Word::from_bytes(frame.data()));
+            assert!(opens(Some(seal(77))));
+            assert!(!opens(None), "a plain receiver refuses it");
+            for cycle in (0..cycles).step_by(7) {
+                let same = seal(cycle).mask(profile) == seal(77).mask(profile);
+                assert_eq!(opens(Some(seal(cycle))), same, "{cycle}");
             }
         }
     }

@@ -2,75 +2,45 @@
 //!
 //! | status | when | data | watchdog |
 //! | --- | --- | --- | --- |
-//! | INITIAL | the first valid frame, or the second in a row of a new sequence | yes | fed |
+//! | INITIAL | the first valid frame; plain also the second in a row of a new sequence | yes | fed |
 //! | OK | the counter moved by 1 | yes | fed |
 //! | `SOME_LOST` | the counter moved by 2 to `max_delta` | yes | fed |
-//! | REPEATED | the counter did not move | no | not fed |
+//! | REPEATED | the last frame again, bit for bit | no | not fed |
+//! | CONFLICT | another content under the counter of the last frame | no | not fed |
 //! | `WRONG_SEQUENCE` | the counter moved further: an old frame, or a restarted sender | no | not fed |
 //! | `WRONG_CRC` | CRC, length or a reserved code is wrong: not a frame of this peer | no | not fed |
 //! | `NO_NEW_DATA` | a cycle without any frame | no | not fed |
 //!
-//! An old frame therefore changes nothing but a count. A sender that restarted is taken up again
-//! when two of its frames follow each other with no accepted frame in between; that is INITIAL
-//! once more, and a run state above must decide whether to trust it.
-use crate::{Command, Error, Measurement, MessageId, Node, Profile};
-use core::fmt;
+//! An old frame therefore changes nothing but a count. A receiver is plain or sealed:
+//!
+//! - **Plain**: it knows the peer by the `DataID` alone. A sender that restarted is taken up again
+//!   when two of its frames follow each other with no accepted frame in between; that is INITIAL
+//!   once more, and a run state above must decide whether to trust it.
+//! - **Sealed** ([`Receiver::sealed`]): it knows the session's code and counts the sender's cycles
+//!   from 0. A frame's cycle is the last accepted one plus the step of the counter, 0 to 14 (FD 0
+//!   to 254), and its CRC must be sealed with that cycle. With the cycle one roll-over earlier it
+//!   is an old frame, `WRONG_SEQUENCE`; with any other it is `WRONG_CRC`. A sender that restarted
+//!   is never taken up again. A refused frame is tried as a plain one ([`Reception::plain`]), and
+//!   [`Receiver::is_sealed_by`] tries another session: evidence of a second sender.
+use crate::reception::{Counts, Reception, Status};
+use crate::signal::{Field, Word};
+use crate::{
+    Command, CommandLayout, Error, Measurement, MeasurementLayout, MessageId, Node, Profile, Seal,
+    SessionCode,
+};
 use core::marker::PhantomData;
-
-/// What a frame, or its absence, means to the receiver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Status {
-    /// The first valid frame of a sequence.
-    Initial,
-    /// Valid and next in order.
-    Ok,
-    /// Valid and new; fewer than `max_delta` frames before it were lost.
-    SomeLost,
-    /// The counter of the last frame again.
-    Repeated,
-    /// An old frame, or too many were lost.
-    WrongSequence,
-    /// The protection does not hold.
-    WrongCrc,
-    /// No frame in this cycle.
-    NoNewData,
-}
-
-impl Status {
-    /// Whether the frame's data are to be used.
-    pub const fn delivers(self) -> bool {
-        matches!(self, Self::Initial | Self::Ok | Self::SomeLost)
-    }
-
-    /// Whether a watchdog starts anew: only on frames that are valid and new.
-    pub const fn feeds_watchdog(self) -> bool {
-        self.delivers()
-    }
-}
-
-impl fmt::Display for Status {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Initial => "INITIAL",
-            Self::Ok => "OK",
-            Self::SomeLost => "SOME_LOST",
-            Self::Repeated => "REPEATED",
-            Self::WrongSequence => "WRONG_SEQUENCE",
-            Self::WrongCrc => "WRONG_CRC",
-            Self::NoNewData => "NO_NEW_DATA",
-        })
-    }
-}
 
 /// A message that a receiver can follow: the command and the measurement.
 pub trait Cyclic: Sized {
     /// The message's id.
     fn message_id(profile: Profile, node: Node) -> MessageId;
-    /// The message in a frame.
+    /// The field of the counter.
+    fn counter_field(profile: Profile) -> Field;
+    /// The message in a plain frame, or in one with this seal.
     ///
     /// # Errors
-    /// What the message's own `decode` finds.
-    fn decode_frame(id: u16, data: &[u8]) -> Result<Self, Error>;
+    /// What the message's own `decode` or `decode_sealed` finds.
+    fn decode_frame(id: u16, data: &[u8], seal: Option<Seal>) -> Result<Self, Error>;
     /// The frame's sequence number.
     fn counter(&self) -> u8;
 }
@@ -79,8 +49,14 @@ impl Cyclic for Command {
     fn message_id(profile: Profile, node: Node) -> MessageId {
         MessageId::Command(profile, node)
     }
-    fn decode_frame(id: u16, data: &[u8]) -> Result<Self, Error> {
-        Self::decode(id, data)
+    fn counter_field(profile: Profile) -> Field {
+        CommandLayout::of(profile).counter
+    }
+    fn decode_frame(id: u16, data: &[u8], seal: Option<Seal>) -> Result<Self, Error> {
+        match seal {
+            Some(seal) => Self::decode_sealed(id, data, seal),
+            None => Self::decode(id, data),
+        }
     }
     fn counter(&self) -> u8 {
         self.counter
@@ -91,8 +67,14 @@ impl Cyclic for Measurement {
     fn message_id(profile: Profile, node: Node) -> MessageId {
         MessageId::Measurement(profile, node)
     }
-    fn decode_frame(id: u16, data: &[u8]) -> Result<Self, Error> {
-        Self::decode(id, data)
+    fn counter_field(profile: Profile) -> Field {
+        MeasurementLayout::of(profile).counter
+    }
+    fn decode_frame(id: u16, data: &[u8], seal: Option<Seal>) -> Result<Self, Error> {
+        match seal {
+            Some(seal) => Self::decode_sealed(id, data, seal),
+            None => Self::decode(id, data),
+        }
     }
     fn counter(&self) -> u8 {
         self.counter
@@ -119,11 +101,35 @@ impl Cyclic for Measurement {
 /// assert_eq!(state.echo(), Some(0));
 /// # Ok::<(), can_protocol::Error>(())
 /// ```
+///
+/// The same in an armed session:
+///
+/// ```
+/// # use can_protocol::{Command, Mode, Node, Profile, Receiver, ReceiverState, RunState, Status};
+/// # use can_protocol::{Seal, SessionCode};
+/// # let node = Node::new(2)?;
+/// # let command = Command {
+/// #     node, counter: 0, state: RunState::Run, mode: Mode::Hold, echo: None,
+/// #     displacement_m: None, velocity_m_per_s: None, time_us: None,
+/// # };
+/// let code = SessionCode::of(0x1234_5678, 0xDEAD_BEEF);
+/// let receiver = Receiver::<Command>::new(Profile::Classical, node, 5)?.sealed(code);
+/// let mut state = ReceiverState::default();
+/// let (frame, _) = command.encode_sealed(Profile::Classical, Seal { code, cycle: 0 });
+/// let first = receiver.accept(&mut state, frame.id(), frame.data()).unwrap();
+/// assert_eq!(first.status, Status::Initial);
+/// let (foreign, _) = command.encode(Profile::Classical);
+/// let refused = receiver.accept(&mut state, foreign.id(), foreign.data()).unwrap();
+/// assert_eq!((refused.status, refused.plain), (Status::WrongCrc, true));
+/// # Ok::<(), can_protocol::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Receiver<M> {
     profile: Profile,
     node: Node,
     max_delta: u8,
+    /// The session's code; `None` for a plain receiver.
+    session: Option<SessionCode>,
     message: PhantomData<M>,
 }
 
@@ -132,47 +138,24 @@ pub struct Receiver<M> {
 pub struct ReceiverState {
     /// Counter of the last accepted frame.
     last: Option<u8>,
-    /// Counter of the last frame out of sequence, while nothing was accepted since.
+    /// Cycle of the last accepted frame; sealed only.
+    cycle: Option<u32>,
+    /// Payload of the last accepted frame.
+    payload: Word,
+    /// Counter of the last frame out of sequence, while nothing was accepted since; plain only.
     candidate: Option<u8>,
     counts: Counts,
-}
-
-/// How often each status occurred.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// INITIAL.
-    pub initial: u64,
-    /// OK.
-    pub ok: u64,
-    /// `SOME_LOST`.
-    pub some_lost: u64,
-    /// REPEATED.
-    pub repeated: u64,
-    /// `WRONG_SEQUENCE`.
-    pub wrong_sequence: u64,
-    /// `WRONG_CRC`.
-    pub wrong_crc: u64,
-    /// `NO_NEW_DATA`.
-    pub no_new_data: u64,
-    /// Frames that the counter steps of `SOME_LOST` say are missing.
-    pub lost_frames: u64,
-}
-
-/// The result of one frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reception<M> {
-    /// The status.
-    pub status: Status,
-    /// The data, when the status delivers.
-    pub data: Option<M>,
-    /// What was wrong, when the status is [`Status::WrongCrc`].
-    pub error: Option<Error>,
 }
 
 impl ReceiverState {
     /// The counter to echo to the peer.
     pub fn echo(&self) -> Option<u8> {
         self.last
+    }
+
+    /// The sender's number of the last accepted frame, for a sealed receiver.
+    pub fn cycle(&self) -> Option<u32> {
+        self.cycle
     }
 
     /// How often each status occurred.
@@ -182,7 +165,7 @@ impl ReceiverState {
 }
 
 impl<M: Cyclic> Receiver<M> {
-    /// A receiver that accepts counter steps up to `max_delta`; 1 tolerates no loss.
+    /// A plain receiver that accepts counter steps up to `max_delta`; 1 tolerates no loss.
     ///
     /// # Errors
     /// [`Error::MaxDeltaRange`] outside 1 to 7 (FD: 127): half the counter's range, so that an old
@@ -192,7 +175,15 @@ impl<M: Cyclic> Receiver<M> {
         if max_delta == 0 || max_delta > upper {
             return Err(Error::MaxDeltaRange { value: max_delta, upper });
         }
-        Ok(Self { profile, node, max_delta, message: PhantomData })
+        Ok(Self { profile, node, max_delta, session: None, message: PhantomData })
+    }
+
+    /// The same receiver for an armed session. It needs a fresh [`ReceiverState`] and expects the
+    /// sender's cycle 0.
+    #[must_use]
+    pub fn sealed(mut self, code: SessionCode) -> Self {
+        self.session = Some(code);
+        self
     }
 
     /// The message that is followed.
@@ -205,25 +196,116 @@ impl<M: Cyclic> Receiver<M> {
         if id != self.message_id().raw() {
             return None;
         }
-        Some(match M::decode_frame(id, data) {
-            Ok(message) => {
-                let status = self.judge(state, message.counter());
-                Reception { status, data: status.delivers().then_some(message), error: None }
-            }
-            Err(error) => {
-                state.counts.wrong_crc += 1;
-                Reception { status: Status::WrongCrc, data: None, error: Some(error) }
-            }
+        let judged = match self.session {
+            None => M::decode_frame(id, data, None)
+                .map(|read| (self.judge(state, read.counter()), read)),
+            Some(code) => self.open_sealed(state, code, id, data),
+        };
+        let (status, message) = match judged {
+            Ok((status, read)) => (status, Ok(read)),
+            Err(error) => (Status::WrongCrc, Err(error)),
+        };
+        let payload = Word::from_bytes(data.get(..data.len().min(16)).unwrap_or(data));
+        let status = match status {
+            Status::Repeated if payload != state.payload => Status::Conflict,
+            status => status,
+        };
+        if status.delivers() {
+            state.payload = payload;
+        }
+        let refused = self.session.is_some() && status == Status::WrongCrc;
+        let plain = refused && M::decode_frame(id, data, None).is_ok();
+        state.counts.count(status);
+        state.counts.plain += u64::from(plain);
+        Some(Reception {
+            status,
+            error: message.as_ref().err().copied(),
+            data: message.ok().filter(|_| status.delivers()),
+            plain,
         })
     }
 
     /// Note that a cycle passed without any frame.
     pub fn no_frame(&self, state: &mut ReceiverState) -> Status {
-        state.counts.no_new_data += 1;
+        state.counts.count(Status::NoNewData);
         Status::NoNewData
     }
 
-    /// The status of a valid frame by its counter.
+    /// Whether a frame is sealed by another session whose sender is near the cycle of `other`, up
+    /// to half a roll-over before or after it. True for random bytes once in 256 (FD 65,536).
+    pub fn is_sealed_by(&self, id: u16, data: &[u8], other: Seal) -> bool {
+        let modulus = self.profile.counter_modulus();
+        let steps = self.profile.counter_steps(other.counter(self.profile), self.counter_in(data));
+        let cycle = if steps <= modulus / 2 {
+            other.cycle.checked_add(u32::from(steps))
+        } else {
+            other.cycle.checked_sub(u32::from(modulus - steps))
+        };
+        let seal = cycle.map(|cycle| Seal { cycle, ..other });
+        id == self.message_id().raw() && seal.is_some() && M::decode_frame(id, data, seal).is_ok()
+    }
+
+    /// The counter of a payload that may be anything.
+    fn counter_in(&self, data: &[u8]) -> u8 {
+        let known = data.get(..data.len().min(16)).unwrap_or(data);
+        Word::from_bytes(known).get(M::counter_field(self.profile)) as u8
+    }
+
+    /// A frame of an armed session: at the cycle that its counter gives, else one roll-over ago.
+    fn open_sealed(
+        &self,
+        state: &mut ReceiverState,
+        code: SessionCode,
+        id: u16,
+        data: &[u8],
+    ) -> Result<(Status, M), Error> {
+        let counter = self.counter_in(data);
+        let modulus = u32::from(self.profile.counter_modulus());
+        // Steps from the last accepted frame, or from the one before cycle 0.
+        let (steps, cycle) = match (state.cycle, state.last) {
+            (Some(cycle), Some(last)) => {
+                let steps = u32::from(self.profile.counter_steps(last, counter));
+                // A cycle number beyond 32 bits has no frame: the session is over.
+                (steps, cycle.saturating_add(steps))
+            }
+            _ => (u32::from(counter) + 1, u32::from(counter)),
+        };
+        let decode = |cycle| M::decode_frame(id, data, Some(Seal { code, cycle }));
+        match decode(cycle) {
+            Ok(read) => Ok((self.judge_sealed(state, steps, cycle, counter), read)),
+            Err(error) => {
+                let old = cycle.checked_sub(modulus).filter(|_| steps > 0);
+                match old.map(decode) {
+                    Some(Ok(read)) => Ok((Status::WrongSequence, read)),
+                    _ => Err(error),
+                }
+            }
+        }
+    }
+
+    /// The status of a valid frame of an armed session.
+    fn judge_sealed(
+        &self,
+        state: &mut ReceiverState,
+        steps: u32,
+        cycle: u32,
+        counter: u8,
+    ) -> Status {
+        let status = match (state.cycle, steps) {
+            (_, 0) => Status::Repeated,
+            (_, steps) if steps > u32::from(self.max_delta) => Status::WrongSequence,
+            (None, _) => Status::Initial,
+            (Some(_), 1) => Status::Ok,
+            (Some(_), _) => Status::SomeLost,
+        };
+        if status.delivers() {
+            state.counts.lost_frames += u64::from(steps) - 1;
+            (state.last, state.cycle) = (Some(counter), Some(cycle));
+        }
+        status
+    }
+
+    /// The status of a valid plain frame by its counter.
     fn judge(&self, state: &mut ReceiverState, counter: u8) -> Status {
         debug_assert!(
             self.max_delta >= 1 && self.max_delta <= self.profile.counter_modulus() / 2,
@@ -232,27 +314,17 @@ impl<M: Cyclic> Receiver<M> {
         );
         debug_assert!(counter < self.profile.counter_modulus(), "counter {counter}");
         let step = |from| self.profile.counter_steps(from, counter);
-        let counts = &mut state.counts;
         let status = match state.last.map(step) {
             None => Status::Initial,
             Some(0) => Status::Repeated,
             Some(1) => Status::Ok,
             Some(steps) if steps <= self.max_delta => {
-                counts.lost_frames += u64::from(steps) - 1;
+                state.counts.lost_frames += u64::from(steps) - 1;
                 Status::SomeLost
             }
             Some(_) if state.candidate.map(step) == Some(1) => Status::Initial,
             Some(_) => Status::WrongSequence,
         };
-        *match status {
-            Status::Initial => &mut counts.initial,
-            Status::Ok => &mut counts.ok,
-            Status::SomeLost => &mut counts.some_lost,
-            Status::Repeated => &mut counts.repeated,
-            Status::WrongSequence => &mut counts.wrong_sequence,
-            Status::WrongCrc => &mut counts.wrong_crc,
-            Status::NoNewData => &mut counts.no_new_data,
-        } += 1;
         if status.delivers() {
             (state.last, state.candidate) = (Some(counter), None);
         } else if status == Status::WrongSequence {

@@ -53,7 +53,7 @@ impl Residual {
         word.put(Self::STATE, u32::from(self.state.code()));
         saturated.set(Saturated::FORCE, word.put_fixed(Self::RMS, self.rms_n));
         word.put(Self::WATCH, u32::from(self.watch.code()));
-        (protection::seal(MessageId::Residual(self.node), word), saturated)
+        (protection::protect(MessageId::Residual(self.node), word, None), saturated)
     }
 
     /// The residual in a frame.
@@ -64,7 +64,7 @@ impl Residual {
         let Some(message @ MessageId::Residual(node)) = MessageId::from_raw(id) else {
             return Err(Error::UnknownId { id });
         };
-        let word = protection::open(message, data)?;
+        let word = protection::open(message, data, None)?;
         Ok(Self {
             node,
             counter: word.counter(message, Self::COUNTER)?,
@@ -113,7 +113,7 @@ mod tests {
         let mut word = Word::default();
         word.put(Residual::STATE, 4);
         word.put(Residual::WATCH, 4);
-        let reserved = protection::seal(MessageId::Residual(Node::ALL[1]), word);
+        let reserved = protection::protect(MessageId::Residual(Node::ALL[1]), word, None);
         assert_eq!(
             Residual::decode(0x502, reserved.data()),
             Err(Error::ReservedCode { id: 0x502, field: "watch", code: 4 })

@@ -2,7 +2,7 @@
 use crate::wire_enum::wire_enum;
 
 wire_enum! {
-    /// Run state of host or rig, as the 4-bit code on the wire. Codes 8 to 15 are reserved.
+    /// Run state of host or rig, as the 4-bit code on the wire. Codes 9 to 15 are reserved.
     RunState in "state" {
         /// Starting up, nothing checked yet.
         Init = 0, "INIT";
@@ -20,5 +20,7 @@ wire_enum! {
         Safe = 6, "SAFE";
         /// Latched fault: only an operator leaves it.
         Fault = 7, "FAULT";
+        /// Following a motion of its own, with no vehicle coupled.
+        OpenLoop = 8, "OPEN_LOOP";
     }
 }

@@ -10,7 +10,7 @@ use core::fmt;
 use core::num::{NonZeroU8, NonZeroU16};
 
 /// Version of the frames described by this crate. Peers of different versions must not arm.
-pub const PROTOCOL_VERSION: u8 = 1;
+pub const PROTOCOL_VERSION: u8 = 2;
 
 /// The host's announcement to all rigs, 10 times a second. It has no counter: its time advances.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +63,7 @@ impl Sync {
         word.put(Self::PERIOD, u32::from(self.period_us.get()));
         word.put(Self::SLOW_DOWN, u32::from(self.slow_down.get()));
         word.put(Self::TIME, self.time_us);
-        protection::seal(MessageId::Sync, word)
+        protection::protect(MessageId::Sync, word, None)
     }
 
     /// The sync in a frame. A foreign version is not an error here: compare it.
@@ -75,7 +75,7 @@ impl Sync {
         let Some(MessageId::Sync) = MessageId::from_raw(id) else {
             return Err(Error::UnknownId { id });
         };
-        let word = protection::open(MessageId::Sync, data)?;
+        let word = protection::open(MessageId::Sync, data, None)?;
         let reserved = |field, code| Error::ReservedCode { id, field, code };
         Ok(Self {
             version: word.get(Self::VERSION) as u8,
@@ -109,7 +109,7 @@ impl fmt::Display for Sync {
 mod tests {
     use super::*;
 
-    const BYTES: [u8; 8] = [0xD5, 0x11, 0xF4, 0x01, 0x01, 0x40, 0x42, 0x0F];
+    const BYTES: [u8; 8] = [0x32, 0x12, 0xF4, 0x01, 0x01, 0x40, 0x42, 0x0F];
 
     fn sync() -> Sync {
         Sync {
@@ -127,14 +127,14 @@ mod tests {
         let word = Word::from_bytes(&BYTES);
         let fields =
             [Sync::VERSION, Sync::PROFILE, Sync::PACE, Sync::PERIOD, Sync::SLOW_DOWN, Sync::TIME];
-        assert_eq!(fields.map(|field| word.get(field)), [1, 1, 0, 500, 1, 1_000_000]);
+        assert_eq!(fields.map(|field| word.get(field)), [2, 1, 0, 500, 1, 1_000_000]);
     }
 
     #[test]
     fn construct() {
         let mut word = Word::default();
-        word.put(Field::new(0, 8), 0xD5);
-        word.put(Sync::VERSION, 1);
+        word.put(Field::new(0, 8), 0x32);
+        word.put(Sync::VERSION, 2);
         word.put(Sync::PROFILE, 1);
         word.put(Sync::PERIOD, 500);
         word.put(Sync::SLOW_DOWN, 1);
@@ -160,7 +160,7 @@ mod tests {
             for other in [Sync::PERIOD, Sync::SLOW_DOWN].into_iter().filter(|f| *f != field) {
                 word.put(other, 1);
             }
-            let frame = protection::seal(MessageId::Sync, word);
+            let frame = protection::protect(MessageId::Sync, word, None);
             let decoded = Sync::decode(0x080, frame.data());
             assert!(matches!(decoded, Err(Error::ReservedCode { code: 0, .. })), "{decoded:?}");
         }

@@ -84,7 +84,7 @@ impl Telemetry {
             .set(Saturated::TEMPERATURE, word.put_fixed(Self::TEMPERATURE, self.temperature_degc));
         word.put(Self::PRESSURE, u32::from(self.pressure.code()));
         word.put(Self::TRIPS, u32::from(self.trips.bits()));
-        (protection::seal(MessageId::Telemetry(self.node), word), saturated)
+        (protection::protect(MessageId::Telemetry(self.node), word, None), saturated)
     }
 
     /// The telemetry in a frame.
@@ -95,7 +95,7 @@ impl Telemetry {
         let Some(message @ MessageId::Telemetry(node)) = MessageId::from_raw(id) else {
             return Err(Error::UnknownId { id });
         };
-        let word = protection::open(message, data)?;
+        let word = protection::open(message, data, None)?;
         Ok(Self {
             node,
             counter: word.counter(message, Self::COUNTER)?,

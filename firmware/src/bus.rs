@@ -3,10 +3,15 @@
 use core::hint::black_box;
 use core::num::{NonZeroU8, NonZeroU16};
 
+use can_protocol::arming::{
+    Configuration, HostArming, HostPlan, Limits, Listener, Patience, Quiet, Readiness,
+    Requirements, RigArming, RigStatus,
+};
 use can_protocol::{
-    BusPlan, Command, Cyclic, Fault, FaultCode, Frame, Heartbeat, Measurement, MeasurementFlags,
-    Message, Mode, Node, Pace, Pressure, Profile, Receiver, ReceiverState, Residual, RunState,
-    Sender, Sync, Telemetry, Trips, Watch, from_embedded, to_embedded,
+    ArmItem, ArmMessage, ArmSide, BusPlan, Command, Cyclic, Fault, FaultCode, Frame, Heartbeat,
+    Measurement, MeasurementFlags, Message, Mode, Node, Pace, Pressure, PressureOff, Profile,
+    Receiver, ReceiverState, Residual, RunState, Seal, Sender, SessionCode, SessionHistory, Sync,
+    Telemetry, Trips, Watch, from_embedded, to_embedded,
 };
 use embedded_can::Id;
 
@@ -23,6 +28,8 @@ pub(crate) fn run() {
     }
     receive::<Command>(profile, node);
     receive::<Measurement>(profile, node);
+    session(profile, node);
+    arm(node);
     let plan = BusPlan {
         profile,
         rigs: black_box(4),
@@ -65,8 +72,94 @@ fn receive<M: Cyclic>(profile: Profile, node: Node) {
     black_box(profile.counter_steps(black_box(0), sent));
 }
 
+/// A sealed frame and its receiver.
+fn session(profile: Profile, node: Node) {
+    let mut history = black_box(SessionHistory::default());
+    let code = SessionCode::of(black_box(1), black_box(2));
+    if history.allows(code) {
+        history.remember(code);
+    }
+    let seal = Seal { code, cycle: black_box(1000) };
+    for message in black_box(messages(node, Sender::Host, RunState::Run)) {
+        let frame = match message {
+            Message::Command(command) => command.encode_sealed(profile, seal).0,
+            Message::Measurement(measurement) => measurement.encode_sealed(profile, seal).0,
+            _ => continue,
+        };
+        black_box(&frame);
+    }
+    let Ok(follower) = Receiver::<Command>::new(profile, node, black_box(5)) else { return };
+    let follower = follower.sealed(code);
+    let mut state = ReceiverState::default();
+    black_box(&mut state);
+    let bytes = black_box([0; 64]);
+    let length = black_box(8).min(bytes.len());
+    let received = bytes.get(..length).unwrap_or(&bytes);
+    if let Some(reception) = follower.accept(&mut state, black_box(0x101), received) {
+        black_box(reception);
+    }
+    black_box((follower.is_sealed_by(black_box(0x101), received, seal), state.cycle()));
+}
+
+/// Both sides of the arming exchange.
+fn arm(node: Node) {
+    let number = black_box(1_u32);
+    let limits = Limits {
+        stroke_um: number,
+        velocity_um_per_s: number,
+        acceleration_mm_per_s2: number,
+        force_n: number,
+    };
+    let configuration = Configuration {
+        profile: Profile::Classical,
+        pace: Pace::Clock,
+        period_us: NonZeroU16::MIN,
+        slow_down: NonZeroU8::MIN,
+        watchdog_cycles: 5,
+        limits,
+    };
+    let requirements = Requirements {
+        enabled: true,
+        zero_age_s: number,
+        shunt_passed: true,
+        force_at_rest_n: number,
+        stroke_um: number,
+    };
+    let readiness = Readiness {
+        boot: number,
+        enabled: true,
+        zero_age_s: Some(number),
+        shunt_passed: true,
+        force_at_rest_n: Some(number),
+        stroke_out_um: number,
+        stroke_in_um: number,
+    };
+    let state = black_box(RunState::Standby);
+    let status = RigStatus { state, may_reset: true, readiness, requirements, configuration };
+    let (asked, needed, patience) = (limits, limits, Patience::default());
+    let plan = HostPlan { node, number, asked, needed, requirements, configuration, patience };
+    let mut quiet = Quiet::new(black_box(Listener::Rig(node)));
+    let mut rig = RigArming::new(node, SessionHistory::default());
+    for mut host in [HostArming::new(plan, SessionHistory::default()), HostArming::reset(plan)] {
+        black_box((&mut host, &mut rig, &mut quiet));
+        quiet.cycle();
+        quiet.hear(black_box(0x701), black_box(&[0; 8]));
+        black_box(rig.cycle());
+        rig.commanded();
+        if let Some(request) = host.cycle(&quiet) {
+            let (answer, event) = rig.receive(&request, &status, &mut quiet, || black_box(7));
+            if let Some(answer) = answer {
+                host.receive(&answer);
+            }
+            black_box(event);
+        }
+        black_box((host.outcome(), rig.session(), rig.history()));
+        rig.end_session();
+    }
+}
+
 /// One of each message.
-fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 7] {
+fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 9] {
     [
         Message::Sync(Sync {
             version: 1,
@@ -112,7 +205,22 @@ fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 7] {
             rms_n: Some(0.0),
             watch: Watch::Steady,
         }),
-        Message::Heartbeat(Heartbeat { sender, state }),
+        Message::PressureOff(PressureOff {
+            node: Some(node),
+            counter: 0,
+            state,
+            code: FaultCode::Sensor,
+            detail: 0,
+        }),
+        Message::Arm(ArmMessage {
+            side: ArmSide::Host,
+            node,
+            counter: 0,
+            state,
+            item: ArmItem::Arm,
+            value: 0,
+        }),
+        Message::Heartbeat(Heartbeat::new(sender, 0, state, 0)),
     ]
 }
 

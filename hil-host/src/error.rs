@@ -4,6 +4,8 @@
 //! input state, and the guard acts on it.
 
 use crate::bus::{BusError, InvalidBus};
+use can_protocol::arming::Refusal;
+use can_protocol::{ArmItem, PROTOCOL_VERSION, RunState};
 use files::{FolderError, InputError, quoted};
 use scenario::source::ScenarioError;
 use std::fmt;
@@ -62,6 +64,47 @@ pub enum BenchError {
         nodes: Vec<u8>,
         /// The bus as it was given.
         bus: String,
+    },
+    /// A rig that speaks another version of the protocol.
+    ForeignVersion {
+        /// Its node.
+        node: u8,
+        /// The bus as it was given.
+        bus: String,
+        /// Its version; none where its heartbeat cannot be read.
+        version: Option<u8>,
+    },
+    /// A rig that is latched in SAFE or FAULT.
+    LatchedRig {
+        /// Its node.
+        node: u8,
+        /// The bus as it was given.
+        bus: String,
+        /// Its state.
+        state: RunState,
+    },
+    /// A rig that was not armed.
+    UnarmedRig {
+        /// Its node.
+        node: u8,
+        /// The bus as it was given.
+        bus: String,
+        /// What stood against it.
+        refusal: Refusal,
+    },
+    /// A rig that was not reset.
+    UnresetRig {
+        /// Its node.
+        node: u8,
+        /// The bus as it was given.
+        bus: String,
+        /// What stood against it.
+        refusal: Refusal,
+    },
+    /// The operating system has no random numbers for a session on a real bus.
+    NoRandom {
+        /// The system's message.
+        why: io::Error,
     },
     /// A ram that stands too far from where the vehicle needs it.
     FarRam {
@@ -133,6 +176,11 @@ impl BenchError {
             Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
             Self::SilentRigs { .. }
             | Self::BlindRigs { .. }
+            | Self::ForeignVersion { .. }
+            | Self::LatchedRig { .. }
+            | Self::UnarmedRig { .. }
+            | Self::UnresetRig { .. }
+            | Self::NoRandom { .. }
             | Self::FarRam { .. }
             | Self::Interrupted
             | Self::File { .. }
@@ -145,12 +193,69 @@ impl BenchError {
 
     /// Whether the bench stays in its safe state because of a rig: exit code 3.
     pub const fn is_safe_state(&self) -> bool {
-        matches!(self, Self::SilentRigs { .. } | Self::BlindRigs { .. } | Self::FarRam { .. })
+        matches!(
+            self,
+            Self::SilentRigs { .. }
+                | Self::BlindRigs { .. }
+                | Self::FarRam { .. }
+                | Self::ForeignVersion { .. }
+                | Self::LatchedRig { .. }
+                | Self::UnarmedRig { .. }
+                | Self::UnresetRig { .. }
+        )
     }
 
     /// Whether the user ended it: exit code 130.
     pub const fn is_interrupted(&self) -> bool {
         matches!(self, Self::Interrupted)
+    }
+}
+
+impl BenchError {
+    /// What is said of a rig that does not take part.
+    fn fmt_of_rig(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ForeignVersion { node, bus, version } => {
+                write!(f, "rig node {node} on {}: found ", quoted(bus))?;
+                match version {
+                    Some(version) => write!(f, "protocol version {version}")?,
+                    None => f.write_str("a heartbeat of another protocol version")?,
+                }
+                write!(f, ", expected protocol version {PROTOCOL_VERSION}")
+            }
+            Self::LatchedRig { node, bus, state } => write!(
+                f,
+                "rig node {node} on {} is latched in {state}: reset it by the key at the rig, or by \
+                 `yawbench rig-reset --bus {} --node {node}`",
+                quoted(bus),
+                quoted(bus)
+            ),
+            Self::UnarmedRig { node, bus, refusal } => {
+                write!(f, "rig node {node} on {} is not armed: {refusal}", quoted(bus))?;
+                match refusal {
+                    Refusal::ByRig(ArmItem::State) => write!(
+                        f,
+                        "; one that is latched is reset by the key at the rig, or by `yawbench \
+                         rig-reset --bus {} --node {node}`",
+                        quoted(bus)
+                    ),
+                    _ => Ok(()),
+                }
+            }
+            Self::UnresetRig { node, bus, refusal } => {
+                write!(f, "rig node {node} on {} is not reset: {refusal}", quoted(bus))?;
+                match refusal {
+                    Refusal::ByRig(ArmItem::State) => {
+                        f.write_str("; only a rig in SAFE or FAULT is reset")
+                    }
+                    Refusal::ByRig(ArmItem::Reset) => {
+                        f.write_str("; its ram still moves, or it is reset by its key alone")
+                    }
+                    _ => Ok(()),
+                }
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -209,6 +314,13 @@ impl fmt::Display for BenchError {
                     quoted(bus),
                     ram_m * 1e3
                 )
+            }
+            Self::ForeignVersion { .. }
+            | Self::LatchedRig { .. }
+            | Self::UnarmedRig { .. }
+            | Self::UnresetRig { .. } => self.fmt_of_rig(f),
+            Self::NoRandom { why } => {
+                write!(f, "the system gives no random numbers for the session: {why}")
             }
             Self::Interrupted => f.write_str("interrupted before the first cycle"),
             Self::RealtimeRefused => f.write_str("--require-realtime: not everything was granted"),
@@ -288,6 +400,8 @@ mod tests {
         let disk = || io::Error::from(io::ErrorKind::StorageFull);
         let path = PathBuf::from("runs/a-1");
         let bus = || "socketcan:can\n0".to_owned();
+        let safe = [false, true, false];
+        let by_rig = Refusal::ByRig(ArmItem::State);
         // Bad input, safe state, interrupted, or none of them.
         let cases = [
             (
@@ -313,6 +427,11 @@ mod tests {
             (BenchError::SilentRigs { nodes: vec![1, 3], bus: bus() }, [false, true, false]),
             (BenchError::BlindRigs { nodes: vec![2], bus: bus() }, [false, true, false]),
             (BenchError::FarRam { node: 1, bus: bus(), ram_m: 0.09 }, [false, true, false]),
+            (BenchError::ForeignVersion { node: 1, bus: bus(), version: Some(1) }, safe),
+            (BenchError::LatchedRig { node: 1, bus: bus(), state: RunState::Safe }, safe),
+            (BenchError::UnarmedRig { node: 1, bus: bus(), refusal: by_rig }, safe),
+            (BenchError::UnresetRig { node: 1, bus: bus(), refusal: by_rig }, safe),
+            (BenchError::NoRandom { why: disk() }, [false, false, false]),
             (BenchError::Interrupted, [false, false, true]),
             (BenchError::Thread { name: "records the run" }, [false, false, false]),
         ];

@@ -11,7 +11,8 @@
 //! 2. [`clock`]: absolute deadlines on a grid that never shifts; [`realtime`]: what the kernel is
 //!    asked for.
 //! 3. [`control`]: the loop, and the watch over the damper of each rig.
-//! 4. [`rig`]: the other end of the bus, in line or as a process of its own.
+//! 4. [`rig`]: the other end of the bus, in line or as a process of its own; `reset` releases one
+//!    that is latched; [`Draw`] is the source of the numbers of both sides.
 //! 5. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
 //!    read back as a damper test.
 //! 6. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `columns` (the
@@ -28,18 +29,23 @@ pub mod clock;
 mod columns;
 mod comparison;
 pub mod control;
+mod draw;
 mod error;
 mod options;
 mod page;
 pub mod realtime;
 pub mod record;
+mod reset;
 pub mod rig;
 pub mod run;
 mod summary;
+mod wire_state;
 
 pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};
+pub use draw::Draw;
 pub use error::BenchError;
 pub use options::{PaceChoice, RunOptions};
+pub use reset::{reset_over, reset_rig};
 pub use summary::{
     Acceleration, Accelerations, BusCount, DamperSummary, ForceRange, Frames, Percentiles,
     StepPercentiles, Stroke, Summary,

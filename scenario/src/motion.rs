@@ -6,7 +6,7 @@
 //! stroke_m = 0.1                   # furthest command from mid-stroke
 //! velocity_m_per_s = 0.5
 //! acceleration_m_per_s2 = 20.0
-//! force_n = 30.0e3                 # largest believed force; by default 1.5 times that of the model
+//! force_n = 30.0e3                 # largest believed force; by default 1.5 times the model's
 //! ```
 //! The limits are those of the host's commands. A rig has its own, and the tighter ones rule.
 
@@ -128,8 +128,13 @@ mod tests {
         let usual = built("").unwrap();
         assert_eq!((usual.ramp_cycles, usual.acceleration_m_per_s2), (500, 20.0));
         assert_eq!(built("ramp_s = 0.0").unwrap(), Motion { ramp_cycles: 0, ..usual });
-        for text in ["ramp_s = -1.0", "ramp_s = 1e9", "stroke_m = 0.0", "velocity_m_per_s = 0.0", "force_n = 1.0"]
-        {
+        for text in [
+            "ramp_s = -1.0",
+            "ramp_s = 1e9",
+            "stroke_m = 0.0",
+            "velocity_m_per_s = 0.0",
+            "force_n = 1.0",
+        ] {
             assert!(built(text).is_err(), "{text}");
         }
     }

@@ -11,7 +11,7 @@ use firmware_core::line::Slot;
 use firmware_core::track::Track;
 use hil_host::bus::MemoryBus;
 use hil_host::clock::Tick;
-use hil_host::control::{Buses, Port, Requests, Session, SessionState};
+use hil_host::control::{Arming, Buses, Port, Requests, Session, SessionState};
 use hil_host::record::Recorder;
 use hil_host::rig::RigNode;
 use scenario::run::{Overrides, Run};
@@ -49,6 +49,7 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>) -> Session<'a> {
         profile: Profile::Classical,
         pace: WirePace::LockStep,
         slow_down: NonZeroU8::MIN,
+        arming: Arming::in_memory(),
         watched: [Some(0), Some(1), Some(3)],
         rear_bogie: Some(2),
     }

@@ -1,6 +1,8 @@
 //! Tests over SocketCAN. They run on this kernel where it has CAN, else in a throw-away machine
 //! (`cargo xtask vcan`).
 
+#[path = "../support/opened.rs"]
+mod opened;
 #[path = "../support/record.rs"]
 mod record;
 

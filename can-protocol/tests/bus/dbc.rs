@@ -18,7 +18,8 @@ fn agree(dbc: &Dbc, id: u16, data: &[u8], message: &Message, profile: Profile) {
     let described = wire::message(dbc, id);
     assert_eq!(described.size as usize, data.len());
     let values = samples::dbc_values(message, profile);
-    assert_eq!(described.signals.len(), values.len() + usize::from(has_crc(described)));
+    assert!(has_crc(described));
+    assert_eq!(described.signals.len(), values.len() + 1);
     for (name, value) in values {
         let signal = described.signals.iter().find(|signal| signal.name == name);
         let signal = signal.unwrap_or_else(|| panic!("{} lacks {name}", described.name));
@@ -73,10 +74,12 @@ fn signals_fill_their_message_without_overlap() {
                 *bit = true;
             }
         }
-        // Only telemetry and the residual have spare bits, four each.
+        // Only telemetry and the residual have spare bits, four each, and the heartbeat six.
         let spare = used.iter().filter(|used| !**used).count();
-        let has_spare = ["TELEMETRY", "RESIDUAL"].iter().any(|name| message.name.starts_with(name));
-        assert_eq!(spare, if has_spare { 4 } else { 0 });
+        let expected = [("TELEMETRY", 4), ("RESIDUAL", 4), ("HEARTBEAT", 6)]
+            .into_iter()
+            .find_map(|(name, bits)| message.name.starts_with(name).then_some(bits));
+        assert_eq!(spare, expected.unwrap_or(0), "{}", message.name);
     }
 }
 
@@ -119,6 +122,51 @@ fn the_comments_suffice_to_write_a_peer() {
             }
         }
     }
+}
+
+#[test]
+fn the_comment_on_the_bus_starts_with_what_safe_means() {
+    let text = dbc_text::dbc_text();
+    let (_, comment) = text.split_once("CM_ \"").expect("a comment on the bus");
+    let (comment, _) = comment.split_once("\";").expect("its end");
+    let (_, rules) = comment.split_once(". ").expect("more than a title");
+    assert!(rules.starts_with("SAFE means: the rig decelerates within its limit"));
+    for rule in [
+        "no safety function and claims no PL or SIL",
+        "PRESSURE_OFF",
+        "Watchdog",
+        "left by a reset only",
+        "the one frame that arms",
+        "255 of 256 cases",
+    ] {
+        assert!(rules.contains(rule), "{rule}");
+    }
+    for item in can_protocol::ArmItem::ALL {
+        assert!(rules.contains(&format!("{item} (0x{:04X})", item.code())), "{item}");
+    }
+}
+
+#[test]
+fn the_sealed_frames_of_the_comments_follow_their_recipe() {
+    let dbc = wire::dbc();
+    let mut count = 0;
+    for message in MessageId::all() {
+        let comment = dbc.message_comment(can_dbc::MessageId::Standard(message.raw())).unwrap();
+        let Some((_, sealed)) = comment.split_once("Sealed frame: ") else { continue };
+        let (bytes, _) = sealed.split_once(" (").unwrap();
+        let data: Vec<u8> =
+            bytes.split(' ').map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect();
+        let described = wire::message(&dbc, message.raw());
+        let raw =
+            |name| wire::raw(described.signals.iter().find(|s| s.name == name).unwrap(), &data);
+        // The recipe of the comment on the bus, by hand: code 0x49C5, cycle 1000.
+        let (modulus, masks) = if data.len() == 8 { (15, 256) } else { (255, 65_536) };
+        let mask = (0x49C5 + 1000 / modulus * (2 * 0x49C5 + 1)) % masks;
+        assert_eq!(raw("counter"), 1000 % modulus);
+        assert_eq!(raw("crc"), wire::masked_crc(&dbc, message.raw(), &data, mask));
+        count += 1;
+    }
+    assert_eq!(count, 16, "commands and measurements of four nodes in both profiles");
 }
 
 proptest! {
@@ -170,7 +218,7 @@ proptest! {
                 let senders_own = field == "sender" && i64::from(code) != i64::from(id & 0xF);
                 prop_assert!(
                     senders_own || name == Some("INVALID") || f64::from(code) < minimum
-                        || (name.is_none() && ["state", "mode", "pressure", "profile", "pace", "watch"].contains(&field)),
+                        || (name.is_none() && ["state", "mode", "pressure", "profile", "pace", "watch", "item"].contains(&field)),
                     "{field} {code}"
                 );
             }

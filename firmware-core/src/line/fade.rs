@@ -72,10 +72,10 @@ impl Line<'_> {
         let mut fade = self.fade;
         let rams = self.slots.iter().zip(&mut state.slots).zip(motions).zip(rams_m).enumerate();
         for (slot, (((kind, memory), (extension, _)), ram_m)) in rams {
-            let Slot::Rig(rig) = kind else { continue };
+            let Slot::Rig(_) = kind else { continue };
             memory.begin(ram_m);
             let way_m = (extension.lane(0) - memory.mid_stroke_m - ram_m).abs();
-            let longer = fade.over(way_m, &rig.limits, self.cycle_s);
+            let longer = fade.over(way_m, &memory.limits, self.cycle_s);
             fade = longer.ok_or(TooFar { slot, ram_m })?;
         }
         if fade.motion_cycles == 0 {

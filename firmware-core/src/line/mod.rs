@@ -141,9 +141,14 @@ impl<'a> Line<'a> {
         let running = self.running();
         self.vehicle.start(&mut state.vehicle, &running);
         let motions = self.vehicle.damper_motions(&state.vehicle, &running);
-        for (slot, (extension_m, _)) in state.slots.iter_mut().zip(motions) {
-            slot.mid_stroke_m = extension_m.lane(0);
-            slot.damper = DamperState::rest();
+        for ((slot, memory), (extension_m, _)) in
+            self.slots.iter().zip(&mut state.slots).zip(motions)
+        {
+            memory.mid_stroke_m = extension_m.lane(0);
+            memory.damper = DamperState::rest();
+            if let Slot::Rig(rig) = slot {
+                memory.limits = rig.limits;
+            }
         }
         state
     }
@@ -175,8 +180,8 @@ impl<'a> Line<'a> {
         state.cycle += 1;
         if state.is_safe() {
             for (slot, memory) in self.slots.iter().zip(&mut state.slots) {
-                let Slot::Rig(rig) = slot else { continue };
-                let most = rig.limits.acceleration_m_per_s2;
+                let Slot::Rig(_) = slot else { continue };
+                let most = memory.limits.acceleration_m_per_s2;
                 memory.command = memory.command.stopping(self.cycle_s, most);
             }
             debug_assert!(
@@ -207,7 +212,7 @@ impl<'a> Line<'a> {
             let velocity_m_per_s = if moves { rate.lane(0) } else { 0.0 };
             let vehicle = Command { displacement_m, velocity_m_per_s };
             let wanted = memory.faded(vehicle, fade, phase);
-            let limited = rig.limits.limited(memory.command, wanted, self.cycle_s);
+            let limited = memory.limits.limited(memory.command, wanted, self.cycle_s);
             memory.limited += u64::from(limited.is_saturated);
             memory.command = limited.command;
             debug_assert!(memory.command.is_finite(), "a plausible state gives a finite command");
@@ -250,8 +255,9 @@ mod tests {
     use crate::vehicle::DamperForces as _;
 
     fn rig() -> RigSlot {
+        let Ok(model) = Damper::new(Nominal::NEW, &[]) else { panic!("a new damper") };
         RigSlot {
-            model: Damper::new(Nominal::NEW, &[]).expect("a new damper"),
+            model,
             wear: VirtualWear::default(),
             limits: CommandLimits {
                 stroke_m: 0.05,

@@ -25,7 +25,7 @@ pub struct RigSlot {
     pub model: Damper,
     /// Wear in software.
     pub wear: VirtualWear,
-    /// Limits of the commands.
+    /// Limits of the commands that the bench asks for.
     pub limits: CommandLimits,
 }
 
@@ -40,6 +40,8 @@ pub struct SlotState {
     pub wear: VirtualWearState,
     /// Extension at which the vehicle stands still: mid-stroke (m).
     pub mid_stroke_m: f64,
+    /// Limits of the commands: those of the bench, or tighter ones that the rig asks for.
+    pub limits: CommandLimits,
     /// Last command to a rig.
     pub command: Command,
     /// Commands that a limit has changed.

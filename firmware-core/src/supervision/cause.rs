@@ -43,6 +43,8 @@ pub enum Signal {
     BusDown,
     /// A motion that grows towards the end of the stroke.
     Growth,
+    /// Frames of a second sender under an id of this session.
+    SecondSender,
     /// The vehicle has left its track, or its numbers.
     Vehicle,
     /// An operator.
@@ -51,7 +53,7 @@ pub enum Signal {
 
 impl Signal {
     /// All signals.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::LostMeasurements,
         Self::LostCommands,
         Self::OldMeasurements,
@@ -71,6 +73,7 @@ impl Signal {
         Self::BusQueue,
         Self::BusDown,
         Self::Growth,
+        Self::SecondSender,
         Self::Vehicle,
         Self::Operator,
     ];
@@ -97,6 +100,7 @@ impl Signal {
             Self::BusQueue => "bus_queue",
             Self::BusDown => "bus_down",
             Self::Growth => "growth",
+            Self::SecondSender => "second_sender",
             Self::Vehicle => "vehicle",
             Self::Operator => "operator",
         }
@@ -124,6 +128,7 @@ impl Signal {
             Self::BusQueue => "commands without room on the bus",
             Self::BusDown => "bus down",
             Self::Growth => "size of a motion that grows towards the end of the stroke",
+            Self::SecondSender => "second sender on",
             Self::Vehicle => "vehicle off its track",
             Self::Operator => "stopped by the operator",
         }
@@ -158,6 +163,7 @@ impl Signal {
             | Self::RigFault
             | Self::SilentRig
             | Self::BusDown
+            | Self::SecondSender
             | Self::Vehicle
             | Self::Operator => None,
         }

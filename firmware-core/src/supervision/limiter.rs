@@ -28,6 +28,14 @@ pub struct CommandLimits {
     pub acceleration_m_per_s2: f64,
 }
 
+impl Default for CommandLimits {
+    /// No limit.
+    fn default() -> Self {
+        let none = f64::INFINITY;
+        Self { stroke_m: none, velocity_m_per_s: none, acceleration_m_per_s2: none }
+    }
+}
+
 /// A limited command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limited {
@@ -38,6 +46,16 @@ pub struct Limited {
 }
 
 impl CommandLimits {
+    /// Of each limit the tighter one.
+    #[must_use]
+    pub const fn tighter(self, other: Self) -> Self {
+        Self {
+            stroke_m: self.stroke_m.min(other.stroke_m),
+            velocity_m_per_s: self.velocity_m_per_s.min(other.velocity_m_per_s),
+            acceleration_m_per_s2: self.acceleration_m_per_s2.min(other.acceleration_m_per_s2),
+        }
+    }
+
     /// The command next to a wanted one that keeps the limits, a period after the last.
     ///
     /// ```

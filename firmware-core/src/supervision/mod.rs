@@ -10,6 +10,7 @@
 //! | `rule` | a limit on a signal, its debounce and its action |
 //! | `stuck` | a sensor that has frozen |
 //! | `growth` | a motion that grows towards the end of the stroke |
+//! | `second_sender` | frames of somebody else under the id of a peer |
 //! | `work` | the work of a damper over a cycle of the motion |
 //! | `ramp` | fading in and out |
 //! | `limiter` | commands within what the ram can do |
@@ -27,6 +28,7 @@ mod ramp;
 #[cfg(test)]
 mod random;
 mod rule;
+mod second_sender;
 mod state;
 mod stuck;
 mod work;
@@ -41,6 +43,7 @@ pub use loss::{
 };
 pub use ramp::Ramp;
 pub use rule::{Action, Rule, RuleState};
+pub use second_sender::{Frames, SecondSender};
 pub use state::{Event, Outcome, State, write_diagram};
 pub use stuck::{FEWEST_CYCLES, Stuck};
 pub use work::{LEAST_AMPLITUDE_M, LEAST_FORCE_N, SUMMED, Work, WorkVerdict};

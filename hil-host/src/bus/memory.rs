@@ -1,7 +1,8 @@
 //! The bus in memory: up to four emulated rigs in line with the host.
 //!
 //! A frame that the host sends is in every rig at once, in the order of the rigs; what they answer
-//! waits in a bounded queue. A command advances its rig by one cycle at every pace that the
+//! waits in a bounded queue. A wait is one cycle of every rig that nobody commands, and a command
+//! advances its rig by one cycle at every pace that the
 //! host announces, so real time never enters a trajectory.
 
 use super::{Bus, BusCounters, Sent, WireFrame};
@@ -48,7 +49,8 @@ impl MemoryBus {
     /// Puts any frame on the bus, as `cansend` would: garbage, foreign ids, old frames.
     pub fn inject(&mut self, frame: &WireFrame) {
         let message = MessageId::from_raw(frame.id());
-        for rig in &mut self.rigs {
+        for number in 0..self.rigs.len() {
+            let Some(rig) = self.rigs.get_mut(number) else { continue };
             rig.on_frame(frame);
             // In clock pace a rig has its own time; here a command, good or bad, stands for it.
             let commanded =
@@ -56,10 +58,16 @@ impl MemoryBus {
             if commanded && rig.pace() == Pace::Clock {
                 rig.cycle();
             }
-            while let Some(answer) = rig.take_frame() {
-                if self.queue.push_back(WireFrame::from(&answer)).is_err() {
-                    self.counters.receive_dropped += 1;
-                }
+            self.take_answers(number);
+        }
+    }
+
+    /// Queues what a rig has to send.
+    fn take_answers(&mut self, number: usize) {
+        let Some(rig) = self.rigs.get_mut(number) else { return };
+        while let Some(answer) = rig.take_frame() {
+            if self.queue.push_back(WireFrame::from(&answer)).is_err() {
+                self.counters.receive_dropped += 1;
             }
         }
     }
@@ -79,6 +87,12 @@ impl Bus for MemoryBus {
     }
 
     fn wait(&mut self, _timeout: Duration) -> bool {
+        for number in 0..self.rigs.len() {
+            if let Some(rig) = self.rigs.get_mut(number) {
+                rig.idle();
+            }
+            self.take_answers(number);
+        }
         !self.queue.is_empty()
     }
 

@@ -33,7 +33,7 @@ pub trait Bus {
     fn receive(&mut self) -> Option<WireFrame>;
 
     /// Waits until a frame may be there, for at most `timeout`; false when that has passed. A bus
-    /// in memory returns at once.
+    /// in memory returns at once: a wait is one cycle of its rigs that nobody commands.
     fn wait(&mut self, timeout: Duration) -> bool;
 
     /// What went over the bus so far.

@@ -7,7 +7,8 @@ use super::session::{Session, SessionState};
 use crate::bus::{Bus, Sent};
 use crate::clock::Tick;
 use crate::record::{FrameBytes, InputKind, Row};
-use can_protocol::{Frame, Heartbeat, RunState, Sender};
+use crate::wire_state::wire_state;
+use can_protocol::Frame;
 use core::time::Duration;
 use firmware_core::guard::ForceInput;
 use firmware_core::line::Slot;
@@ -20,13 +21,13 @@ use std::time::Instant;
 const RESIDUAL_CYCLES: u64 = 50;
 
 /// Cycles between two heartbeats: 50 Hz.
-const HEARTBEAT_CYCLES: u64 = 20;
+pub(super) const HEARTBEAT_CYCLES: u64 = 20;
 
 /// Cycles in a row in which the bus has no room, after which the session ends.
 const MOST_LATE_IN_A_ROW: u32 = 2;
 
 /// Cycles between two syncs: 10 Hz.
-const SYNC_CYCLES: u64 = 100;
+pub(super) const SYNC_CYCLES: u64 = 100;
 
 /// What arrived for the damper slots in a cycle.
 pub(super) struct Inputs {
@@ -72,7 +73,11 @@ impl Session<'_> {
         for bus in 0..buses.count() {
             while let Some(frame) = buses.receive(bus) {
                 let mut ports = self.ports.iter().zip(&mut state.ports);
-                ports.any(|(port, memory)| port.bus == bus && port.take_frame(memory, &frame));
+                if !ports.any(|(port, memory)| port.bus == bus && port.take_frame(memory, &frame))
+                    && let Some(overheard) = state.overheard.get_mut(bus)
+                {
+                    overheard.take(&frame);
+                }
             }
         }
     }
@@ -108,8 +113,15 @@ impl Session<'_> {
         inputs
     }
 
-    /// Ends the run on the causes that the rigs have given.
+    /// Ends the run on the causes that the rigs have given, and on another host.
     fn judge(&self, state: &mut SessionState) {
+        for bus in 0..state.overheard.len() {
+            if let Some(id) = state.overheard[bus].judge() {
+                let (signal, action) = (Signal::SecondSender, Action::Stop);
+                let cause = Cause { signal, value: f64::from(id), limit: f64::INFINITY, action };
+                self.stop(state, None, cause, action);
+            }
+        }
         for (number, port) in self.ports.iter().enumerate() {
             let Some((cause, action)) =
                 state.ports.get(number).and_then(|memory| port.cause(memory))
@@ -143,13 +155,11 @@ impl Session<'_> {
             return;
         }
         for (number, port) in self.ports.iter().enumerate() {
-            let (Slot::Rig(rig), Some(memory)) =
-                (&self.line.slots[port.slot], state.ports.get_mut(number))
+            let (slot, Some(memory)) = (&state.line.slots[port.slot], state.ports.get_mut(number))
             else {
                 continue;
             };
-            let limit = rig.limits.stroke_m;
-            let displacement_m = state.line.slots[port.slot].command.displacement_m;
+            let (limit, displacement_m) = (slot.limits.stroke_m, slot.command.displacement_m);
             if let Some(value) = memory.growth.take(displacement_m, limit) {
                 let action = Action::RampOut;
                 let cause = Cause { signal: Signal::Growth, value, limit, action };
@@ -160,7 +170,7 @@ impl Session<'_> {
 
     /// Encode: one command per port.
     fn encode(&self, state: &mut SessionState) -> Vec<Frame, DAMPER_SLOTS> {
-        let (run, time_us) = (run_state(state), self.time_us(state));
+        let (run, time_us) = (wire_state(state.line.state), self.time_us(state));
         let slots = &state.line.slots;
         let ports = self.ports.iter().zip(&mut state.ports);
         ports
@@ -215,15 +225,18 @@ impl Session<'_> {
         let is_due = |period: u64| state.line.cycle % period == 1;
         let (residuals, sync) = (is_due(RESIDUAL_CYCLES), is_due(SYNC_CYCLES));
         if is_due(HEARTBEAT_CYCLES) {
-            let heartbeat = Heartbeat { sender: Sender::Host, state: run_state(state) }.encode();
+            let heartbeat = self.heartbeat(state);
             buses.send_to_all(&heartbeat);
         }
         if let Some(stop) = state.stop.filter(|_| !state.is_announced) {
-            buses.send_to_all(&stop.fault(0, run_state(state)));
+            buses.send_to_all(&stop.fault(0, wire_state(state.line.state)));
             state.is_announced = true;
         }
+        let run = wire_state(state.line.state);
+        if let Some(request) = state.pressure_off.as_mut().and_then(|request| request.next(run)) {
+            buses.send_to_all(&request);
+        }
         if residuals {
-            let run = run_state(state);
             for (port, memory) in self.ports.iter().zip(&mut state.ports) {
                 if let Some(frame) = port.residual(memory, run) {
                     buses.send(port.bus, &frame);
@@ -233,19 +246,5 @@ impl Session<'_> {
         if sync {
             buses.send_to_all(&self.sync(state));
         }
-    }
-}
-
-/// The host's state, as the rigs are given it.
-pub(super) fn run_state(state: &SessionState) -> RunState {
-    match state.line.state {
-        State::Init => RunState::Init,
-        State::Standby => RunState::Standby,
-        State::Armed | State::OpenLoop => RunState::Armed,
-        State::RampIn => RunState::RampIn,
-        State::Run => RunState::Run,
-        State::RampOut => RunState::RampOut,
-        State::Safe => RunState::Safe,
-        State::Fault => RunState::Fault,
     }
 }

@@ -7,31 +7,37 @@
 //! it neither allocates nor locks, logs or calls through a pointer.
 //!
 //! A [`Session`] holds the parameters and [`SessionState`] everything that changes. [`Buses`] are
-//! its buses and the recorder that keeps every frame. A [`Port`] is the host's end of one rig: what
+//! its buses and the recorder that keeps every frame. [`Session::greet`] meets the rigs and arms
+//! them. A [`Port`] is the host's end of one rig: what
 //! is believed of it, what it says of itself, and a [`Watch`] over its damper. The first cause that
 //! ends a run is a [`Stop`].
 
+mod arming;
 mod buses;
 mod cycle;
 mod greeting;
 mod hash;
 mod news;
+mod no_answer;
+mod overheard;
 mod pacing;
 mod port;
 mod requests;
 mod row;
 mod session;
 mod stop;
+mod terms;
 mod watch;
 
 pub use buses::Buses;
-pub use greeting::NoAnswer;
+pub use no_answer::NoAnswer;
 pub(crate) use pacing::Ending;
 pub use pacing::{End, Pace, SILENCE, STOP_CYCLES};
 pub use port::{Port, PortState};
 pub use requests::Requests;
 pub use session::{Session, SessionState};
 pub use stop::{Stop, StopSummary};
+pub use terms::Arming;
 pub use watch::{View, Watch, WatchState};
 
 pub(crate) use hash::ALGORITHM as HASH_ALGORITHM;

@@ -17,7 +17,7 @@ const ENDS: Trips = Trips::EMERGENCY_STOP
     .union(Trips::TEMPERATURE_LIMIT);
 
 /// The cause in a frame of a rig, if it has one: a guard or limit in its telemetry, a fault, or a
-/// heartbeat in SAFE or FAULT.
+/// heartbeat in SAFE, FAULT or INIT.
 pub(super) fn cause(node: Node, frame: &WireFrame) -> Option<Cause> {
     let (id, data) = (frame.id(), frame.data());
     match MessageId::from_raw(id)? {
@@ -30,22 +30,28 @@ pub(super) fn cause(node: Node, frame: &WireFrame) -> Option<Cause> {
             (code != FaultCode::Cleared).then(|| of(Signal::RigFault, f64::from(code.code())))
         }
         MessageId::Heartbeat(Sender::Rig(sender)) if sender == node => {
-            of_state(Heartbeat::decode(id, data).ok()?.state)
+            let state = Heartbeat::decode(id, data).ok()?.state;
+            // A rig that has started again is in INIT, and armed no more.
+            of_state(state).or_else(|| (state == RunState::Init).then(|| of_code(state)))
         }
         _ => None,
     }
 }
 
-/// The telemetry in a frame of a rig, if it is that.
+/// The telemetry in a frame of a rig.
 pub(super) fn telemetry(node: Node, frame: &WireFrame) -> Option<Telemetry> {
-    let telemetry = Telemetry::decode(frame.id(), frame.data()).ok()?;
-    (telemetry.node == node).then_some(telemetry)
+    let telemetry = Telemetry::decode(frame.id(), frame.data()).ok();
+    telemetry.filter(|telemetry| telemetry.node == node)
 }
 
 /// The cause in the state of a rig, if it is one in which it has stopped by itself.
 pub(super) fn of_state(state: RunState) -> Option<Cause> {
     let has_stopped = matches!(state, RunState::Safe | RunState::Fault);
-    has_stopped.then(|| of(Signal::RigState, f64::from(state.code())))
+    has_stopped.then(|| of_code(state))
+}
+
+fn of_code(state: RunState) -> Cause {
+    of(Signal::RigState, f64::from(state.code()))
 }
 
 fn of(signal: Signal, value: f64) -> Cause {
@@ -88,7 +94,7 @@ mod tests {
         };
         assert_eq!(cause(NODE, &fault(FaultCode::GuardOpen)), Some(of(Signal::RigFault, 35.0)));
         assert_eq!(cause(NODE, &fault(FaultCode::Cleared)), None);
-        let heartbeat = |state| WireFrame::from(&Heartbeat { sender, state }.encode());
+        let heartbeat = |state| WireFrame::from(&Heartbeat::new(sender, 0, state, 0).encode().0);
         assert_eq!(cause(NODE, &heartbeat(RunState::Fault)), Some(of(Signal::RigState, 7.0)));
         assert_eq!(cause(NODE, &heartbeat(RunState::Run)), None);
     }

@@ -35,6 +35,10 @@ impl Pace {
 /// A peer that is silent for this long in lock-step is lost.
 pub const SILENCE: Duration = Duration::from_secs(1);
 
+/// How often a rig is sent the end of its session at most, and how long each answer may take.
+const FAREWELLS: u32 = 4;
+const FAREWELL: Duration = Duration::from_millis(20);
+
 /// Cycles of the safe stop before the session ends.
 pub const STOP_CYCLES: u64 = 200;
 
@@ -158,7 +162,7 @@ impl Session<'_> {
                 tick
             }
             Pace::LockStep if !state.line.is_safe() => {
-                if !self.wait_for_echoes(state, buses) {
+                if !self.wait_for_echoes(state, buses, SILENCE) {
                     let mut ports = self.ports.iter().zip(&state.ports);
                     let silent = ports.find(|(port, memory)| !port.has_echo(memory));
                     let node = silent.map(|(port, _)| port.node.number());
@@ -175,11 +179,12 @@ impl Session<'_> {
         &self,
         state: &mut SessionState,
         buses: &mut Buses<'_, '_, B>,
+        patience: Duration,
     ) -> bool {
         let since = Instant::now();
         loop {
             // Read before the buses: a host that was suspended first takes in what has arrived.
-            let late = since.elapsed() > SILENCE;
+            let late = since.elapsed() > patience;
             self.receive(state, buses);
             let mut ports = self.ports.iter().zip(&state.ports);
             let Some((waiting, _)) = ports.rfind(|(port, memory)| !port.has_echo(memory)) else {
@@ -188,16 +193,37 @@ impl Session<'_> {
             if late {
                 return false;
             }
-            buses.wait(waiting.bus, SILENCE);
+            buses.wait(waiting.bus, patience);
         }
     }
 
     /// Ends the run for the rigs, and takes in what is still on the way.
     fn close<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>, end: End) {
-        if end != End::Safe {
-            self.wait_for_echoes(state, buses);
+        if end == End::Safe {
+            self.say_last(state, buses, RunState::Safe);
+            return;
         }
-        let run = if end == End::Safe { RunState::Safe } else { RunState::Standby };
+        self.wait_for_echoes(state, buses, SILENCE);
+        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            port.finish(memory);
+        }
+        // A rig that does not hear of the end would go safe; so one that does not answer is sent it
+        // again.
+        for _ in 0..FAREWELLS {
+            self.say_last(state, buses, RunState::Standby);
+            if self.wait_for_echoes(state, buses, FAREWELL) {
+                break;
+            }
+        }
+    }
+
+    /// The command that ends the session, to every rig.
+    fn say_last<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        run: RunState,
+    ) {
         let time_us = self.time_us(state);
         for (port, memory) in self.ports.iter().zip(&mut state.ports) {
             let mut still = state.line.slots[port.slot].command;

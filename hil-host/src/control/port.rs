@@ -4,12 +4,15 @@ use super::news;
 use super::watch::{Watch, WatchState};
 use crate::bus::WireFrame;
 use crate::record::FrameBytes;
+use can_protocol::arming::Agreement;
 use can_protocol::{
-    Command, Frame, Measurement, MeasurementFlags, Mode, Node, Profile, Receiver, ReceiverState,
-    Residual, RunState, Status,
+    Command, Counts, Frame, Measurement, MeasurementFlags, MessageId, Mode, Node, Profile,
+    Receiver, ReceiverState, Residual, RunState, Seal, Status,
 };
 use firmware_core::guard::{self, ForceInput, Guard};
-use firmware_core::supervision::{Action, Arrival, Belief, Cause, Checks, Growth, Measured};
+use firmware_core::supervision::{
+    Action, Arrival, Belief, Cause, Checks, Frames, Growth, Measured, Rule, SecondSender, Signal,
+};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::CYCLE_S;
 
@@ -31,13 +34,24 @@ pub struct Port {
 /// What a port remembers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PortState {
+    /// What was agreed when the rig was armed; none before and after.
+    agreement: Option<Agreement>,
     receiver: ReceiverState,
+    /// What was received before the first cycle of the run.
+    before: Counts,
+    /// What was received by the end of the run.
+    at_end: Option<Counts>,
+    /// Where the ram stood in the first measurement after arming (m).
+    stands_m: Option<f64>,
+    /// Number of the next command since arming.
+    cycle: u32,
     /// Counter of the last command sent.
     sent: Option<u8>,
     /// Newest measurement since the last cycle.
     newest: Option<Kept>,
-    /// Whether a bad frame came since the last cycle.
-    bad: bool,
+    /// What came under the measurement's id since the last cycle.
+    frames: Frames,
+    second_sender: SecondSender,
     /// What is believed of the rig.
     pub belief: Belief,
     /// What the rig has said of itself, the first that ends a run.
@@ -87,6 +101,13 @@ impl Port {
         Ok(Self { node, bus, slot, profile, receiver, checks, watch: None })
     }
 
+    /// The same port with another largest believed force (N).
+    #[must_use]
+    pub fn believing(mut self, force_n: f64) -> Self {
+        self.checks.force.limit = force_n.min(Guard::default().force_limit_n);
+        self
+    }
+
     /// The same port with a watch over the rig's damper.
     #[must_use]
     pub fn watched(mut self, watch: Watch) -> Self {
@@ -125,8 +146,8 @@ impl Port {
 
     /// Takes in a frame, if it is this rig's measurement or something that it says of itself.
     pub fn take_frame(&self, state: &mut PortState, frame: &WireFrame) -> bool {
-        let Some(reception) = self.receiver.accept(&mut state.receiver, frame.id(), frame.data())
-        else {
+        let receiver = self.receiver(state);
+        let Some(reception) = receiver.accept(&mut state.receiver, frame.id(), frame.data()) else {
             if let Some(telemetry) = news::telemetry(self.node, frame) {
                 state.temperature_degc = telemetry.temperature_degc;
             }
@@ -134,27 +155,35 @@ impl Port {
             state.news = state.news.or(heard);
             return heard.is_some();
         };
-        match reception.data {
-            Some(measurement) => {
-                let mut bytes = FrameBytes::default();
-                for (to, from) in bytes.iter_mut().zip(frame.data()) {
-                    *to = *from;
-                }
-                state.newest = Some(Kept { measurement, bytes });
+        state.frames.conflict |= reception.status == Status::Conflict;
+        state.frames.foreign |= reception.plain;
+        state.frames.bad |= reception.status == Status::WrongCrc;
+        if let Some(measurement) = reception.data {
+            state.frames.good = true;
+            state.stands_m = state.stands_m.or(measurement.displacement_m);
+            let mut bytes = FrameBytes::default();
+            for (to, from) in bytes.iter_mut().zip(frame.data()) {
+                *to = *from;
             }
-            None if reception.status == Status::WrongCrc => state.bad = true,
-            None => {}
+            state.newest = Some(Kept { measurement, bytes });
         }
         true
     }
 
     /// What the cycle gets: the newest measurement since the last one, or why there is none.
     pub fn take_input(&self, state: &mut PortState) -> (ForceInput, FrameBytes) {
-        let bad = core::mem::take(&mut state.bad);
+        let frames = core::mem::take(&mut state.frames);
+        if state.second_sender.take(frames) {
+            let value = f64::from(MessageId::Measurement(self.profile, self.node).raw());
+            let (signal, action) = (Signal::SecondSender, Action::Stop);
+            let cause = Cause { signal, value, limit: f64::INFINITY, action };
+            state.news = state.news.or(Some(cause));
+        }
+        let checks = self.agreed_checks(state);
         let Some(kept) = state.newest.take() else {
             self.receiver.no_frame(&mut state.receiver);
-            let arrival = if bad { Arrival::Damaged } else { Arrival::Nothing };
-            let input = state.belief.take(&self.checks, arrival, state.sent);
+            let arrival = if frames.bad { Arrival::Damaged } else { Arrival::Nothing };
+            let input = state.belief.take(&checks, arrival, state.sent);
             return (input, FrameBytes::default());
         };
         let measurement = kept.measurement;
@@ -169,7 +198,7 @@ impl Port {
             is_valid: !measurement.flags.contains(MeasurementFlags::SENSOR_INVALID),
             runs: follows(measurement.state),
         };
-        let input = state.belief.take(&self.checks, Arrival::Frame(measured), state.sent);
+        let input = state.belief.take(&checks, Arrival::Frame(measured), state.sent);
         (input, kept.bytes)
     }
 
@@ -182,25 +211,58 @@ impl Port {
         Some((cause, action))
     }
 
-    /// Displacement of the ram in the newest measurement (m).
+    /// Where the ram stood in the first measurement after arming, from which on it is held (m).
     pub fn displacement_m(&self, state: &PortState) -> Option<f64> {
-        state.newest.and_then(|kept| kept.measurement.displacement_m)
+        state.stands_m
     }
 
-    /// Begins to command a ram that stands still.
+    /// Begins the sealed session of a rig that is armed: both sides count from cycle 0.
+    pub fn arm(&self, state: &mut PortState, agreement: Agreement) {
+        state.agreement = Some(agreement);
+        (state.receiver, state.before) = (ReceiverState::default(), Counts::default());
+        (state.cycle, state.sent, state.stands_m) = (0, None, None);
+    }
+
+    /// Ends it.
+    pub fn disarm(&self, state: &mut PortState) {
+        state.agreement = None;
+    }
+
+    /// Begins to command a ram that stands still: what came before belongs to no cycle, and frames
+    /// are counted from here on.
     pub fn begin(&self, state: &mut PortState, ram: guard::Command) {
-        self.forget(state);
-        // Frames are counted from here on.
-        state.receiver = ReceiverState::default();
+        (state.newest, state.frames) = (None, Frames::default());
+        state.before = *state.receiver.counts();
         state.belief.begin(ram);
     }
 
-    /// Forgets what was measured and not used.
-    pub fn forget(&self, state: &mut PortState) {
-        (state.newest, state.bad) = (None, false);
+    /// Ends the run: what comes now belongs to no cycle.
+    pub fn finish(&self, state: &mut PortState) {
+        state.at_end = Some(self.counts(state));
     }
 
-    /// The next command.
+    /// The largest force that the host believes (N).
+    pub(super) fn force_limit_n(&self) -> f64 {
+        self.checks.force.limit
+    }
+
+    /// The receiver of the session, once there is one.
+    fn receiver(&self, state: &PortState) -> Receiver<Measurement> {
+        match &state.agreement {
+            Some(agreement) => self.receiver.clone().sealed(agreement.code()),
+            None => self.receiver.clone(),
+        }
+    }
+
+    /// The checks, with the force limit that the rig has agreed to.
+    fn agreed_checks(&self, state: &PortState) -> Checks {
+        let asked = self.checks.force;
+        let agreed = state.agreement.map(|agreement| agreement.configuration.limits.force_n);
+        let limit = agreed.map_or(asked.limit, |force_n| asked.limit.min(f64::from(force_n)));
+        Checks { force: Rule { limit, ..asked }, ..self.checks }
+    }
+
+    /// The next command, sealed. Before arming it is a plain one, which no rig obeys.
     pub fn command(
         &self,
         state: &mut PortState,
@@ -208,8 +270,12 @@ impl Port {
         run: RunState,
         time_us: u32,
     ) -> Frame {
-        let counter = state.sent.map_or(0, |counter| self.profile.next_counter(counter));
-        let (frame, saturated) = Command {
+        debug_assert!(state.agreement.is_some(), "a command to a rig that is not armed");
+        let cycle = state.cycle;
+        state.cycle = cycle.saturating_add(1);
+        let seal = state.agreement.map(|agreement| Seal { code: agreement.code(), cycle });
+        let counter = (cycle % u32::from(self.profile.counter_modulus())) as u8;
+        let message = Command {
             node: self.node,
             counter,
             state: run,
@@ -218,8 +284,11 @@ impl Port {
             displacement_m: Some(command.displacement_m),
             velocity_m_per_s: Some(command.velocity_m_per_s),
             time_us: Some(time_us),
-        }
-        .encode(self.profile);
+        };
+        let (frame, saturated) = match seal {
+            Some(seal) => message.encode_sealed(self.profile, seal),
+            None => message.encode(self.profile),
+        };
         state.sent = Some(counter);
         state.belief.sent(*command);
         state.saturated += u64::from(!saturated.is_empty());
@@ -232,9 +301,41 @@ impl Port {
         newest.is_some_and(|measurement| measurement.echo == state.sent && state.sent.is_some())
     }
 
-    /// How often each receiver status occurred.
-    pub fn counts<'a>(&self, state: &'a PortState) -> &'a can_protocol::Counts {
-        state.receiver.counts()
+    /// How often each receiver status occurred in the cycles of the run.
+    pub fn counts(&self, state: &PortState) -> Counts {
+        if let Some(counts) = state.at_end {
+            return counts;
+        }
+        let (now, before) = (state.receiver.counts(), &state.before);
+        Counts {
+            initial: now.initial - before.initial,
+            ok: now.ok - before.ok,
+            some_lost: now.some_lost - before.some_lost,
+            repeated: now.repeated - before.repeated,
+            wrong_sequence: now.wrong_sequence - before.wrong_sequence,
+            conflict: now.conflict - before.conflict,
+            wrong_crc: now.wrong_crc - before.wrong_crc,
+            no_new_data: now.no_new_data - before.no_new_data,
+            lost_frames: now.lost_frames - before.lost_frames,
+            plain: now.plain - before.plain,
+        }
+    }
+}
+
+impl PortState {
+    /// Whether the rig is armed.
+    pub fn is_armed(&self) -> bool {
+        self.agreement.is_some()
+    }
+
+    /// Whether no command was sent since arming.
+    pub(super) fn is_new(&self) -> bool {
+        self.cycle == 0
+    }
+
+    /// What was agreed with the rig: numbers, session code, limits.
+    pub fn agreement(&self) -> Option<&Agreement> {
+        self.agreement.as_ref()
     }
 }
 
@@ -246,7 +347,9 @@ const fn follows(state: RunState) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use firmware_core::supervision::Signal;
+    use can_protocol::Pace;
+    use can_protocol::arming::{Configuration, Limits};
+    use core::num::{NonZeroU8, NonZeroU16};
 
     fn measurement(counter: u8, force_n: f64) -> WireFrame {
         let (frame, _) = Measurement {
@@ -259,17 +362,43 @@ mod tests {
             displacement_m: Some(0.0),
             time_us: None,
         }
-        .encode(Profile::Classical);
+        .encode_sealed(Profile::Classical, seal(counter));
         WireFrame::from(&frame)
     }
 
-    fn port() -> Port {
-        Port::new(Node::ALL[0], 0, 0, Profile::Classical).unwrap()
+    fn seal(counter: u8) -> Seal {
+        Seal { code: agreement().code(), cycle: u32::from(counter) }
+    }
+
+    fn agreement() -> Agreement {
+        let limits = Limits {
+            stroke_um: 100_000,
+            velocity_um_per_s: 500_000,
+            acceleration_mm_per_s2: 20_000,
+            force_n: 100_000,
+        };
+        let configuration = Configuration {
+            profile: Profile::Classical,
+            pace: Pace::LockStep,
+            period_us: NonZeroU16::MIN,
+            slow_down: NonZeroU8::MIN,
+            watchdog_cycles: 5,
+            limits,
+        };
+        Agreement { host_number: 1, rig_number: 2, configuration }
+    }
+
+    /// A port of a rig that is armed.
+    fn armed() -> (Port, PortState) {
+        let port = Port::new(Node::ALL[0], 0, 0, Profile::Classical).unwrap();
+        let mut state = PortState::default();
+        port.arm(&mut state, agreement());
+        (port, state)
     }
 
     #[test]
     fn of_several_measurements_the_newest_counts() {
-        let (port, mut state) = (port(), PortState::default());
+        let (port, mut state) = armed();
         for counter in 0..3 {
             port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
             assert!(port.take_frame(&mut state, &measurement(counter, f64::from(counter) * 10.0)));
@@ -281,13 +410,13 @@ mod tests {
 
     #[test]
     fn a_rig_that_is_not_running_gives_no_force() {
-        let (port, mut state) = (port(), PortState::default());
+        let (port, mut state) = armed();
         port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
         let (frame, _) = Measurement {
             state: RunState::Safe,
-            ..Measurement::decode(0x201, measurement(0, 5.0).data()).unwrap()
+            ..Measurement::decode_sealed(0x201, measurement(0, 5.0).data(), seal(0)).unwrap()
         }
-        .encode(Profile::Classical);
+        .encode_sealed(Profile::Classical, seal(0));
         port.take_frame(&mut state, &WireFrame::from(&frame));
         assert_eq!(port.take_input(&mut state).0, ForceInput::Invalid);
         let (cause, _) = port.cause(&state).unwrap();
@@ -296,11 +425,13 @@ mod tests {
 
     #[test]
     fn a_measurement_in_fault_was_forgotten_after_its_cycle() {
-        let (port, mut state) = (port(), PortState::default());
+        let (port, mut state) = armed();
         for (counter, run) in [(0, RunState::Fault), (1, RunState::Run)] {
             port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
-            let sound = Measurement::decode(0x201, measurement(counter, 5.0).data()).unwrap();
-            let (frame, _) = Measurement { state: run, ..sound }.encode(Profile::Classical);
+            let (whole, seal) = (measurement(counter, 5.0), seal(counter));
+            let sound = Measurement::decode_sealed(0x201, whole.data(), seal).unwrap();
+            let (frame, _) =
+                Measurement { state: run, ..sound }.encode_sealed(Profile::Classical, seal);
             port.take_frame(&mut state, &WireFrame::from(&frame));
             port.take_input(&mut state);
         }
@@ -309,7 +440,7 @@ mod tests {
 
     #[test]
     fn the_echo_of_the_last_command_is_recognised() {
-        let (port, mut state) = (port(), PortState::default());
+        let (port, mut state) = armed();
         assert!(!port.has_echo(&state));
         let command = guard::Command::default();
         port.command(&mut state, &command, RunState::Run, 0);

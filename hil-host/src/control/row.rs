@@ -1,8 +1,9 @@
 //! The row of a cycle: everything that a replay needs.
 
-use super::cycle::{Inputs, Timing, run_state};
+use super::cycle::{Inputs, Timing};
 use super::session::{Session, SessionState};
 use crate::record::Row;
+use crate::wire_state::wire_state;
 use core::time::Duration;
 use firmware_core::vehicle::{AXLES_MAX, LATERAL, VERTICAL, YAW};
 
@@ -15,7 +16,7 @@ impl Session<'_> {
         let mut row = Row {
             cycle: state.line.cycle,
             time_s: state.line.time_s(self.line.cycle_s),
-            state: run_state(state),
+            state: wire_state(state.line.state),
             input: inputs.kind,
             frame: inputs.frame,
             distance_m: state.line.vehicle.distance_m.lane(0),

@@ -1,9 +1,13 @@
 //! What a session is: parameters and state.
 
 use super::hash;
+use super::overheard::Overheard;
 use super::port::{Port, PortState};
-use super::stop::Stop;
-use can_protocol::{Frame, Pace as WirePace, Profile, Sync};
+use super::stop::{PressureRequest, Stop};
+use super::terms::Arming;
+use crate::wire_state::wire_state;
+use can_protocol::arming::Quiet;
+use can_protocol::{Frame, Heartbeat, Pace as WirePace, Profile, Sender, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
 use firmware_core::line::{Fade, Line, LineState, Slot};
 use firmware_core::supervision::{Action, Cause, Event, Signal};
@@ -23,6 +27,8 @@ pub struct Session<'a> {
     pub pace: WirePace,
     /// How many times longer a cycle takes than in the model.
     pub slow_down: NonZeroU8,
+    /// What the host brings into the arming exchange.
+    pub arming: Arming,
     /// Bodies whose accelerations are recorded: carbody, front bogie, first wheelset.
     pub watched: [Option<usize>; 3],
     /// The rear bogie.
@@ -48,6 +54,14 @@ pub struct SessionState {
     pub stop: Option<Stop>,
     /// Whether the rigs were sent it.
     pub(super) is_announced: bool,
+    /// What is still to be sent to a rig that is to drop its pressure.
+    pub(super) pressure_off: Option<PressureRequest>,
+    /// Sequence number of the next heartbeat.
+    pub(super) heartbeat_counter: u8,
+    /// Before arming, by bus: how long nobody else was heard.
+    pub(super) quiet: Vec<Quiet, DAMPER_SLOTS>,
+    /// In motion, by bus: frames of another host.
+    pub(super) overheard: [Overheard; DAMPER_SLOTS],
 }
 
 impl Session<'_> {
@@ -63,6 +77,10 @@ impl Session<'_> {
             late_in_a_row: 0,
             stop: None,
             is_announced: false,
+            pressure_off: None,
+            heartbeat_counter: 0,
+            quiet: Vec::new(),
+            overheard: [Overheard::default(); DAMPER_SLOTS],
         }
     }
 
@@ -79,7 +97,11 @@ impl Session<'_> {
         let is_orderly = action == Action::RampOut && can_ramp;
         state.line.on(if is_orderly { Event::End } else { Event::Stop });
         let (cycle, time_s) = (state.line.cycle, state.line.time_s(self.line.cycle_s));
-        state.stop.get_or_insert(Stop { cycle, time_s, node, cause });
+        let stop = Stop { cycle, time_s, node, cause };
+        if action == Action::PowerOff {
+            state.pressure_off.get_or_insert(PressureRequest::new(stop));
+        }
+        state.stop.get_or_insert(stop);
     }
 
     /// Whether any damper is on a rig.
@@ -102,17 +124,29 @@ impl Session<'_> {
 
     /// The announcement to all rigs.
     pub fn sync(&self, state: &SessionState) -> Frame {
-        let period_us = (self.line.cycle_s * 1e6).round() as u16;
-        debug_assert!(period_us > 0, "a cycle of {} s", self.line.cycle_s);
         Sync {
             version: can_protocol::PROTOCOL_VERSION,
             profile: self.profile,
             pace: self.pace,
-            period_us: NonZeroU16::new(period_us).unwrap_or(NonZeroU16::MIN),
+            period_us: self.period_us(),
             slow_down: self.slow_down,
             time_us: self.time_us(state),
         }
         .encode()
+    }
+
+    /// The next heartbeat.
+    pub(super) fn heartbeat(&self, state: &mut SessionState) -> Frame {
+        let (counter, run) = (state.heartbeat_counter, wire_state(state.line.state));
+        state.heartbeat_counter = Profile::Classical.next_counter(counter);
+        Heartbeat::new(Sender::Host, counter, run, self.arming.boot).encode().0
+    }
+
+    /// Length of a cycle in the model.
+    pub(super) fn period_us(&self) -> NonZeroU16 {
+        let period_us = (self.line.cycle_s * 1e6).round() as u16;
+        debug_assert!(period_us > 0, "a cycle of {} s", self.line.cycle_s);
+        NonZeroU16::new(period_us).unwrap_or(NonZeroU16::MIN)
     }
 
     pub(super) fn time_us(&self, state: &SessionState) -> u32 {

@@ -1,6 +1,6 @@
 //! What stopped a session: one cause, with its time, its cycle and its node.
 
-use can_protocol::{Fault, FaultCode, Frame, RunState, Sender};
+use can_protocol::{Fault, FaultCode, Frame, Node, PressureOff, RunState, Sender};
 use firmware_core::supervision::{Cause, Signal};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -16,6 +16,34 @@ pub struct Stop {
     pub node: Option<u8>,
     /// The signal with its value and its limit.
     pub cause: Cause,
+}
+
+/// A request to drop the pressure, which is sent twice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PressureRequest {
+    stop: Stop,
+    sent: u8,
+}
+
+impl PressureRequest {
+    /// How often it is sent.
+    const TIMES: u8 = 2;
+
+    pub(super) const fn new(stop: Stop) -> Self {
+        Self { stop, sent: 0 }
+    }
+
+    /// The next frame of it, while it is to be sent. A cause without a rig is for all of them.
+    pub(super) fn next(&mut self, state: RunState) -> Option<Frame> {
+        let counter = self.sent;
+        if counter >= Self::TIMES {
+            return None;
+        }
+        self.sent += 1;
+        let node = self.stop.node.and_then(|node| Node::new(node).ok());
+        let (code, detail) = self.stop.coded_detail();
+        Some(PressureOff { node, counter, state, code, detail }.encode().0)
+    }
 }
 
 /// The same in `summary.json`.
@@ -60,10 +88,14 @@ impl Stop {
 
     /// The host's fault message.
     pub(super) fn fault(&self, counter: u8, state: RunState) -> Frame {
-        let (code, detail) = self.code();
-        let detail = detail.abs().round().min(f64::from(u16::MAX)) as u16;
+        let (code, detail) = self.coded_detail();
         let fault = Fault { sender: Sender::Host, counter, state, code, detail };
         fault.encode().0
+    }
+
+    fn coded_detail(&self) -> (FaultCode, u16) {
+        let (code, detail) = self.code();
+        (code, detail.abs().round().min(f64::from(u16::MAX)) as u16)
     }
 
     /// The fault code of the protocol, and its detail.
@@ -87,6 +119,7 @@ impl Stop {
             Signal::BusQueue => (FaultCode::Overrun, value),
             Signal::BusDown => (FaultCode::BusOff, 0.0),
             Signal::Growth => (FaultCode::StrokeLimit, per_mille),
+            Signal::SecondSender => (FaultCode::Protection, value),
             Signal::Vehicle => (FaultCode::Internal, 0.0),
             Signal::Operator => (FaultCode::EmergencyStop, 0.0),
         }
@@ -108,6 +141,7 @@ impl Stop {
                 let trips = can_protocol::Trips::from_bits_truncate(value as u8);
                 Some(trips.iter_names().map(|(name, _)| name).collect::<Vec<_>>().join(", "))
             }
+            Signal::SecondSender => Some(format!("{:#05x}", value as u16)),
             _ => None,
         }
     }
@@ -149,6 +183,7 @@ mod tests {
             (stop(Signal::Force, 99_000.0, 40_000.0), "measured force 99000 N, limit 40000 N"),
             (stop(Signal::RigState, 7.0, f64::INFINITY), "state of the rig FAULT"),
             (stop(Signal::RigFault, 36.0, f64::INFINITY), "fault of the rig EMERGENCY_STOP (36)"),
+            (stop(Signal::SecondSender, 513.0, f64::INFINITY), "second sender on 0x201"),
             (
                 stop(Signal::RigTrip, 192.0, f64::INFINITY),
                 "guard or limit of the rig GUARD_OPEN, EMERGENCY_STOP",

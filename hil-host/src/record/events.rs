@@ -135,6 +135,7 @@ const fn entered(state: RunState) -> &'static str {
         RunState::RampOut => "state RAMP_OUT",
         RunState::Safe => "state SAFE",
         RunState::Fault => "state FAULT",
+        RunState::OpenLoop => "state OPEN_LOOP",
     }
 }
 

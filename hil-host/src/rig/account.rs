@@ -52,9 +52,9 @@ impl RigSummary {
         }
     }
 
-    /// Whether it ended in the safe state.
+    /// Whether it ended in the safe state, or with a fault.
     pub fn is_safe(&self) -> bool {
-        self.state == RunState::Safe.name()
+        self.state == RunState::Safe.name() || self.state == RunState::Fault.name()
     }
 }
 
@@ -94,7 +94,11 @@ pub(super) fn print_statuses(mut statuses: Consumer<'_, Status>, done: &AtomicBo
                  displacement {:+.3} mm send-dropped {}",
                 frames.received,
                 frames.lost,
-                frames.crc_errors + frames.wrong_sequence + frames.repeated,
+                frames.crc_errors
+                    + frames.wrong_sequence
+                    + frames.repeated
+                    + frames.conflicts
+                    + frames.unarmed,
                 displacement_m * 1e3,
                 bus.send_dropped,
             );
@@ -117,13 +121,15 @@ pub fn summary_text(summary: &RigSummary) -> String {
         summary.safe_events
     ));
     lines.push(format!(
-        "commands received {} lost {} wrong checksum {} repeated {} out of sequence {}; sent {}, \
-         dropped {} out and {} in",
+        "commands received {} lost {} wrong checksum {} repeated {} out of sequence {} in conflict \
+         {} unarmed {}; sent {}, dropped {} out and {} in",
         frames.received,
         frames.lost,
         frames.crc_errors,
         frames.repeated,
         frames.wrong_sequence,
+        frames.conflicts,
+        frames.unarmed,
         summary.sent,
         summary.send_dropped,
         summary.receive_dropped

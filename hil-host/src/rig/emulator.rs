@@ -119,6 +119,11 @@ impl Emulator {
         self.step_s * f64::from(SUBSTEPS)
     }
 
+    /// Largest travel from the middle to either side (m).
+    pub fn stroke_m(&self) -> f64 {
+        self.ram.stroke_m
+    }
+
     /// The ram in the middle, the damper at rest, the noise at cycle 0.
     pub fn start(&self) -> EmulatorState {
         self.start_at(0.0)

@@ -4,54 +4,67 @@
 //! runs in line on the memory bus and in its own process ([`process`]). The same frames get the
 //! same answers, bit for bit.
 //!
-//! **States.** A rig starts in INIT. It enters the state that the host commands, with one
-//! exception: it enters SAFE by itself.
+//! **States.** A rig runs the machine of [`firmware_core::supervision::State`]. A sync leads it
+//! from INIT to STANDBY, the arming exchange ([`can_protocol::arming`]) to ARMED. From there on it
+//! enters the state that sealed commands name, where that can follow from its own:
 //!
-//! | host commands | the rig |
+//! | the rig is in | and |
 //! | --- | --- |
-//! | `RAMP_IN` or RUN, from a state at rest | begins where the ram stands, and follows |
-//! | `RAMP_IN`, RUN or `RAMP_OUT` | follows: displacement, or that and velocity; HOLD; CENTRE |
-//! | any other state | decelerates and holds |
-//! | nothing valid for [`WATCHDOG_CYCLES`] cycles | SAFE: decelerates, holds, sends one fault, answers |
-//! | `RAMP_IN` or RUN after that | stays SAFE: only a state at rest releases it |
+//! | INIT, STANDBY | takes no command and sends no measurement |
+//! | ARMED | holds; measures from its first accepted command on |
+//! | `RAMP_IN`, RUN, `RAMP_OUT`, `OPEN_LOOP` | follows: displacement, with or without velocity; HOLD; CENTRE |
+//! | SAFE, FAULT | decelerates and holds; latched |
 //!
-//! The plant (ram, fixture, damper) stays as it is from session to session.
+//! It goes to SAFE by itself when it was commanded and accepts nothing valid for
+//! [`WATCHDOG_CYCLES`] cycles, and when its key switch no longer enables motion. A pressure-off
+//! request leads from any state to FAULT. SAFE and FAULT are left by a reset alone: by key at the
+//! rig ([`RigNode::reset`]) or by the exchange of `yawbench rig-reset`. A command STANDBY ends the
+//! session; the plant (ram, fixture, damper) stays as it is.
 //!
 //! **Cycles.** In lock-step a new valid command is a cycle and gets its answer. In clock pace the
 //! owner calls [`RigNode::cycle`] once per period; the newest valid command counts, and in a cycle
 //! without one the reference runs on at its last velocity. A frame that is not valid and new
-//! changes a counter and nothing else. A command RUN and follow without a displacement is a cycle
-//! (and is answered in lock-step), but does not reset the watchdog.
+//! changes a counter and nothing else. A command without what its mode needs, or with a state that
+//! cannot follow from the rig's, is a cycle (and is answered in lock-step), but does not reset the
+//! watchdog. While nobody commands, a lock-step rig has no cycles of its own: its owner lets them
+//! pass ([`RigNode::idle`]).
 //!
-//! **Handshake.** Every sync is answered at once with a heartbeat. A sync begins a new session when
-//! no command came since the last sync, or when its time does not continue that of the last one. In
-//! a new session counters may start anywhere, and a lock-step rig that was still coupled to an
-//! earlier host returns to INIT. A sync also sets period, slow-down, pace and profile. It is
-//! refused with a fault and without a heartbeat where it would change those of a coupled rig, or
-//! where its version is unknown.
+//! **Handshake.** Every sync is answered at once with a heartbeat. It sets period, slow-down, pace
+//! and profile of a rig that is in INIT or STANDBY. It is refused with a fault and without a
+//! heartbeat where it would change those of an armed rig, or where its version is unknown. In
+//! lock-step a sync that does not follow on is that of another host, or of the same one started
+//! anew: a rig in motion goes to SAFE.
 
 mod account;
 mod actuator;
+mod condition;
 mod emulator;
 mod noise;
 mod outbox;
 pub mod process;
 mod session;
+mod states;
 
 pub use actuator::{DECELERATION_M_PER_S2, Limits, RamState, Reference};
+pub use condition::Condition;
 pub use emulator::{Emulator, EmulatorState, Reading, Target};
 pub use session::{FrameCounts, Timing};
 
 use crate::bus::WireFrame;
+use crate::draw::Draw;
+use crate::wire_state::wire_state;
+use can_protocol::arming::{Listener, Quiet, RigArming, RigEvent, RigStatus};
 use can_protocol::{
-    Command, FaultCode, Frame, MeasurementFlags, MessageId, Mode, Node, PROTOCOL_VERSION, Pace,
-    Profile, RunState, Sync, Trips,
+    ArmMessage, Command, FaultCode, Frame, HeartbeatFlags, MeasurementFlags, MessageId, Mode, Node,
+    PROTOCOL_VERSION, Pace, Pressure, PressureOff, Profile, RunState, SessionHistory, Sync, Trips,
 };
-use outbox::Outbox;
+use firmware_core::supervision::{Event, Outcome, State};
+use outbox::{Outbox, Says};
 use scenario::rig::RigSetup;
 use session::Session;
+use states::follow;
 
-/// Cycles without a valid command after which a coupled rig goes safe.
+/// Cycles without a valid command after which a commanded rig goes safe.
 pub const WATCHDOG_CYCLES: u32 = 5;
 
 /// Distance between command and ram at which the rig reports that it lags (m).
@@ -63,30 +76,56 @@ pub struct RigNode {
     node: Node,
     timing: Timing,
     emulator: Emulator,
+    condition: Condition,
     session: Session,
+    arming: RigArming,
+    quiet: Quiet,
+    draw: Draw,
+    boot: u32,
     state: EmulatorState,
-    run_state: RunState,
-    /// SAFE by itself, until the host commands something other than RUN.
-    latched: bool,
+    machine: State,
     target: Target,
     silent_cycles: u32,
-    heard: bool,
     cycles: u64,
     runs: u64,
     safe_events: u64,
     refused: bool,
+    pressure: Pressure,
     trips: Trips,
     last: Option<Reading>,
     outbox: Outbox,
 }
 
 impl RigNode {
-    /// A rig that has heard nothing yet: INIT, clock pace, 1 ms.
+    /// A rig that has just started and has heard nothing yet: INIT, clock pace, 1 ms. Its numbers
+    /// are seeded.
     pub fn new(setup: &RigSetup, node: Node, profile: Profile) -> Self {
         let timing = Timing { profile, ..Timing::default() };
         let emulator = Emulator::new(setup, timing.period_s(), u64::from(node.number()));
-        let state = emulator.start();
-        Self::with_plant(timing, emulator, state, node)
+        let mut draw = Draw::seeded(setup.seed, u64::from(node.number()));
+        Self {
+            node,
+            timing,
+            state: emulator.start(),
+            emulator,
+            condition: Condition::of(setup),
+            session: Session::new(node),
+            arming: RigArming::new(node, SessionHistory::default()),
+            quiet: Quiet::new(Listener::Rig(node)),
+            boot: draw.number(),
+            draw,
+            machine: State::Init,
+            target: Target::Hold,
+            silent_cycles: 0,
+            cycles: 0,
+            runs: 0,
+            safe_events: 0,
+            refused: false,
+            pressure: Pressure::Ready,
+            trips: Trips::empty(),
+            last: None,
+            outbox: Outbox::new(node),
+        }
     }
 
     /// The same rig with its ram at rest somewhere else (m).
@@ -95,33 +134,25 @@ impl RigNode {
         Self { state: self.emulator.start_at(ram_m), ..self }
     }
 
-    fn with_plant(timing: Timing, emulator: Emulator, state: EmulatorState, node: Node) -> Self {
-        Self {
-            node,
-            timing,
-            emulator,
-            session: Session::new(timing.profile, node),
-            state,
-            run_state: RunState::Init,
-            latched: false,
-            target: Target::Hold,
-            silent_cycles: 0,
-            heard: false,
-            cycles: 0,
-            runs: 0,
-            safe_events: 0,
-            refused: false,
-            trips: Trips::empty(),
-            last: None,
-            outbox: Outbox::new(node),
-        }
+    /// The same rig in another condition.
+    #[must_use]
+    pub fn with_condition(self, condition: Condition) -> Self {
+        Self { condition, ..self }
+    }
+
+    /// The same rig, just started, with another source of numbers.
+    #[must_use]
+    pub fn with_draw(self, mut draw: Draw) -> Self {
+        Self { boot: draw.number(), draw, ..self }
     }
 
     /// Takes in any frame of the bus. In lock-step a new valid command is executed at once.
     pub fn on_frame(&mut self, frame: &WireFrame) {
-        match MessageId::from_raw(frame.id()) {
+        let (id, data) = (frame.id(), frame.data());
+        self.quiet.hear(id, data);
+        match MessageId::from_raw(id) {
             Some(MessageId::Sync) => {
-                if let Ok(sync) = Sync::decode(frame.id(), frame.data()) {
+                if let Ok(sync) = Sync::decode(id, data) {
                     self.on_sync(&sync);
                 }
             }
@@ -131,45 +162,95 @@ impl RigNode {
                     self.cycle();
                 }
             }
+            Some(MessageId::ArmRequest(node)) if node == self.node => {
+                if let Ok(request) = ArmMessage::decode(id, data) {
+                    self.on_request(&request);
+                }
+            }
+            Some(MessageId::PressureOff(_)) => {
+                if let Ok(request) = PressureOff::decode(id, data)
+                    && request.node.is_none_or(|node| node == self.node)
+                {
+                    self.drop_pressure();
+                }
+            }
             _ => {}
         }
     }
 
     /// One cycle with the newest valid command, or without one.
     pub fn cycle(&mut self) {
+        self.pass_time();
         let command = self.session.take();
-        match &command {
-            Some(command) if has_value(command) => {
+        if let Some(command) = &command {
+            self.arming.commanded();
+            if self.session.is_new() {
+                self.emulator.begin(&mut self.state);
+            }
+            if self.obey(command) {
                 self.silent_cycles = 0;
-                self.heard = true;
-                self.obey(command);
-            }
-            _ => {
+            } else {
                 self.silent_cycles = self.silent_cycles.saturating_add(1);
-                if command.is_none() {
-                    self.session.note_no_frame();
-                }
-                if let Target::Follow(reference) = &mut self.target {
-                    *reference = reference.after(self.emulator.period_s());
-                }
+            }
+        } else {
+            self.silent_cycles = self.silent_cycles.saturating_add(1);
+            self.session.note_no_frame();
+            if let Target::Follow(reference) = &mut self.target {
+                *reference = reference.after(self.emulator.period_s());
             }
         }
-        if self.is_coupled() && self.silent_cycles >= WATCHDOG_CYCLES {
-            self.go_safe(self.silent_cycles);
+        if self.is_watched() && self.silent_cycles >= WATCHDOG_CYCLES {
+            self.lose_host(self.silent_cycles);
         }
-        let target = if self.is_coupled() { self.target } else { Target::Hold };
-        let reading = self.emulator.cycle(&mut self.state, target);
-        self.cycles += 1;
-        self.last = Some(reading);
+        if !self.condition.enabled && (self.machine == State::Armed || self.machine.moves()) {
+            self.enter(Event::Stop);
+        }
+        let reading = self.advance();
         self.answer(&reading);
+        if self.machine == State::Standby {
+            self.end_session();
+        }
+    }
+
+    /// One cycle of a rig that nobody commands: a lock-step rig has no other then. Does nothing in
+    /// a session, once its first command is accepted.
+    pub fn idle(&mut self) {
+        if self.is_idle() {
+            self.rest();
+        }
+    }
+
+    /// The same of a rig that may be latched too: where the owner's clock is the only one.
+    fn rest_if_uncommanded(&mut self) {
+        if self.is_idle() || self.is_latched() {
+            self.rest();
+        }
+    }
+
+    /// One cycle without a command and without a measurement.
+    fn rest(&mut self) {
+        self.pass_time();
+        self.advance();
+        self.outbox.slow_messages(self.cycles, self.timing, self.says());
     }
 
     /// The host was silent for so long that the owner considers it lost: how a lock-step rig, which
-    /// has no time of its own, goes safe. Does nothing unless coupled.
+    /// has no time of its own, goes safe. Does nothing unless it was commanded.
     pub fn host_is_silent(&mut self, cycles: u32) {
-        if self.is_coupled() {
-            self.go_safe(cycles);
+        if self.is_watched() {
+            self.lose_host(cycles);
         }
+    }
+
+    /// Resets a latched rig whose ram stands still, as the key at the rig does; whether it did.
+    pub fn reset(&mut self) -> bool {
+        let may_reset = self.is_at_rest() && self.condition.enabled;
+        may_reset && self.is_latched() && self.leave_latch()
+    }
+
+    /// Turns the key switch at the rig.
+    pub fn enable(&mut self, enabled: bool) {
+        self.condition.enabled = enabled;
     }
 
     /// The next frame to send.
@@ -177,60 +258,149 @@ impl RigNode {
         self.outbox.take()
     }
 
-    fn obey(&mut self, command: &Command) {
-        let commanded = match command.state {
-            RunState::Fault => RunState::Safe,
-            state => state,
-        };
-        if is_coupled(commanded) {
-            // What is refused is coupling; a rig that runs keeps to its own timing.
-            if self.latched || (self.refused && !self.is_coupled()) {
-                return;
-            }
-            if !self.is_coupled() {
-                self.emulator.begin(&mut self.state);
-                self.trips = Trips::empty();
-                self.runs += 1;
-            }
-            self.target = match (command.mode, command.displacement_m) {
-                (Mode::Centre, _) => Target::Centre,
-                (Mode::Follow, Some(displacement_m)) => {
-                    Target::Follow(Reference { displacement_m, velocity_m_per_s: 0.0 })
-                }
-                (Mode::FollowWithVelocity, Some(displacement_m)) => {
-                    let velocity_m_per_s = command.velocity_m_per_s.unwrap_or(0.0);
-                    Target::Follow(Reference { displacement_m, velocity_m_per_s })
-                }
-                (Mode::Hold, _) | (_, None) => Target::Hold,
-            };
-        } else if self.latched {
-            self.latched = false;
-            self.run_state = commanded;
-            self.report(FaultCode::Cleared, 0);
+    /// The clocks of arming and quiet.
+    fn pass_time(&mut self) {
+        self.quiet.cycle();
+        if let Some(event) = self.arming.cycle() {
+            self.on_event(event);
         }
-        self.run_state = commanded;
     }
 
-    fn go_safe(&mut self, cycles: u32) {
-        self.run_state = RunState::Safe;
-        self.latched = true;
-        self.safe_events += 1;
-        self.trips |= Trips::WATCHDOG;
-        self.report(FaultCode::PeerSilent, u16::try_from(cycles).unwrap_or(u16::MAX));
+    /// The plant for a cycle.
+    fn advance(&mut self) -> Reading {
+        let target = if self.machine.moves() { self.target } else { Target::Hold };
+        let reading = self.emulator.cycle(&mut self.state, target);
+        self.cycles += 1;
+        self.last = Some(reading);
+        reading
+    }
+
+    /// Whether a command was obeyed: it has the values that its mode needs, and a state that can
+    /// follow from the rig's.
+    fn obey(&mut self, command: &Command) -> bool {
+        let Some(next) = follow(self.machine, command.state) else { return false };
+        if self.is_latched() {
+            return true;
+        }
+        if !has_value(command) {
+            return false;
+        }
+        if next.moves() && !self.machine.moves() {
+            self.emulator.begin(&mut self.state);
+            self.trips = Trips::empty();
+            self.runs += 1;
+        }
+        self.machine = next;
+        if self.is_latched() {
+            self.arming.end_session();
+        }
+        self.target = match (command.mode, command.displacement_m) {
+            (Mode::Centre, _) => Target::Centre,
+            (Mode::Follow, Some(displacement_m)) => {
+                Target::Follow(Reference { displacement_m, velocity_m_per_s: 0.0 })
+            }
+            (Mode::FollowWithVelocity, Some(displacement_m)) => {
+                let velocity_m_per_s = command.velocity_m_per_s.unwrap_or(0.0);
+                Target::Follow(Reference { displacement_m, velocity_m_per_s })
+            }
+            (Mode::Hold, _) | (_, None) => Target::Hold,
+        };
+        true
+    }
+
+    fn on_request(&mut self, request: &ArmMessage) {
+        let status = self.status();
+        let (arming, draw) = (&mut self.arming, &mut self.draw);
+        let (answer, event) = arming.receive(request, &status, &mut self.quiet, || draw.number());
+        if let Some(event) = event {
+            self.on_event(event);
+        }
+        if let Some(answer) = answer {
+            self.outbox.answer(&answer);
+        }
+    }
+
+    fn on_event(&mut self, event: RigEvent) {
+        match event {
+            RigEvent::Armed(agreement) => {
+                self.enter(Event::Arm);
+                self.session.arm(self.timing.profile, agreement.code());
+                (self.silent_cycles, self.target) = (0, Target::Hold);
+            }
+            RigEvent::Lapsed => {
+                self.enter(Event::Disarm);
+                self.end_session();
+            }
+            RigEvent::Reset => {
+                self.leave_latch();
+            }
+        }
+    }
+
+    /// What the arming exchange asks about.
+    fn status(&self) -> RigStatus {
+        let readiness = self.condition.readiness(self.boot, &self.emulator, &self.state);
+        RigStatus {
+            state: self.run_state(),
+            may_reset: self.condition.may_reset && self.is_at_rest(),
+            readiness,
+            requirements: Condition::requirements(),
+            configuration: self.timing.configuration(self.condition.limits),
+        }
+    }
+
+    /// Takes an event of the machine; whether it leads anywhere.
+    fn enter(&mut self, event: Event) -> bool {
+        let Outcome::Enters(state) = self.machine.on(event) else { return false };
+        self.machine = state;
+        if self.is_latched() {
+            // The host still hears of it, sealed; nobody can arm before a reset.
+            self.arming.end_session();
+            self.safe_events += 1;
+        }
+        true
+    }
+
+    fn lose_host(&mut self, cycles: u32) {
+        if self.enter(Event::PeerLost) {
+            self.trips |= Trips::WATCHDOG;
+            self.report(FaultCode::PeerSilent, u16::try_from(cycles).unwrap_or(u16::MAX));
+        }
+    }
+
+    fn drop_pressure(&mut self) {
+        self.pressure = Pressure::Off;
+        if self.enter(Event::Fail) {
+            self.report(FaultCode::PressureLost, 0);
+        }
+    }
+
+    fn leave_latch(&mut self) -> bool {
+        let has_left = self.enter(Event::Reset);
+        if has_left {
+            self.end_session();
+            (self.pressure, self.trips) = (Pressure::Ready, Trips::empty());
+            self.report(FaultCode::Cleared, 0);
+        }
+        has_left
+    }
+
+    fn end_session(&mut self) {
+        self.session.end();
+        self.arming.end_session();
     }
 
     fn on_sync(&mut self, sync: &Sync) {
+        let is_foreign_host = self.session.on_sync(sync.time_us);
         // In clock pace a host cannot come back before the watchdog: there its time proves nothing.
-        let follows = self.timing.pace == Pace::Clock && self.is_coupled();
-        if self.session.on_sync(sync.time_us) && !follows {
-            self.session.restart();
-            if self.is_coupled() {
-                self.run_state = RunState::Init;
-            }
+        if is_foreign_host && self.timing.pace == Pace::LockStep && self.machine.moves() {
+            self.lose_host(0);
         }
         let offered = Timing::from(sync);
         let foreign = sync.version != PROTOCOL_VERSION;
-        let refused = foreign || (self.is_coupled() && offered != self.timing);
+        let is_other = offered != self.timing;
+        let is_bound = self.machine == State::Armed || self.machine.moves();
+        let refused = foreign || (is_bound && is_other);
         if refused && !self.refused {
             self.report(FaultCode::ConfigurationMismatch, u16::from(sync.version));
         }
@@ -238,15 +408,14 @@ impl RigNode {
         if refused {
             return;
         }
-        if offered.period_us != self.timing.period_us {
-            self.emulator = self.emulator.clone().with_period(offered.period_s());
+        if is_other && !self.is_latched() {
+            if offered.period_us != self.timing.period_us {
+                self.emulator = self.emulator.clone().with_period(offered.period_s());
+            }
+            self.timing = offered;
         }
-        if offered.profile != self.timing.profile {
-            self.session.change_profile(offered.profile);
-            self.outbox.change_profile();
-        }
-        self.timing = offered;
-        self.outbox.heartbeat(self.run_state);
+        self.enter(Event::Agreed);
+        self.outbox.heartbeat(self.says());
     }
 
     fn answer(&mut self, reading: &Reading) {
@@ -261,18 +430,34 @@ impl RigNode {
         for (_, trip) in tripped.into_iter().filter(|(tripped, _)| *tripped) {
             self.trips |= trip;
         }
-        let idle = matches!(self.run_state, RunState::Init | RunState::Standby);
-        let recent = self.heard && self.silent_cycles < WATCHDOG_CYCLES;
-        if recent || !idle {
-            let (profile, echo) = (self.timing.profile, self.session.echo());
+        self.outbox.slow_messages(self.cycles, self.timing, self.says());
+        if let Some(sealed) = self.session.next_seal() {
+            let (state, echo) = (self.run_state(), self.session.echo());
             let time_us = self.cycles.wrapping_mul(u64::from(self.timing.period_us)) as u32;
-            self.outbox.measurement(profile, self.run_state, flags, echo, reading, time_us);
+            self.outbox.measurement(sealed, state, flags, echo, reading, time_us);
         }
-        self.outbox.slow_messages(self.cycles, self.timing, self.run_state, self.trips);
+    }
+
+    fn says(&self) -> Says {
+        let mut flags = HeartbeatFlags::empty();
+        flags.set(HeartbeatFlags::ENABLED, self.condition.enabled);
+        flags.set(HeartbeatFlags::LATCHED, self.is_latched());
+        Says {
+            state: self.run_state(),
+            boot: self.boot,
+            flags,
+            pressure: self.pressure,
+            trips: self.trips,
+        }
     }
 
     fn report(&mut self, code: FaultCode, detail: u16) {
-        self.outbox.fault(self.run_state, code, detail);
+        self.outbox.fault(self.run_state(), code, detail);
+    }
+
+    /// Whether the watchdog watches: a host holds or moves the ram.
+    fn is_watched(&self) -> bool {
+        self.session.is_commanded() && (self.machine == State::Armed || self.machine.moves())
     }
 }
 
@@ -281,6 +466,11 @@ impl RigNode {
     /// Its number.
     pub fn node(&self) -> Node {
         self.node
+    }
+
+    /// The number that it drew when it started.
+    pub fn boot(&self) -> u32 {
+        self.boot
     }
 
     /// Period, slow-down, pace and profile, as the last sync set them.
@@ -295,12 +485,32 @@ impl RigNode {
 
     /// Its run state.
     pub fn run_state(&self) -> RunState {
-        self.run_state
+        wire_state(self.machine)
     }
 
-    /// Whether the watchdog watches: the host moves the ram, or is about to.
+    /// Whether the ram follows commands.
     pub fn is_coupled(&self) -> bool {
-        is_coupled(self.run_state)
+        self.machine.moves()
+    }
+
+    /// Whether it stays in SAFE or FAULT until it is reset.
+    pub fn is_latched(&self) -> bool {
+        matches!(self.machine, State::Safe | State::Fault)
+    }
+
+    /// Whether nobody commands it: no session is armed, or its first command has not come yet.
+    pub fn is_idle(&self) -> bool {
+        !self.session.is_commanded()
+    }
+
+    /// Whether a session is armed, and not ended.
+    pub fn is_armed(&self) -> bool {
+        self.session.is_armed()
+    }
+
+    /// Its condition.
+    pub fn condition(&self) -> Condition {
+        self.condition
     }
 
     /// Whether the ram stands still.
@@ -318,7 +528,7 @@ impl RigNode {
         self.runs
     }
 
-    /// How often it went safe by itself.
+    /// How often it went to SAFE or FAULT by itself.
     pub fn safe_events(&self) -> u64 {
         self.safe_events
     }
@@ -339,13 +549,12 @@ impl RigNode {
     }
 }
 
-/// Whether a rig follows commands in a state.
-const fn is_coupled(state: RunState) -> bool {
-    matches!(state, RunState::RampIn | RunState::Run | RunState::RampOut)
-}
-
 /// Whether a command has every value that its mode needs.
 fn has_value(command: &Command) -> bool {
     let follows = matches!(command.mode, Mode::Follow | Mode::FollowWithVelocity);
-    !is_coupled(command.state) || !follows || command.displacement_m.is_some()
+    let moves = matches!(
+        command.state,
+        RunState::OpenLoop | RunState::RampIn | RunState::Run | RunState::RampOut
+    );
+    !moves || !follows || command.displacement_m.is_some()
 }

@@ -2,20 +2,30 @@
 
 use super::{Reading, Timing};
 use can_protocol::{
-    Fault, FaultCode, Frame, Heartbeat, Measurement, MeasurementFlags, MessageId, Node, Pressure,
-    Profile, RunState, Sender, Telemetry, Trips,
+    ArmMessage, Fault, FaultCode, Frame, Heartbeat, HeartbeatFlags, Measurement, MeasurementFlags,
+    MessageId, Node, Pressure, Profile, RunState, Seal, Sender, Telemetry, Trips,
 };
 use heapless::Deque;
 
-/// Frames that wait to be taken: a cycle has at most five.
+/// Frames that wait to be taken: a cycle has at most six.
 const FRAMES: usize = 8;
+
+/// What a rig says of itself in its slow messages.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Says {
+    pub(super) state: RunState,
+    pub(super) boot: u32,
+    pub(super) flags: HeartbeatFlags,
+    pub(super) pressure: Pressure,
+    pub(super) trips: Trips,
+}
 
 /// Frames on their way out.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Outbox {
     node: Node,
     frames: Deque<Frame, FRAMES>,
-    measurement_counter: u8,
+    heartbeat_counter: u8,
     fault_counter: u8,
     telemetry_counter: u8,
 }
@@ -25,7 +35,7 @@ impl Outbox {
         Self {
             node,
             frames: Deque::new(),
-            measurement_counter: 0,
+            heartbeat_counter: 0,
             fault_counter: 0,
             telemetry_counter: 0,
         }
@@ -35,14 +45,14 @@ impl Outbox {
         self.frames.pop_front()
     }
 
-    /// Another profile has another range of counters.
-    pub(super) fn change_profile(&mut self) {
-        self.measurement_counter = 0;
+    /// An answer of the arming exchange.
+    pub(super) fn answer(&mut self, answer: &ArmMessage) {
+        self.put(answer.encode().0);
     }
 
     pub(super) fn measurement(
         &mut self,
-        profile: Profile,
+        (profile, seal): (Profile, Seal),
         state: RunState,
         flags: MeasurementFlags,
         echo: Option<u8>,
@@ -51,7 +61,7 @@ impl Outbox {
     ) {
         let measurement = Measurement {
             node: self.node,
-            counter: self.measurement_counter,
+            counter: seal.counter(profile),
             state,
             flags,
             echo,
@@ -59,38 +69,36 @@ impl Outbox {
             displacement_m: Some(reading.displacement_m),
             time_us: Some(time_us),
         };
-        self.put(measurement.encode(profile).0);
-        self.measurement_counter = profile.next_counter(self.measurement_counter);
+        self.put(measurement.encode_sealed(profile, seal).0);
     }
 
     /// Telemetry and heartbeat, in the cycles that the protocol gives them.
-    pub(super) fn slow_messages(
-        &mut self,
-        cycle: u64,
-        timing: Timing,
-        state: RunState,
-        trips: Trips,
-    ) {
+    pub(super) fn slow_messages(&mut self, cycle: u64, timing: Timing, says: Says) {
+        let Says { state, trips, pressure, .. } = says;
         if is_due(MessageId::Telemetry(self.node), cycle, timing) {
             let telemetry = Telemetry {
                 node: self.node,
                 counter: self.telemetry_counter,
                 state,
-                // Neither oil nor supply is modelled.
+                // Oil is not modelled.
                 temperature_degc: None,
-                pressure: Pressure::Unknown,
+                pressure,
                 trips,
             };
             self.put(telemetry.encode().0);
             self.telemetry_counter = Profile::Classical.next_counter(self.telemetry_counter);
         }
         if is_due(MessageId::Heartbeat(Sender::Rig(self.node)), cycle, timing) {
-            self.heartbeat(state);
+            self.heartbeat(says);
         }
     }
 
-    pub(super) fn heartbeat(&mut self, state: RunState) {
-        self.put(Heartbeat { sender: Sender::Rig(self.node), state }.encode());
+    pub(super) fn heartbeat(&mut self, says: Says) {
+        let Says { state, boot, flags, .. } = says;
+        let sender = Sender::Rig(self.node);
+        let heartbeat = Heartbeat::new(sender, self.heartbeat_counter, state, boot);
+        self.put(Heartbeat { flags, ..heartbeat }.encode().0);
+        self.heartbeat_counter = Profile::Classical.next_counter(self.heartbeat_counter);
     }
 
     pub(super) fn fault(&mut self, state: RunState, code: FaultCode, detail: u16) {

@@ -15,8 +15,9 @@ use super::{RigNode, Timing};
 use crate::BenchError;
 use crate::bus::{Bus, Sent, SocketCanBus};
 use crate::clock::Pacer;
+use crate::draw::Draw;
 use crate::realtime::{self, RealtimeOptions};
-use can_protocol::{MessageId, Node, Pace, Profile, RunState};
+use can_protocol::{MessageId, Node, Pace, Profile, RunState, Sender};
 use heapless::spsc::{Producer, Queue};
 use scenario::rig::RigSetup;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -52,16 +53,28 @@ pub fn run_on(
     options: &Options,
     stop: &AtomicBool,
 ) -> Result<RigSummary, BenchError> {
-    // Either profile: the host's sync names the one in use.
-    let accept = [
-        MessageId::Sync,
-        MessageId::Command(Profile::Classical, node),
-        MessageId::Command(Profile::Fd, node),
-    ];
-    let mut bus = SocketCanBus::open(interface, &accept, profile)?;
+    let mut bus = SocketCanBus::open(interface, &heard_by(node), profile)?;
+    let draw = Draw::system().map_err(|why| BenchError::NoRandom { why })?;
     eprintln!("rig node {node}, {}, on {interface}: waiting for a host", setup.name);
-    let mut rig = RigNode::new(setup, node, profile);
+    let mut rig = RigNode::new(setup, node, profile).with_draw(draw);
     serve(&mut rig, &mut bus, options, stop)
+}
+
+/// What a rig listens to: its host, and whoever else is heard under its own ids. The host's sync
+/// names the profile in use.
+pub fn heard_by(node: Node) -> Vec<MessageId> {
+    let is_heard = |message: &MessageId| match *message {
+        MessageId::Sync | MessageId::PressureOff(None) | MessageId::Heartbeat(_) => true,
+        MessageId::PressureOff(Some(of))
+        | MessageId::Command(_, of)
+        | MessageId::ArmRequest(of)
+        | MessageId::Measurement(_, of)
+        | MessageId::Telemetry(of)
+        | MessageId::ArmAnswer(of)
+        | MessageId::Fault(Sender::Rig(of)) => of == node,
+        MessageId::Residual(_) | MessageId::Fault(Sender::Host) => false,
+    };
+    MessageId::all().filter(is_heard).collect()
 }
 
 /// Serves a rig on a bus until `stop`, or until the run is over when asked to end with it.
@@ -122,12 +135,18 @@ fn run<B: Bus>(
                 rig.cycle();
             }
             send_out(rig, bus);
+        } else if rig.is_idle() || (rig.is_latched() && rig.is_at_rest()) {
+            // Without commands its own clock is the only one.
+            pacer.wait();
+            take_in(rig, bus);
+            rig.rest_if_uncommanded();
+            send_out(rig, bus);
         } else {
             bus.wait(GLANCE);
             // Read before the bus: a rig that was suspended first takes in what has arrived.
             let now = Instant::now();
             take_in(rig, bus);
-            if watch.silence(rig, now) >= SILENCE && rig.is_coupled() {
+            if watch.silence(rig, now) >= SILENCE && !rig.is_idle() {
                 rig.host_is_silent(silent_cycles(timing));
                 send_out(rig, bus);
                 come_to_rest(rig, bus, &mut pacer);
@@ -206,7 +225,7 @@ impl Watch {
     }
 
     fn safe_for(&mut self, rig: &RigNode) -> Duration {
-        if rig.run_state() != RunState::Safe {
+        if !rig.is_latched() {
             self.safe_since = None;
             return Duration::ZERO;
         }

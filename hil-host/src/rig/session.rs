@@ -1,7 +1,13 @@
-//! What a rig keeps of its host: the timing it announced and the commands it sends.
+//! What a rig keeps of its host: the timing it announced, the session that it armed, and the
+//! commands that it sends.
 
+use super::WATCHDOG_CYCLES;
 use crate::bus::WireFrame;
-use can_protocol::{Command, Counts, Node, Pace, Profile, Receiver, ReceiverState, Sync};
+use can_protocol::arming::{Configuration, Limits};
+use can_protocol::{
+    Command, Counts, Node, Pace, Profile, Receiver, ReceiverState, Seal, SessionCode, Sync,
+};
+use core::num::{NonZeroU8, NonZeroU16};
 use serde::Serialize;
 
 /// Commands that may be missing in a row before a newer one is out of sequence.
@@ -35,6 +41,18 @@ impl Timing {
         f64::from(self.period_us) * 1e-6
     }
 
+    /// The configuration of a session with these limits.
+    pub(super) fn configuration(self, limits: Limits) -> Configuration {
+        Configuration {
+            profile: self.profile,
+            pace: self.pace,
+            period_us: NonZeroU16::new(self.period_us).unwrap_or(NonZeroU16::MIN),
+            slow_down: NonZeroU8::new(self.slow_down).unwrap_or(NonZeroU8::MIN),
+            watchdog_cycles: WATCHDOG_CYCLES as u16,
+            limits,
+        }
+    }
+
     /// Length of a cycle in real time (ns).
     pub fn wall_period_ns(self) -> u64 {
         u64::from(self.period_us) * 1000 * u64::from(self.slow_down)
@@ -59,12 +77,16 @@ pub struct FrameCounts {
     pub received: u64,
     /// Missing by the counters of those that came.
     pub lost: u64,
-    /// Wrong checksum, length or reserved code.
+    /// Wrong checksum, length or reserved code, or not sealed by this session.
     pub crc_errors: u64,
-    /// The same counter again.
+    /// The same frame again.
     pub repeated: u64,
     /// An old counter, or too far ahead.
     pub wrong_sequence: u64,
+    /// Another content under the counter of the last one.
+    pub conflicts: u64,
+    /// Commands that came while the rig was not armed.
+    pub unarmed: u64,
 }
 
 impl FrameCounts {
@@ -75,6 +97,8 @@ impl FrameCounts {
             crc_errors: self.crc_errors + counts.wrong_crc,
             repeated: self.repeated + counts.repeated,
             wrong_sequence: self.wrong_sequence + counts.wrong_sequence,
+            conflicts: self.conflicts + counts.conflict,
+            unarmed: self.unarmed,
         }
     }
 }
@@ -83,8 +107,7 @@ impl FrameCounts {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Session {
     node: Node,
-    receiver: Receiver<Command>,
-    state: ReceiverState,
+    armed: Option<Armed>,
     /// Counts of sessions before this one.
     earlier: FrameCounts,
     pending: Option<Command>,
@@ -92,12 +115,22 @@ pub(super) struct Session {
     sync_time_us: u32,
 }
 
+/// What an armed session has.
+#[derive(Debug, Clone, PartialEq)]
+struct Armed {
+    code: SessionCode,
+    profile: Profile,
+    receiver: Receiver<Command>,
+    state: ReceiverState,
+    /// Number of the next measurement.
+    cycle: u32,
+}
+
 impl Session {
-    pub(super) fn new(profile: Profile, node: Node) -> Self {
+    pub(super) fn new(node: Node) -> Self {
         Self {
             node,
-            receiver: receiver(profile, node),
-            state: ReceiverState::default(),
+            armed: None,
             earlier: FrameCounts::default(),
             pending: None,
             accepted_since_sync: false,
@@ -105,9 +138,27 @@ impl Session {
         }
     }
 
+    /// Begins an armed session; both sides count from cycle 0.
+    pub(super) fn arm(&mut self, profile: Profile, code: SessionCode) {
+        self.end();
+        let receiver = receiver(profile, self.node).sealed(code);
+        let state = ReceiverState::default();
+        self.armed = Some(Armed { code, profile, receiver, state, cycle: 0 });
+    }
+
+    /// Ends it; what was counted stays.
+    pub(super) fn end(&mut self) {
+        self.earlier = self.counts();
+        (self.armed, self.pending) = (None, None);
+    }
+
     /// Judges a frame with a command's id; true when it is valid and new.
     pub(super) fn accept(&mut self, frame: &WireFrame) -> bool {
-        let reception = self.receiver.accept(&mut self.state, frame.id(), frame.data());
+        let Some(Armed { receiver, state, .. }) = &mut self.armed else {
+            self.earlier.unarmed += 1;
+            return false;
+        };
+        let reception = receiver.accept(state, frame.id(), frame.data());
         let Some(command) = reception.and_then(|reception| reception.data) else { return false };
         self.pending = Some(command);
         self.accepted_since_sync = true;
@@ -119,8 +170,8 @@ impl Session {
         self.pending.take()
     }
 
-    /// A sync came. True when a new session begins with it: no command came since the last sync, or
-    /// its time does not follow on.
+    /// A sync came. True when it is that of another host, or of this one started anew: no command
+    /// came since the last sync, or its time does not follow on.
     pub(super) fn on_sync(&mut self, time_us: u32) -> bool {
         let advance_us = time_us.wrapping_sub(self.sync_time_us) & Sync::TIME.ones();
         let follows = self.accepted_since_sync && advance_us <= SYNC_GAP_US;
@@ -129,28 +180,44 @@ impl Session {
         !follows
     }
 
-    pub(super) fn change_profile(&mut self, profile: Profile) {
-        self.receiver = receiver(profile, self.node);
-        self.restart();
+    pub(super) fn note_no_frame(&mut self) {
+        if let Some(Armed { receiver, state, .. }) = &mut self.armed {
+            receiver.no_frame(state);
+        }
     }
 
-    pub(super) fn note_no_frame(&mut self) {
-        self.receiver.no_frame(&mut self.state);
+    /// Whether a session is armed, and not ended.
+    pub(super) fn is_armed(&self) -> bool {
+        self.armed.is_some()
+    }
+
+    /// Whether a command of an armed session was accepted.
+    pub(super) fn is_commanded(&self) -> bool {
+        self.echo().is_some()
+    }
+
+    /// Whether no measurement of the session was sent yet.
+    pub(super) fn is_new(&self) -> bool {
+        self.armed.as_ref().is_some_and(|armed| armed.cycle == 0)
     }
 
     pub(super) fn echo(&self) -> Option<u8> {
-        self.state.echo()
+        self.armed.as_ref().and_then(|armed| armed.state.echo())
+    }
+
+    /// Profile and seal of the next measurement; none before the first command.
+    pub(super) fn next_seal(&mut self) -> Option<(Profile, Seal)> {
+        let armed = self.armed.as_mut().filter(|armed| armed.state.echo().is_some())?;
+        let seal = Seal { code: armed.code, cycle: armed.cycle };
+        armed.cycle = armed.cycle.saturating_add(1);
+        Some((armed.profile, seal))
     }
 
     pub(super) fn counts(&self) -> FrameCounts {
-        self.earlier.plus(self.state.counts())
-    }
-
-    /// Forgets the counters of an earlier session, not what was counted.
-    pub(super) fn restart(&mut self) {
-        self.earlier = self.counts();
-        self.state = ReceiverState::default();
-        self.pending = None;
+        match &self.armed {
+            Some(armed) => self.earlier.plus(armed.state.counts()),
+            None => self.earlier,
+        }
     }
 }
 

@@ -19,6 +19,11 @@ pub(crate) struct RunAbout {
     pub(crate) bus: String,
     pub(crate) pace: PaceChoice,
     pub(crate) slow_down: u8,
+    /// The host's number of the session, in the exchange that arms the rigs; none in a file of an
+    /// earlier version.
+    pub(crate) session_number: Option<u32>,
+    /// The number that the host drew when it started.
+    pub(crate) boot_number: Option<u32>,
     /// Control cycles that were asked for.
     pub(crate) cycles: u64,
     /// Numbers of the damper slots on rigs, from one.
@@ -48,6 +53,8 @@ impl RunAbout {
             bus: options.bus.to_string(),
             pace: options.pace,
             slow_down: options.slow_down.get(),
+            session_number: Some(session.arming.number),
+            boot_number: Some(session.arming.boot),
             cycles: run.cycles(),
             rig_slots: plan.rigs.iter().map(|rig| rig.slot + 1).collect(),
             bus_load: load.most,

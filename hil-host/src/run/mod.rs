@@ -1,10 +1,12 @@
 //! `yawbench run`: from a scenario to a folder with record, bus log, summary and report.
 //!
-//! [`run`] reads from top to bottom: plan, check, open, greet, record, sum up, compare.
+//! [`run`] reads from top to bottom: plan, check, open, meet, arm and record, sum up,
+//! compare.
 
 mod about;
 mod handshake;
 mod late_report;
+mod model_peak;
 mod plan;
 mod progress;
 mod recording;
@@ -34,7 +36,7 @@ use plan::BusLoad;
 use recording::{Output, Recording, Task};
 use report::Section;
 use scenario::run::Run;
-use setup::{open_buses, pace};
+use setup::{arming, open_buses, pace};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -93,16 +95,21 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
 
     let track = run.track.view();
     let mut pace = pace(options);
-    let terms =
-        Terms { profile: options.profile, pace: pace.on_the_wire(), slow_down: options.slow_down };
+    let terms = Terms {
+        profile: options.profile,
+        pace: pace.on_the_wire(),
+        slow_down: options.slow_down,
+        arming: arming(&plan, options)?,
+    };
     let session = session(run, &track, &plan.rigs, terms)?;
     let mut state = session.start(session.line.start(run.start.state.clone()));
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;
     }
     let epoch = Epoch::now();
-    let handshake = greet(&session, &mut state, &mut buses, &options.bus, epoch, requests)?;
+    let handshake = meet(&session, &mut state, &mut buses, &options.bus, epoch, requests)?;
 
+    let is_new = !folder.path().exists();
     folder.create()?;
     folder.write(SCENARIO, &run.effective.scenario)?;
     folder.write(VEHICLE, &run.effective.vehicle)?;
@@ -121,10 +128,17 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         session: &session,
         state: &mut state,
         buses: &mut buses,
+        bus: &options.bus,
         pace: &mut pace,
         cycles: run.cycles(),
     };
-    let mut recording = recording::record(task, &options.realtime, &output, requests)?;
+    let recorded = recording::record(task, &options.realtime, &output, requests);
+    let is_unarmed = |why: &BenchError| why.is_safe_state() || why.is_interrupted();
+    if is_new && recorded.as_ref().is_err_and(is_unarmed) {
+        // Nothing but the files of a run that has not begun. One that stays does no harm.
+        let _stays = std::fs::remove_dir_all(folder.path());
+    }
+    let mut recording = recorded?;
     recording.columns.read(&folder.file(RECORD))?;
 
     let mut summary = summary(run, options, &session, &state, &buses, &load, &recording);
@@ -191,8 +205,8 @@ fn require_realtime(wanted: RealtimeOptions) -> Result<(), BenchError> {
     Err(BenchError::RealtimeRefused)
 }
 
-/// Waits for the rigs; gives the frames of the handshake.
-fn greet(
+/// Waits for the rigs and an operator; gives the frames of the handshake.
+fn meet(
     session: &Session<'_>,
     state: &mut SessionState,
     buses: &mut [AnyBus],
@@ -201,7 +215,7 @@ fn greet(
     requests: &Requests,
 ) -> Result<Vec<BusEvent>, BenchError> {
     let mut heard = Heard::all(buses, epoch);
-    session.greet(state, &mut heard, PATIENCE, requests).map_err(|why| why.on(bus))?;
+    session.meet(state, &mut heard, PATIENCE, requests).map_err(|why| why.on(bus))?;
     Ok(Heard::events(heard))
 }
 

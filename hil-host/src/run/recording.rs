@@ -1,9 +1,9 @@
 //! The loop with the threads around it: record, bus log, disk, progress.
 
-use super::handshake::Epoch;
+use super::handshake::{Epoch, Heard};
 use super::progress::{self, Progress};
 use crate::BenchError;
-use crate::bus::Bus;
+use crate::bus::{Bus, BusChoice};
 use crate::columns::Columns;
 use crate::control::{Buses, End, Pace, Requests, Session, SessionState};
 use crate::realtime::{self, RealtimeOptions};
@@ -23,6 +23,8 @@ pub(super) struct Task<'a, 's, B> {
     pub(super) session: &'a Session<'s>,
     pub(super) state: &'a mut SessionState,
     pub(super) buses: &'a mut [B],
+    /// The bus as it was given.
+    pub(super) bus: &'a BusChoice,
     pub(super) pace: &'a mut Pace,
     pub(super) cycles: u64,
 }
@@ -37,7 +39,7 @@ pub(super) struct Output<S> {
     pub(super) bus_names: Vec<String>,
     /// Time zero of the log.
     pub(super) epoch: Epoch,
-    /// What passed the buses before the first cycle.
+    /// What passed the buses before the rigs were armed.
     pub(super) handshake: Vec<BusEvent>,
 }
 
@@ -57,14 +59,17 @@ pub(super) struct Recording {
 /// most two seconds.
 const SYNC: Duration = Duration::from_secs(1);
 
-/// Runs the loop on this thread and records it.
+/// Arms the rigs, runs the loop on this thread and records it.
+///
+/// # Errors
+/// A rig that cannot be armed, with nothing recorded; a file that cannot be written.
 pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
     task: Task<'_, '_, B>,
     realtime_options: &RealtimeOptions,
     output: &Output<S>,
     requests: &Requests,
 ) -> Result<Recording, BenchError> {
-    let Task { session, state, buses, pace, cycles } = task;
+    let Task { session, state, buses, bus, pace, cycles } = task;
     let cycle_ns = session.line.cycle_s * 1e9 * f64::from(session.slow_down.get());
     let cycle_ns = (cycle_ns as u64).max(1);
     let (files, epoch) = ([&output.record, &output.log], output.epoch);
@@ -99,6 +104,17 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
             for line in realtime::set_up(realtime_options).lines() {
                 eprintln!("real-time: {line}");
             }
+        }
+        let mut heard = Heard::all(buses, epoch);
+        // From the first command on a rig waits for no file and no thread.
+        let armed = session.arm(state, &mut heard, requests);
+        for event in Heard::events(heard) {
+            recorder.event(event);
+        }
+        if let Err(why) = armed {
+            done.store(true, Ordering::Release);
+            drop(running);
+            return Err(why.on(bus));
         }
         let begin = Instant::now();
         let mut buses = Buses::new(buses, &mut recorder).counted_from(epoch.begin);
@@ -230,7 +246,7 @@ fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> Result<T, BenchError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bus::{BusChoice, MemoryBus};
+    use crate::bus::MemoryBus;
     use crate::record::measured::read_record;
     use crate::rig::RigNode;
     use crate::run::{Plan, Terms, session};
@@ -258,7 +274,7 @@ mod tests {
         let mut buses = vec![MemoryBus::new(rigs)];
         let mut state = session.start(session.line.start(run.start.state.clone()));
         let stop = Requests::armed();
-        session.greet(&mut state, &mut buses, Duration::from_secs(10), &stop).unwrap();
+        session.meet(&mut state, &mut buses, Duration::from_secs(10), &stop).unwrap();
         let output = Output {
             record: (path.to_owned(), record_file),
             log: (PathBuf::from("bus.log"), log),
@@ -271,6 +287,7 @@ mod tests {
             session: &session,
             state: &mut state,
             buses: &mut buses,
+            bus: &BusChoice::Memory,
             pace: &mut Pace::Fast,
             cycles: run.cycles(),
         };

@@ -1,10 +1,12 @@
 //! From a scenario to a session that can cycle: the line, the ports, the buses.
 
+use super::model_peak::believed_forces_n;
 use super::plan::{Plan, RigPlace};
 use crate::BenchError;
 use crate::bus::{AnyBus, BusChoice, MemoryBus, SocketCanBus};
 use crate::clock::Pacer;
-use crate::control::{Pace, Port, Session, Watch};
+use crate::control::{Arming, Pace, Port, Session, Watch};
+use crate::draw::Draw;
 use crate::options::{PaceChoice, RunOptions};
 use crate::rig::RigNode;
 use can_protocol::{MessageId, Node, Pace as WirePace, Profile, Sender};
@@ -16,6 +18,7 @@ use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use std::num::NonZeroU8;
+use std::time::Duration;
 
 /// What the rigs are given in the handshake.
 #[derive(Debug, Clone, Copy)]
@@ -23,12 +26,14 @@ pub(crate) struct Terms {
     pub(crate) profile: Profile,
     pub(crate) pace: WirePace,
     pub(crate) slow_down: NonZeroU8,
+    pub(crate) arming: Arming,
 }
 
 impl Terms {
     /// Those of rigs on the memory bus without a clock.
-    pub(crate) const fn in_memory(profile: Profile) -> Self {
-        Self { profile, pace: WirePace::LockStep, slow_down: NonZeroU8::MIN }
+    pub(crate) fn in_memory(profile: Profile) -> Self {
+        let arming = Arming::in_memory();
+        Self { profile, pace: WirePace::LockStep, slow_down: NonZeroU8::MIN, arming }
     }
 }
 
@@ -39,9 +44,10 @@ pub(crate) fn session<'a>(
     rigs: &[RigPlace],
     terms: Terms,
 ) -> Result<Session<'a>, can_protocol::Error> {
-    let Terms { profile, pace, slow_down } = terms;
+    let Terms { profile, pace, slow_down, arming } = terms;
+    let forces_n = believed_forces_n(run, line(run, track));
     let port = |rig: &RigPlace| {
-        let port = Port::new(rig.node, rig.bus, rig.slot, profile)?;
+        let port = Port::new(rig.node, rig.bus, rig.slot, profile)?.believing(forces_n[rig.slot]);
         Ok(match watch_of(run, rig.slot) {
             Some(watch) => port.watched(watch),
             None => port,
@@ -54,6 +60,7 @@ pub(crate) fn session<'a>(
         profile,
         pace,
         slow_down,
+        arming,
         watched: [body("carbody"), body("bogie_front"), body("wheelset_1")],
         rear_bogie: body("bogie_rear"),
     })
@@ -114,6 +121,16 @@ pub fn watch_of(run: &Run, slot: usize) -> Option<Watch> {
     }
 }
 
+/// What the host brings into the arming exchange.
+pub(super) fn arming(plan: &Plan, options: &RunOptions) -> Result<Arming, BenchError> {
+    if plan.buses.iter().all(|bus| *bus == BusChoice::Memory) {
+        return Ok(Arming::in_memory());
+    }
+    let draw = Draw::system().map_err(|why| BenchError::NoRandom { why })?;
+    let cycle = Duration::from_secs_f64(CYCLE_S * f64::from(options.slow_down.get()));
+    Ok(Arming::on_a_bus(draw, cycle))
+}
+
 /// The pace of the loop.
 pub(super) fn pace(options: &RunOptions) -> Pace {
     match options.pace {
@@ -140,8 +157,9 @@ pub(super) fn open_buses(
                 nodes.map(|node| RigNode::new(&run.rig, node, options.profile)),
             )),
             BusChoice::SocketCan(name) => {
-                let accept: Vec<_> =
-                    nodes.flat_map(|node| sent_by(node, options.profile)).collect();
+                let of_rigs = nodes.flat_map(|node| sent_by(node, options.profile));
+                let of_hosts = MessageId::all().filter(|message| message.is_of_host());
+                let accept: Vec<_> = of_rigs.chain(of_hosts).collect();
                 AnyBus::SocketCan(SocketCanBus::open(name, &accept, options.profile)?)
             }
         })
@@ -150,11 +168,12 @@ pub(super) fn open_buses(
 }
 
 /// What a host receives of a rig.
-fn sent_by(node: Node, profile: Profile) -> [MessageId; 4] {
+fn sent_by(node: Node, profile: Profile) -> [MessageId; 5] {
     [
         MessageId::Measurement(profile, node),
         MessageId::Fault(Sender::Rig(node)),
         MessageId::Telemetry(node),
+        MessageId::ArmAnswer(node),
         MessageId::Heartbeat(Sender::Rig(node)),
     ]
 }

@@ -2,9 +2,10 @@
 //! cycles. The rows are those of faults that earlier versions of the loop ended as "completed".
 
 use crate::support::locomotive::{NODE, scenario, session};
+use crate::support::opener::Opener;
 use can_protocol::{
     Fault, FaultCode, Frame, Measurement, MessageId, Pace as WirePace, Pressure, Profile, RunState,
-    Sender, Telemetry, Trips,
+    Seal, Sender, Telemetry, Trips,
 };
 use firmware_core::supervision::{Action, Signal};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
@@ -20,8 +21,8 @@ const BEGIN: u64 = 2000;
 /// Cycles for which a fault may last.
 const LASTS: u64 = 3000;
 
-/// What a fault makes of a frame of the rig.
-type Change = Box<dyn FnMut(u64, WireFrame) -> Vec<WireFrame>>;
+/// What a fault makes of a frame of the rig; measurements come with their seal.
+type Change = Box<dyn FnMut(u64, WireFrame, Option<Seal>) -> Vec<WireFrame>>;
 
 /// A bus with a fault.
 struct Faulty {
@@ -31,6 +32,7 @@ struct Faulty {
     /// Whether the bus has no room in a cycle.
     is_full: fn(u64) -> bool,
     pending: VecDeque<WireFrame>,
+    opener: Opener,
 }
 
 impl Bus for Faulty {
@@ -39,6 +41,7 @@ impl Bus for Faulty {
         if is_command {
             self.cycle += 1;
         }
+        self.opener.hear(NODE, &WireFrame::from(frame));
         if is_command && self.cycle >= BEGIN && (self.is_full)(self.cycle - BEGIN) {
             return Sent::Dropped;
         }
@@ -51,8 +54,9 @@ impl Bus for Faulty {
                 return Some(frame);
             }
             let frame = self.bus.receive()?;
+            let seal = self.opener.hear(NODE, &frame);
             match self.cycle.checked_sub(BEGIN) {
-                Some(since) => self.pending.extend((self.change)(since, frame)),
+                Some(since) => self.pending.extend((self.change)(since, frame, seal)),
                 None => self.pending.push_back(frame),
             }
         }
@@ -76,7 +80,8 @@ fn stop_of(change: Change, is_full: fn(u64) -> bool) -> Option<Stop> {
     let (mut recorder, _drain) = queues.split();
     let mut state = session.start(session.line.start(run.start.state.clone()));
     let bus = MemoryBus::new(Some(RigNode::new(&run.rig, NODE, Profile::Classical)));
-    let mut bus = Faulty { bus, cycle: 0, change, is_full, pending: VecDeque::new() };
+    let (pending, opener) = (VecDeque::new(), Opener::default());
+    let mut bus = Faulty { bus, cycle: 0, change, is_full, pending, opener };
     let buses = std::slice::from_mut(&mut bus);
     session.greet(&mut state, buses, Duration::from_secs(1), &Requests::armed()).unwrap();
     bus.cycle = 0;
@@ -88,7 +93,16 @@ fn stop_of(change: Change, is_full: fn(u64) -> bool) -> Option<Stop> {
 }
 
 /// The signal, the cycles since the fault began, and the action.
-fn found(change: impl FnMut(u64, WireFrame) -> Vec<WireFrame> + 'static) -> Option<(Signal, u64)> {
+fn found(
+    mut change: impl FnMut(u64, WireFrame) -> Vec<WireFrame> + 'static,
+) -> Option<(Signal, u64)> {
+    found_sealed(move |since, frame, _| change(since, frame))
+}
+
+/// The same of a fault that knows the seal.
+fn found_sealed(
+    change: impl FnMut(u64, WireFrame, Option<Seal>) -> Vec<WireFrame> + 'static,
+) -> Option<(Signal, u64)> {
     let stop = stop_of(Box::new(change), |_| false)?;
     assert_eq!(stop.node, Some(1));
     Some((stop.cause.signal, stop.cycle - BEGIN))
@@ -97,13 +111,13 @@ fn found(change: impl FnMut(u64, WireFrame) -> Vec<WireFrame> + 'static) -> Opti
 /// Changes measurements alone.
 fn lies(
     change: impl Fn(u64, &mut Measurement) + 'static,
-) -> impl FnMut(u64, WireFrame) -> Vec<WireFrame> + 'static {
-    move |since, frame| match Measurement::decode(frame.id(), frame.data()) {
-        Ok(mut measurement) => {
-            change(since, &mut measurement);
-            vec![WireFrame::from(&measurement.encode(Profile::Classical).0)]
-        }
-        Err(_) => vec![frame],
+) -> impl FnMut(u64, WireFrame, Option<Seal>) -> Vec<WireFrame> + 'static {
+    move |since, frame, seal| {
+        let Some(seal) = seal else { return vec![frame] };
+        let opened = Measurement::decode_sealed(frame.id(), frame.data(), seal);
+        let mut measurement = opened.unwrap();
+        change(since, &mut measurement);
+        vec![WireFrame::from(&measurement.encode_sealed(Profile::Classical, seal).0)]
     }
 }
 
@@ -143,7 +157,7 @@ fn a_force_ten_cycles_old_was_believed() {
 #[test]
 fn a_frozen_and_a_zero_force_ended_as_completed() {
     for force_n in [8000.0, 0.0] {
-        let cause = found(lies(move |_, measurement| measurement.force_n = Some(force_n)));
+        let cause = found_sealed(lies(move |_, measurement| measurement.force_n = Some(force_n)));
         let (signal, cycles) = cause.unwrap();
         assert!(signal == Signal::StuckForce && cycles < 300, "{force_n}: {signal:?} {cycles}");
     }
@@ -151,7 +165,7 @@ fn a_frozen_and_a_zero_force_ended_as_completed() {
 
 #[test]
 fn a_reversed_force_ended_as_completed() {
-    let cause = found(lies(|_, measurement| {
+    let cause = found_sealed(lies(|_, measurement| {
         measurement.force_n = measurement.force_n.map(|force_n| -force_n);
     }));
     let (signal, cycles) = cause.unwrap();
@@ -160,32 +174,32 @@ fn a_reversed_force_ended_as_completed() {
 
 #[test]
 fn spikes_of_99_kn_ended_as_completed_and_moved_the_vehicle() {
-    let cause = found(lies(|since, measurement| {
+    let cause = found_sealed(lies(|since, measurement| {
         if since % 2 == 0 {
             measurement.force_n = Some(99e3);
         }
     }));
     // One spike is held over; losses of every other cycle end the run.
     assert!(cause.is_some_and(|(_, cycles)| cycles < 40), "{cause:?}");
-    let constant = found(lies(|_, measurement| measurement.force_n = Some(99.9e3)));
+    let constant = found_sealed(lies(|_, measurement| measurement.force_n = Some(99.9e3)));
     let (signal, cycles) = constant.unwrap();
     assert!(matches!(signal, Signal::Force | Signal::ForceRate) && cycles <= 3, "{cycles}");
 }
 
 #[test]
 fn a_displacement_off_by_a_millimetre_frozen_or_missing_was_never_noticed() {
-    let off = found(lies(|_, measurement| {
+    let off = found_sealed(lies(|_, measurement| {
         measurement.displacement_m = measurement.displacement_m.map(|x| x + 1e-3);
     }));
     assert!(
         off.is_some_and(|(signal, cycles)| signal == Signal::Velocity && cycles <= 2),
         "{off:?}"
     );
-    let frozen = found(lies(|_, measurement| measurement.displacement_m = Some(1e-3)));
+    let frozen = found_sealed(lies(|_, measurement| measurement.displacement_m = Some(1e-3)));
     assert!(frozen.is_some(), "{frozen:?}");
-    let missing = found(lies(|_, measurement| measurement.displacement_m = None));
+    let missing = found_sealed(lies(|_, measurement| measurement.displacement_m = None));
     assert_eq!(missing.map(|(signal, _)| signal), Some(Signal::InvalidDisplacement));
-    let away = found(lies(|_, measurement| measurement.displacement_m = Some(60e-3)));
+    let away = found_sealed(lies(|_, measurement| measurement.displacement_m = Some(60e-3)));
     assert!(away.is_some_and(|(_, cycles)| cycles <= 2), "{away:?}");
 }
 
@@ -223,7 +237,7 @@ fn an_emergency_stop_and_a_fault_that_the_rig_reports_were_never_read() {
 
 #[test]
 fn a_bus_without_room_twice_in_a_row_ends_the_run() {
-    let keep = || Box::new(|_, frame| vec![frame]);
+    let keep = || Box::new(|_, frame, _| vec![frame]);
     assert_eq!(stop_of(keep(), |since| since % 20 == 0), None);
     let stop = stop_of(keep(), |since| since < 2).unwrap();
     assert_eq!((stop.cause.signal, stop.cause.action), (Signal::BusQueue, Action::RampOut));

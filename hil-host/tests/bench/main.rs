@@ -8,4 +8,5 @@ mod rig_answers;
 mod rig_physics;
 mod rig_process;
 mod rig_states;
+mod second_sender;
 mod support;

@@ -112,6 +112,9 @@ fn the_plant_of_a_rig_stays_from_session_to_session() {
     commands(&session, &mut state, &mut bus, 200);
     let stands_m = bus.rigs()[0].physics().ram().displacement_m;
     assert!(stands_m.abs() > 1e-4, "{stands_m}");
+    // It went safe, and its key resets it.
+    assert!(matches!(greet(&session, &run, &mut bus), Err(NoAnswer::Latched { node: 1, .. })));
+    assert!(bus.rigs_mut()[0].reset());
     let again = greet(&session, &run, &mut bus).unwrap();
     let begins_m = again.line.slots[0].command.displacement_m;
     assert!((begins_m - stands_m).abs() < 2e-6, "{begins_m} {stands_m}");

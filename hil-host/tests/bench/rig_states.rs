@@ -1,16 +1,20 @@
 //! The rig's states: arming, watchdog, latch, handshake. In virtual time, to the cycle.
 
 use crate::support::host::{Host, setup};
-use crate::support::rig::{answers, give, greeted, measured, quiet};
-use can_protocol::{FaultCode, Message, Mode, Pace, Profile, RunState};
+use crate::support::rig::{FedRig, answers, arm, armed, give, measured, pass, quiet};
+use can_protocol::arming::{HostArming, HostOutcome, Refusal};
+use can_protocol::{
+    ArmItem, FaultCode, Frame, HeartbeatFlags, Message, Mode, Pace, Profile, RunState,
+    SessionHistory,
+};
 use core::num::NonZeroU16;
 use hil_host::bus::WireFrame;
 use hil_host::rig::{RigNode, WATCHDOG_CYCLES};
 
 /// A rig in clock pace that has followed for 20 cycles.
-fn running() -> (RigNode, Host) {
+fn running() -> (FedRig, Host) {
     let mut host = Host::new(Profile::Classical);
-    let mut rig = greeted(&quiet(), &host, Pace::Clock);
+    let mut rig = armed(&quiet(), &mut host, Pace::Clock);
     for _ in 0..20 {
         give(&mut rig, &host.run());
         rig.cycle();
@@ -42,15 +46,15 @@ fn states(messages: &[Message]) -> Vec<RunState> {
 #[test]
 fn before_a_command_the_rig_is_in_init_and_answers_a_sync_at_once() {
     let host = Host::new(Profile::Classical);
-    let mut rig = RigNode::new(&setup(), host.node, host.profile);
+    let mut rig = FedRig::from(RigNode::new(&setup(), host.node, host.profile));
     for _ in 0..100 {
         rig.cycle();
     }
     let idle = answers(&mut rig);
     assert!(idle.iter().all(|m| matches!(m, Message::Heartbeat(_) | Message::Telemetry(_))));
-    give(&mut rig, &host.sync(Pace::LockStep));
+    give(&mut rig, &host.sync_message(Pace::LockStep).encode());
     let [Message::Heartbeat(heartbeat)] = answers(&mut rig)[..] else { panic!("no heartbeat") };
-    assert_eq!(heartbeat.state, RunState::Init);
+    assert_eq!((heartbeat.state, heartbeat.boot), (RunState::Standby, rig.boot()));
     assert_eq!(rig.pace(), Pace::LockStep);
 }
 
@@ -92,7 +96,7 @@ fn four_silent_cycles_in_a_row_are_forgiven_any_number_of_times() {
 }
 
 #[test]
-fn safe_is_latched_against_run_and_released_by_another_state() {
+fn safe_is_latched_until_it_is_reset_at_the_rig() {
     let (mut rig, mut host) = running();
     for _ in 0..WATCHDOG_CYCLES {
         rig.cycle();
@@ -104,22 +108,54 @@ fn safe_is_latched_against_run_and_released_by_another_state() {
         assert_eq!(measured(&mut rig).state, RunState::Safe);
     }
     assert!(rig.physics().ram().displacement_m.abs() > 1e-4, "it holds where it came to rest");
-    give(&mut rig, &host.state(RunState::Armed));
-    rig.cycle();
+    for _ in 0..500 {
+        rig.cycle();
+        answers(&mut rig);
+    }
+    // Neither a state nor a sync of the next run releases it.
+    for state in [RunState::Standby, RunState::Armed, RunState::Init] {
+        give(&mut rig, &host.state(state));
+        rig.cycle();
+        assert_eq!(measured(&mut rig).state, RunState::Safe);
+    }
+    let sync = host.sync_message(Pace::Clock);
+    give(&mut rig, &sync.encode());
+    let [Message::Heartbeat(heartbeat)] = answers(&mut rig)[..] else { panic!("no heartbeat") };
+    assert_eq!(heartbeat.state, RunState::Safe);
+    assert!(heartbeat.flags.contains(HeartbeatFlags::LATCHED));
+    let exchange = HostArming::new(host.plan(&sync), SessionHistory::default());
+    let refused = Host::exchange(exchange, |question| pass_latched(&mut rig, question));
+    assert_eq!(refused, HostOutcome::Refused(Refusal::ByRig(ArmItem::State)));
+    assert!(rig.reset());
     let released = answers(&mut rig);
-    assert_eq!(states(&released), [RunState::Armed]);
-    assert_eq!(faults(&released), [(FaultCode::Cleared, 0, RunState::Armed)]);
+    assert_eq!(faults(&released), [(FaultCode::Cleared, 0, RunState::Init)]);
     host.cycle = 0;
+    give(&mut rig, &sync.encode());
+    arm(&mut rig, &mut host, &sync);
     give(&mut rig, &host.run());
     rig.cycle();
     assert_eq!(measured(&mut rig).state, RunState::Run);
     assert_eq!((rig.runs(), rig.physics().cycle()), (2, 1), "coupled anew: noise from cycle 0");
 }
 
+/// Lets the force of the damper fade, without commands.
+fn relax(rig: &mut FedRig) {
+    for _ in 0..500 {
+        rig.idle();
+        answers(rig);
+    }
+}
+
+/// A cycle of a rig that is latched: by its own clock.
+fn pass_latched(rig: &mut FedRig, frame: Option<Frame>) -> Vec<WireFrame> {
+    rig.cycle();
+    pass(rig, frame)
+}
+
 #[test]
 fn a_run_command_without_displacement_is_answered_and_does_not_feed_the_watchdog() {
     let mut host = Host::new(Profile::Classical);
-    let mut rig = greeted(&quiet(), &host, Pace::LockStep);
+    let mut rig = armed(&quiet(), &mut host, Pace::LockStep);
     give(&mut rig, &host.run());
     answers(&mut rig);
     for number in 1..=WATCHDOG_CYCLES {
@@ -129,7 +165,8 @@ fn a_run_command_without_displacement_is_answered_and_does_not_feed_the_watchdog
         assert_eq!((answer.state, answer.echo), (expected, Some(number as u8)));
     }
     // Holding and centring need none.
-    let mut rig = greeted(&quiet(), &host, Pace::LockStep);
+    let mut host = Host::new(Profile::Classical);
+    let mut rig = armed(&quiet(), &mut host, Pace::LockStep);
     for mode in [Mode::Hold, Mode::Centre].repeat(10) {
         give(&mut rig, &host.say(RunState::Run, mode, None, None));
         assert_eq!(measured(&mut rig).state, RunState::Run);
@@ -141,7 +178,7 @@ fn a_run_command_without_displacement_is_answered_and_does_not_feed_the_watchdog
 fn bad_frames_change_a_counter_and_nothing_else() {
     for pace in [Pace::LockStep, Pace::Clock] {
         let mut host = Host::new(Profile::Classical);
-        let mut clean = greeted(&setup(), &host, pace);
+        let mut clean = armed(&setup(), &mut host, pace);
         let mut dirty = clean.clone();
         let (mut crc, mut repeated, mut sequence) = (0, 0, 0);
         for number in 0..300_usize {
@@ -162,7 +199,7 @@ fn bad_frames_change_a_counter_and_nothing_else() {
                 2 => {
                     let mut earlier = host.clone();
                     // The counter of two frames ago: 13 steps forward.
-                    earlier.counter = (host.counter + 15 - 3) % 15;
+                    earlier.sent = host.sent - 3;
                     sequence += 1;
                     Some(WireFrame::from(&earlier.run()))
                 }
@@ -212,7 +249,7 @@ fn lost_commands_are_counted_by_their_counters() {
 #[test]
 fn a_foreign_version_is_refused_with_one_fault_and_never_runs() {
     let mut host = Host::new(Profile::Classical);
-    let mut rig = RigNode::new(&quiet(), host.node, host.profile);
+    let mut rig = FedRig::from(RigNode::new(&quiet(), host.node, host.profile));
     let foreign = can_protocol::Sync { version: 9, ..host.sync_message(Pace::LockStep) };
     for round in 0..3 {
         give(&mut rig, &foreign.encode());
@@ -227,7 +264,9 @@ fn a_foreign_version_is_refused_with_one_fault_and_never_runs() {
     give(&mut rig, &host.run());
     rig.cycle();
     assert_eq!((rig.run_state(), rig.runs()), (RunState::Init, 0));
-    give(&mut rig, &host.sync(Pace::LockStep));
+    let sync = host.sync_message(Pace::LockStep);
+    give(&mut rig, &sync.encode());
+    arm(&mut rig, &mut host, &sync);
     give(&mut rig, &host.run());
     assert_eq!((rig.run_state(), rig.runs()), (RunState::Run, 1));
 }
@@ -253,22 +292,33 @@ fn the_timing_of_a_coupled_rig_stays_as_it_is() {
 }
 
 #[test]
-fn a_lock_step_host_that_starts_anew_gets_a_rig_that_arms_anew() {
+fn a_lock_step_host_that_starts_anew_was_given_a_rig_in_motion() {
     let mut host = Host::new(Profile::Classical);
-    let mut rig = greeted(&quiet(), &host, Pace::LockStep);
+    let mut rig = armed(&quiet(), &mut host, Pace::LockStep);
     for cycle in 0..250 {
         if cycle % 100 == 1 {
-            give(&mut rig, &host.sync(Pace::LockStep));
+            give(&mut rig, &host.sync_message(Pace::LockStep).encode());
             assert_eq!(rig.run_state(), RunState::Run, "a sync of the same host changes nothing");
         }
         give(&mut rig, &host.run());
+        answers(&mut rig);
     }
-    answers(&mut rig);
     // Killed and started again within the second after which the rig would go safe.
     let mut host = Host::new(Profile::Classical);
-    give(&mut rig, &host.sync(Pace::LockStep));
-    assert_eq!(rig.run_state(), RunState::Init);
-    answers(&mut rig);
+    let sync = host.sync_message(Pace::LockStep);
+    give(&mut rig, &sync.encode());
+    assert_eq!(rig.run_state(), RunState::Safe);
+    assert_eq!(faults(&answers(&mut rig)), [(FaultCode::PeerSilent, 0, RunState::Safe)]);
+    // The next run does not release it; its key does, once the ram stands.
+    assert!(!rig.reset(), "the ram still moves");
+    for _ in 0..20 {
+        rig.cycle();
+        answers(&mut rig);
+    }
+    assert!(rig.reset());
+    relax(&mut rig);
+    give(&mut rig, &sync.encode());
+    arm(&mut rig, &mut host, &sync);
     give(&mut rig, &host.run());
     let first = measured(&mut rig);
     assert_eq!((first.state, first.echo), (RunState::Run, Some(0)));
@@ -279,13 +329,13 @@ fn a_lock_step_host_that_starts_anew_gets_a_rig_that_arms_anew() {
 #[test]
 fn a_lock_step_rig_goes_safe_when_its_owner_gives_the_host_up() {
     let mut host = Host::new(Profile::Classical);
-    let mut rig = greeted(&quiet(), &host, Pace::LockStep);
+    let mut rig = armed(&quiet(), &mut host, Pace::LockStep);
     rig.host_is_silent(1000);
-    assert_eq!(rig.run_state(), RunState::Init, "there was no host to lose");
+    assert_eq!(rig.run_state(), RunState::Armed, "there was no host to lose");
     for _ in 0..20 {
         give(&mut rig, &host.run());
+        answers(&mut rig);
     }
-    answers(&mut rig);
     rig.host_is_silent(1000);
     assert_eq!(faults(&answers(&mut rig)), [(FaultCode::PeerSilent, 1000, RunState::Safe)]);
     give(&mut rig, &host.run());
@@ -297,7 +347,7 @@ fn slow_messages_come_as_often_as_the_protocol_says() {
     for (period_us, profile) in [(1000, Profile::Classical), (500, Profile::Fd), (250, Profile::Fd)]
     {
         let host = Host::new(profile);
-        let mut rig = RigNode::new(&quiet(), host.node, profile);
+        let mut rig = FedRig::from(RigNode::new(&quiet(), host.node, profile));
         let mut sync = host.sync_message(Pace::Clock);
         sync.period_us = NonZeroU16::new(period_us).unwrap();
         give(&mut rig, &sync.encode());
@@ -317,18 +367,21 @@ fn slow_messages_come_as_often_as_the_protocol_says() {
 #[test]
 fn the_host_chooses_profile_and_period() {
     let mut host = Host::new(Profile::Fd);
-    let mut rig = RigNode::new(&quiet(), host.node, Profile::Classical);
+    let mut rig = FedRig::from(RigNode::new(&quiet(), host.node, Profile::Classical));
     let mut sync = host.sync_message(Pace::LockStep);
     sync.period_us = NonZeroU16::new(500).unwrap();
     give(&mut rig, &sync.encode());
-    answers(&mut rig);
+    arm(&mut rig, &mut host, &sync);
+    let idle_cycles = rig.cycles() as u32;
     for cycle in 0..600_u32 {
         give(&mut rig, &host.run());
-        let frame = rig.take_frame().unwrap();
+        let frames: Vec<_> = std::iter::from_fn(|| rig.take_frame()).collect();
+        // Slow messages go out first.
+        let (frame, slow) = frames.split_last().unwrap();
+        assert!(slow.iter().all(|frame| !frame.is_fd()));
         assert!(frame.is_fd() && frame.id() == 0x211);
-        let answer = can_protocol::Measurement::decode(frame.id(), frame.data()).unwrap();
+        let Message::Measurement(answer) = rig.open(frame) else { panic!("no measurement") };
         assert_eq!(u32::from(answer.counter), cycle % 255);
-        assert_eq!(answer.time_us, Some(500 * (cycle + 1)));
-        answers(&mut rig);
+        assert_eq!(answer.time_us, Some(500 * (idle_cycles + cycle + 1)));
     }
 }

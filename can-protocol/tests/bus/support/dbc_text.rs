@@ -1,9 +1,11 @@
 //! The text of `yawbench.dbc`, written from the crate's own constants.
+use super::rules::rules;
 use can_protocol::signal::{Field, FixedPoint, Quantity};
 use can_protocol::{
-    Command, CommandLayout, Fault, FaultCode, Heartbeat, Measurement, MeasurementFlags,
-    MeasurementLayout, Message, MessageId, Mode, PROTOCOL_VERSION, Pace, Pressure, Profile,
-    Residual, RunState, Sender, Sync, Telemetry, Trips, Watch, protection,
+    ArmItem, ArmMessage, ArmSide, Command, CommandLayout, Fault, FaultCode, Heartbeat,
+    HeartbeatFlags, Measurement, MeasurementFlags, MeasurementLayout, Message, MessageId, Mode,
+    PROTOCOL_VERSION, Pace, Pressure, PressureOff, Profile, Residual, RunState, Seal, Sender,
+    SessionCode, Sync, Telemetry, Trips, Watch, protection,
 };
 use std::fmt::Write as _;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -24,7 +26,7 @@ struct Row {
 
 /// The whole file.
 pub(crate) fn dbc_text() -> String {
-    let mut out = String::from("VERSION \"yawbench 1\"\n\nNS_ :\n\nBS_:\n\n");
+    let mut out = format!("VERSION \"yawbench {PROTOCOL_VERSION}\"\n\nNS_ :\n\nBS_:\n\n");
     out += "BU_: HOST RIG_1 RIG_2 RIG_3 RIG_4\n";
     for message in MessageId::all() {
         let (id, length) = (message.raw(), message.payload_len());
@@ -50,8 +52,14 @@ pub(crate) fn dbc_text() -> String {
 
 fn transmitter(message: MessageId) -> String {
     match message {
-        MessageId::Sync | MessageId::Command(..) | MessageId::Residual(_) => "HOST".into(),
-        MessageId::Measurement(_, node) | MessageId::Telemetry(node) => format!("RIG_{node}"),
+        MessageId::Sync
+        | MessageId::PressureOff(_)
+        | MessageId::Command(..)
+        | MessageId::Residual(_)
+        | MessageId::ArmRequest(_) => "HOST".into(),
+        MessageId::Measurement(_, node)
+        | MessageId::Telemetry(node)
+        | MessageId::ArmAnswer(node) => format!("RIG_{node}"),
         MessageId::Fault(sender) | MessageId::Heartbeat(sender) => match sender {
             Sender::Host => "HOST".into(),
             Sender::Rig(node) => format!("RIG_{node}"),
@@ -61,7 +69,9 @@ fn transmitter(message: MessageId) -> String {
 
 fn receivers(message: MessageId) -> String {
     match message {
-        MessageId::Command(_, node) => format!("RIG_{node}"),
+        MessageId::Command(_, node)
+        | MessageId::ArmRequest(node)
+        | MessageId::PressureOff(Some(node)) => format!("RIG_{node}"),
         _ if transmitter(message) == "HOST" => "RIG_1,RIG_2,RIG_3,RIG_4".into(),
         _ => "HOST".into(),
     }
@@ -106,7 +116,7 @@ fn table<'a>(
 
 fn state(field: Field) -> Row {
     let states = RunState::ALL.iter().map(|state| (u16::from(state.code()), state.name()));
-    table("state", field, states, "Run state of the sender; codes 8 to 15 are reserved.")
+    table("state", field, states, "Run state of the sender; codes 9 to 15 are reserved.")
 }
 
 /// One signal per bit.
@@ -220,23 +230,58 @@ fn rows(message: MessageId) -> Vec<Row> {
         MessageId::Fault(_) => vec![
             counter(Fault::COUNTER),
             state(Fault::STATE),
-            table(
-                "code",
-                Fault::CODE,
-                FaultCode::LISTED.iter().map(|fault| (fault.code(), fault.name())),
-                "What went wrong; a code that is not listed is still a fault.",
-            ),
+            fault_code(Fault::CODE, "What went wrong; a code that is not listed is still a fault."),
             code("detail", Fault::DETAIL, "How much, by the code: limits in per mille."),
         ],
         MessageId::Telemetry(_) => telemetry(),
         MessageId::Residual(_) => residual(),
-        MessageId::Heartbeat(_) => vec![
-            state(Heartbeat::STATE),
-            code("sender", Heartbeat::SENDER, "0 host, else the rig; the same as in the id."),
+        MessageId::PressureOff(_) => vec![
+            counter(PressureOff::COUNTER),
+            state(PressureOff::STATE),
+            fault_code(PressureOff::CODE, "Why; any code, listed or not, drops the pressure."),
+            code("detail", PressureOff::DETAIL, "How much, as in FAULT."),
         ],
+        MessageId::ArmRequest(_) | MessageId::ArmAnswer(_) => vec![
+            counter(ArmMessage::COUNTER),
+            state(ArmMessage::STATE),
+            table(
+                "item",
+                ArmMessage::ITEM,
+                ArmItem::ALL.iter().map(|item| (item.code(), item.name())),
+                "What is asked or answered; the high byte is the page. Other codes are reserved.",
+            ),
+            code("value", ArmMessage::VALUE, "The item's value, by the comment on the bus."),
+        ],
+        MessageId::Heartbeat(_) => heartbeat(),
     };
-    rows.extend(protection::crc_field(message).map(|field| code("crc", field, "")));
+    rows.push(code("crc", protection::crc_field(message), ""));
     rows.sort_by_key(|row| row.start_bit);
+    rows
+}
+
+fn fault_code(field: Field, comment: &str) -> Row {
+    let codes = FaultCode::LISTED.iter().map(|fault| (fault.code(), fault.name()));
+    table("code", field, codes, comment)
+}
+
+fn heartbeat() -> Vec<Row> {
+    let mut rows = vec![
+        counter(Heartbeat::COUNTER),
+        state(Heartbeat::STATE),
+        code("boot", Heartbeat::BOOT, "Number that the sender drew at its start."),
+        code("version", Heartbeat::VERSION, "Protocol version of the sender."),
+        code("sender", Heartbeat::SENDER, "0 host, else the rig; the same as in the id."),
+    ];
+    let meanings = [
+        "Motion is enabled by the key switch of the rig; the host sends NO.",
+        "The rig is latched in SAFE or FAULT until it is reset; the host sends NO.",
+    ];
+    let flags = HeartbeatFlags::all();
+    let mut flags = bits("flag", Heartbeat::FLAGS, flags.iter_names().map(|(name, _)| name));
+    for (row, meaning) in flags.iter_mut().zip(meanings) {
+        row.comment = meaning.into();
+    }
+    rows.extend(flags);
     rows
 }
 
@@ -319,7 +364,32 @@ fn worked(message: MessageId) -> Message {
             rms_n: Some(412.3),
             watch: Watch::Drift,
         }),
-        MessageId::Heartbeat(sender) => Message::Heartbeat(Heartbeat { sender, state }),
+        MessageId::PressureOff(node) => Message::PressureOff(PressureOff {
+            node,
+            counter: 3,
+            state: RunState::Safe,
+            code: FaultCode::Sensor,
+            detail: 2,
+        }),
+        MessageId::ArmRequest(node) => Message::Arm(ArmMessage {
+            side: ArmSide::Host,
+            node,
+            counter: 4,
+            state: RunState::Standby,
+            item: ArmItem::HostNumber,
+            value: 0x1234_5678,
+        }),
+        MessageId::ArmAnswer(node) => Message::Arm(ArmMessage {
+            side: ArmSide::Rig,
+            node,
+            counter: 5,
+            state: RunState::Standby,
+            item: ArmItem::RigNumber,
+            value: 0xDEAD_BEEF,
+        }),
+        MessageId::Heartbeat(sender) => {
+            Message::Heartbeat(Heartbeat::new(sender, 7, state, 0xDEAD_BEEF))
+        }
     }
 }
 
@@ -328,53 +398,30 @@ fn hex(bytes: &[u8]) -> String {
 }
 
 fn comments() -> String {
-    let mut out = String::from(
-        "CM_ \"yawbench: a locomotive model (HOST) and damper rigs (RIG_1 to RIG_4). \
-         All ids are standard. Byte order: little-endian (Intel) throughout. \
-         Physical value = code x factor, rounded half to even; saturate at the limits, never wrap. \
-         CRC of 6- and 8-byte frames: CRC-8 SAE J1850, polynomial 0x1D, start 0xFF, final xor 0xFF, \
-         not reflected, check of 123456789 = 0x4B, in byte 0. \
-         CRC of 16-byte frames: CRC-16/CCITT-FALSE, polynomial 0x1021, start 0xFFFF, final xor \
-         0x0000, not reflected, check of 123456789 = 0x29B1, in bytes 0 and 1, low byte first. \
-         Both run over the two bytes of the DataID (not sent, high byte first) and then over all \
-         payload bytes behind the CRC. DataID = 0x5000 + frame id, also given as an attribute. \
-         Counter: 4-bit 0 to 14, then 0 again, 15 is invalid; 8-bit 0 to 254, then 0 again, 255 is \
-         invalid; one counter per message and sender. \
-         Echo: the counter last accepted from the peer, 15 (8-bit: 255) when there was none yet. \
-         A receiver accepts a counter step of 1, and larger ones up to its own limit as lost \
-         frames; it ignores step 0 and all others. Only accepted frames feed a watchdog: 5 cycles \
-         without one and a rig goes safe by itself. \
-         The host announces profile, pace and period by SYNC; one bus runs either the classical or \
-         the FD variants of CMD and MEAS. FD frames are sent with bit-rate switch. \
-         A rig sends one MEAS per cycle and echoes the newest CMD.\";\n",
-    );
+    let mut out = format!("CM_ \"{}\";\n", rules());
     for message in MessageId::all() {
         let profile = message.profile();
         let (frame, _) = worked(message).encode(profile);
         let data = frame.data();
-        let check = match protection::crc_field(message).map(Field::bits) {
-            None => "No CRC, no counter: for people and tools, feeds no watchdog.".to_string(),
-            Some(bits) => {
-                let data_id = message.data_id();
-                let (name, over, range) = match bits {
-                    8 => ("CRC-8 SAE J1850 start 0xFF xor 0xFF", &data[1..], "0 to 14"),
-                    _ => ("CRC-16/CCITT-FALSE start 0xFFFF xor 0x0000", &data[2..], "0 to 254"),
-                };
-                let counter = match message {
-                    MessageId::Sync => "No counter: the time advances.".to_string(),
-                    _ => format!("Counter {range}."),
-                };
-                format!(
-                    "{name}, DataID 0x{data_id:04X}. {counter} The CRC below runs over {} {}.",
-                    hex(&data_id.to_be_bytes()),
-                    hex(over)
-                )
-            }
+        let data_id = message.data_id();
+        let (name, over, range) = match protection::crc_field(message).bits() {
+            8 => ("CRC-8 SAE J1850 start 0xFF xor 0xFF", &data[1..], "0 to 14"),
+            _ => ("CRC-16/CCITT-FALSE start 0xFFFF xor 0x0000", &data[2..], "0 to 254"),
         };
+        let counter = match message {
+            MessageId::Sync => "No counter: the time advances.".to_string(),
+            _ => format!("Counter {range}."),
+        };
+        let check = format!(
+            "{name}, DataID 0x{data_id:04X}. {counter} The CRC below runs over {} {}.",
+            hex(&data_id.to_be_bytes()),
+            hex(over)
+        );
         writeln!(
             out,
-            "CM_ BO_ {} \"Little-endian. {check} Worked frame: {} ({}).\";",
+            "CM_ BO_ {} \"Little-endian. {check} {}Worked frame: {} ({}).\";",
             message.raw(),
+            sealed(message),
             hex(data),
             worked(message)
         )
@@ -385,6 +432,25 @@ fn comments() -> String {
         }
     }
     out
+}
+
+/// The worked frame of an armed session, for the messages that are sealed.
+fn sealed(message: MessageId) -> String {
+    let seal = Seal { code: SessionCode::of(0x1234_5678, 0xDEAD_BEEF), cycle: 1000 };
+    let profile = message.profile();
+    let (frame, _) = match worked(message) {
+        Message::Command(command) => command.encode_sealed(profile, seal),
+        Message::Measurement(measurement) => measurement.encode_sealed(profile, seal),
+        _ => return String::new(),
+    };
+    format!(
+        "Sealed frame: {} (numbers 0x12345678 and 0xDEADBEEF, session code 0x{:04X}, cycle {}, \
+         mask 0x{:02X}). ",
+        hex(frame.data()),
+        seal.code.bits(),
+        seal.cycle,
+        seal.mask(profile)
+    )
 }
 
 fn attributes() -> String {
@@ -421,9 +487,7 @@ fn attributes() -> String {
             writeln!(out, "BA_ \"GenMsgCycleTime\" BO_ {id} {period_ms};").expect("string");
             writeln!(out, "BA_ \"CycleTimeUs\" BO_ {id} {period_us};").expect("string");
         }
-        if protection::crc_field(message).is_some() {
-            writeln!(out, "BA_ \"DataID\" BO_ {id} {};", message.data_id()).expect("string");
-        }
+        writeln!(out, "BA_ \"DataID\" BO_ {id} {};", message.data_id()).expect("string");
     }
     out
 }

@@ -1,7 +1,8 @@
 //! Random and extreme messages, and how each reads through the DBC.
 use can_protocol::{
-    Command, Fault, FaultCode, Heartbeat, Measurement, MeasurementFlags, Message, Mode, Node, Pace,
-    Pressure, Profile, Residual, RunState, Sender, Sync, Telemetry, Trips, Watch,
+    ArmItem, ArmMessage, ArmSide, Command, Fault, FaultCode, Heartbeat, HeartbeatFlags,
+    Measurement, MeasurementFlags, Message, Mode, Node, Pace, Pressure, PressureOff, Profile,
+    Residual, RunState, Sender, Sync, Telemetry, Trips, Watch,
 };
 use proptest::prelude::*;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -128,6 +129,42 @@ fn fault() -> impl Strategy<Value = Fault> {
     )
 }
 
+fn pressure_off() -> impl Strategy<Value = PressureOff> {
+    let code = prop_oneof![0_u16..50, any::<u16>()].prop_map(FaultCode::from_code);
+    (prop::option::of(node()), 0_u8..15, state(), code, any::<u16>()).prop_map(
+        |(node, counter, state, code, detail)| PressureOff { node, counter, state, code, detail },
+    )
+}
+
+fn arming() -> impl Strategy<Value = ArmMessage> {
+    let side = prop::sample::select(vec![ArmSide::Host, ArmSide::Rig]);
+    let item = prop::sample::select(ArmItem::ALL);
+    (side, node(), 0_u8..15, state(), item, any::<u32>()).prop_map(
+        |(side, node, counter, state, item, value)| ArmMessage {
+            side,
+            node,
+            counter,
+            state,
+            item,
+            value,
+        },
+    )
+}
+
+fn heartbeat() -> impl Strategy<Value = Heartbeat> {
+    let flags = any::<u8>().prop_map(HeartbeatFlags::from_bits_truncate);
+    (sender(), 0_u8..15, state(), any::<u32>(), flags, 0_u8..16).prop_map(
+        |(sender, counter, state, boot, flags, version)| Heartbeat {
+            sender,
+            counter,
+            state,
+            boot,
+            flags,
+            version,
+        },
+    )
+}
+
 fn telemetry() -> impl Strategy<Value = Telemetry> {
     let pressure = prop::sample::select(Pressure::ALL.to_vec());
     let trips = any::<u8>().prop_map(Trips::from_bits_truncate);
@@ -162,9 +199,9 @@ pub(crate) fn message() -> impl Strategy<Value = (Message, Profile)> {
         1 => fault().prop_map(|fault| (Message::Fault(fault), Classical)),
         1 => telemetry().prop_map(|telemetry| (Message::Telemetry(telemetry), Classical)),
         1 => residual().prop_map(|residual| (Message::Residual(residual), Classical)),
-        1 => (sender(), state()).prop_map(|(sender, state)| {
-            (Message::Heartbeat(Heartbeat { sender, state }), Classical)
-        }),
+        1 => heartbeat().prop_map(|heartbeat| (Message::Heartbeat(heartbeat), Classical)),
+        1 => pressure_off().prop_map(|request| (Message::PressureOff(request), Classical)),
+        1 => arming().prop_map(|message| (Message::Arm(message), Classical)),
     ]
 }
 
@@ -216,14 +253,20 @@ pub(crate) fn dbc_values(message: &Message, profile: Profile) -> Vec<(String, Va
         Message::Fault(fault) => {
             put("counter", number(fault.counter.into()));
             put("state", Value::Name(fault.state.name()));
-            put(
-                "code",
-                match fault.code {
-                    FaultCode::Other(code) => number(code.into()),
-                    listed => Value::Name(listed.name()),
-                },
-            );
+            put("code", fault_code(fault.code));
             put("detail", number(fault.detail.into()));
+        }
+        Message::PressureOff(request) => {
+            put("counter", number(request.counter.into()));
+            put("state", Value::Name(request.state.name()));
+            put("code", fault_code(request.code));
+            put("detail", number(request.detail.into()));
+        }
+        Message::Arm(message) => {
+            put("counter", number(message.counter.into()));
+            put("state", Value::Name(message.state.name()));
+            put("item", Value::Name(message.item.name()));
+            put("value", number(message.value));
         }
         Message::Telemetry(telemetry) => {
             put("counter", number(telemetry.counter.into()));
@@ -242,11 +285,25 @@ pub(crate) fn dbc_values(message: &Message, profile: Profile) -> Vec<(String, Va
             put("watch", Value::Name(residual.watch.name()));
         }
         Message::Heartbeat(heartbeat) => {
+            put("counter", number(heartbeat.counter.into()));
             put("state", Value::Name(heartbeat.state.name()));
+            put("boot", number(heartbeat.boot));
+            for (name, flag) in HeartbeatFlags::all().iter_names() {
+                let value = if heartbeat.flags.contains(flag) { "YES" } else { "NO" };
+                put(&format!("flag_{}", name.to_lowercase()), Value::Name(value));
+            }
+            put("version", number(heartbeat.version.into()));
             put("sender", number(heartbeat.sender.number().into()));
         }
     }
     values
+}
+
+fn fault_code(code: FaultCode) -> Value {
+    match code {
+        FaultCode::Other(code) => Value::Number(code.into()),
+        listed => Value::Name(listed.name()),
+    }
 }
 
 /// The same cases in every run; a failure prints its own.

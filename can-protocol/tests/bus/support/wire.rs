@@ -57,8 +57,13 @@ pub(crate) fn attribute(dbc: &Dbc, id: u16, name: &str) -> u64 {
     }
 }
 
-/// The CRC as the DBC's comments describe it, bit by bit.
+/// The plain CRC as the DBC's comments describe it, bit by bit.
 pub(crate) fn crc(dbc: &Dbc, id: u16, data: &[u8]) -> i64 {
+    masked_crc(dbc, id, data, 0)
+}
+
+/// The same with the mask of a sealed frame.
+pub(crate) fn masked_crc(dbc: &Dbc, id: u16, data: &[u8], mask: i64) -> i64 {
     let bits = message(dbc, id).signals.iter().find(|s| s.name == "crc").map_or(0, |s| s.size);
     let (polynomial, start, last) = match bits {
         8 => (0x1D, 0xFF, 0xFF),
@@ -67,7 +72,11 @@ pub(crate) fn crc(dbc: &Dbc, id: u16, data: &[u8]) -> i64 {
     };
     let data_id = attribute(dbc, id, "DataID") as u16;
     let mut crc = start;
-    for byte in data_id.to_be_bytes().iter().chain(&data[bits as usize / 8..]) {
+    let payload = &data[bits as usize / 8..];
+    for (at, byte) in data_id.to_be_bytes().iter().chain(payload).enumerate() {
+        if at == 2 {
+            crc ^= mask;
+        }
         crc ^= i64::from(*byte) << (bits - 8);
         for _ in 0..8 {
             crc = if crc >> (bits - 1) & 1 == 1 { crc << 1 ^ polynomial } else { crc << 1 };

@@ -2,7 +2,9 @@
 //!
 //! A rig's measurement frame holds displacement and force of one instant, so a log of the bus is a
 //! record of a damper test. The sample's number comes from the frame's counter, which has no
-//! jitter; the sync gives the length of a cycle. Frames that the protocol would not use (wrong CRC,
+//! jitter; the sync gives the length of a cycle. Measurements of an armed session are sealed: the
+//! numbers that host and rig have exchanged in the log open them, so a log has to begin before
+//! arming. Frames that the protocol would not use (wrong CRC,
 //! repeated, out of sequence, not in RUN, sensor invalid) are omitted and reported; up to three in
 //! a row are then filled by interpolation like missing rows of any file, more are an error with its
 //! line. Lost frames beyond one turn of the counter are placed by their time stamps where a clock
@@ -10,8 +12,8 @@
 
 use super::empty;
 use can_protocol::{
-    Measurement, MeasurementFlags, MessageId, Node, Pace, Profile, Receiver, ReceiverState,
-    RunState, Status, Sync,
+    ArmItem, ArmMessage, ArmSide, Measurement, MeasurementFlags, MessageId, Node, Pace, Profile,
+    Receiver, ReceiverState, RunState, SessionCode, Status, Sync,
 };
 use files::{Limit, input, quoted};
 use measurement::{MeasurementError, Series};
@@ -103,6 +105,8 @@ struct Seen {
     numbers: Vec<u64>,
     stamps_us: Vec<u64>,
     sync: Option<Sync>,
+    /// The numbers of host and rig in the exchange that the log shows.
+    numbers_drawn: [Option<u32>; 2],
     is_cut_off: bool,
     unused: u64,
     not_running: u64,
@@ -130,6 +134,7 @@ impl Seen {
             numbers: Vec::new(),
             stamps_us: Vec::new(),
             sync: None,
+            numbers_drawn: [None; 2],
             is_cut_off: false,
             unused: 0,
             not_running: 0,
@@ -152,6 +157,12 @@ impl Seen {
                 return Ok(());
             }
             Some(MessageId::Measurement(profile, node)) if node == self.node => profile,
+            Some(MessageId::ArmRequest(node) | MessageId::ArmAnswer(node)) if node == self.node => {
+                if let Ok(message) = ArmMessage::decode(id, data) {
+                    self.follow_arming(&message);
+                }
+                return Ok(());
+            }
             _ => return Ok(()),
         };
         let known = self.bus.get_or_insert_with(|| bus.to_owned());
@@ -173,9 +184,14 @@ impl Seen {
         };
         let number = self.number(profile, reception.status, measurement.counter, stamp_us);
         self.last = Some((number, measurement.counter, stamp_us));
-        if !matches!(measurement.state, RunState::RampIn | RunState::Run | RunState::RampOut) {
-            self.not_running += 1;
-            return Ok(());
+        match measurement.state {
+            RunState::RampIn | RunState::Run | RunState::RampOut => {}
+            // Every session begins with these.
+            RunState::Armed => return Ok(()),
+            _ => {
+                self.not_running += 1;
+                return Ok(());
+            }
         }
         match (measurement.displacement_m, measurement.force_n) {
             (Some(displacement_m), Some(force_n))
@@ -190,6 +206,24 @@ impl Seen {
             _ => self.invalid += 1,
         }
         Ok(())
+    }
+
+    /// Takes up the numbers of an exchange, and the session that begins with them.
+    fn follow_arming(&mut self, message: &ArmMessage) {
+        let [host, rig] = &mut self.numbers_drawn;
+        match (message.side, message.item) {
+            (ArmSide::Host, ArmItem::HostNumber) => *host = Some(message.value),
+            (ArmSide::Rig, ArmItem::RigNumber) => *rig = Some(message.value),
+            (ArmSide::Rig, ArmItem::Armed) => {
+                let Some((host, rig)) = host.zip(*rig) else { return };
+                let code = SessionCode::of(host, rig);
+                for (receiver, state) in &mut self.receivers {
+                    *receiver = receiver.clone().sealed(code);
+                    *state = ReceiverState::default();
+                }
+            }
+            _ => {}
+        }
     }
 
     /// Number of a sample: counted by the counter, by the clock where that has turned over.

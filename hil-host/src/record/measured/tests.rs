@@ -3,7 +3,10 @@
 use super::{read_bus_log, read_record};
 use crate::bus::WireFrame;
 use crate::record::{BusEvent, BusLog, Direction, InputKind, NpyWriter, Row};
-use can_protocol::{Measurement, MeasurementFlags, Node, Pace, Profile, RunState, Sync};
+use can_protocol::{
+    ArmItem, ArmMessage, ArmSide, Measurement, MeasurementFlags, Node, Pace, Profile, RunState,
+    Seal, SessionCode, Sync,
+};
 use measurement::Measurement as Test;
 use std::fs::File;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -21,11 +24,16 @@ fn sample(cycle: u64) -> (f64, f64) {
 
 /// A log of 1500 cycles at 500 Hz; `change` may spoil or drop a measurement.
 fn log(name: &str, change: impl Fn(u64, &mut Measurement) -> bool) -> PathBuf {
+    log_of(name, false, change)
+}
+
+/// The same, of rigs that are armed in it where it is sealed.
+fn log_of(name: &str, is_sealed: bool, change: impl Fn(u64, &mut Measurement) -> bool) -> PathBuf {
     let path = place(name);
     let mut log =
         BusLog::begin(File::create(&path).unwrap(), 1_700_000_000_000_000_000, vec!["can0".into()]);
     let sync = Sync {
-        version: 1,
+        version: can_protocol::PROTOCOL_VERSION,
         profile: Profile::Classical,
         pace: Pace::Clock,
         period_us: NonZeroU16::new(2000).unwrap(),
@@ -39,6 +47,18 @@ fn log(name: &str, change: impl Fn(u64, &mut Measurement) -> bool) -> PathBuf {
         frame: WireFrame::from(frame),
     };
     log.write(&[event(0, &sync.encode())]).unwrap();
+    let code = SessionCode::of(0x1234_5678, 0xDEAD_BEEF);
+    for node in [Node::ALL[0], Node::ALL[1]].into_iter().filter(|_| is_sealed) {
+        for (side, item, value) in [
+            (ArmSide::Host, ArmItem::HostNumber, 0x1234_5678),
+            (ArmSide::Rig, ArmItem::RigNumber, 0xDEAD_BEEF),
+            (ArmSide::Rig, ArmItem::Armed, 0),
+        ] {
+            let (counter, state) = (0, RunState::Standby);
+            let message = ArmMessage { side, node, counter, state, item, value };
+            log.write(&[event(0, &message.encode().0)]).unwrap();
+        }
+    }
     let mut counter = 0;
     for cycle in 0..1500 {
         let (x, f) = sample(cycle);
@@ -56,7 +76,12 @@ fn log(name: &str, change: impl Fn(u64, &mut Measurement) -> bool) -> PathBuf {
             if change(cycle, &mut measurement) {
                 // Up to 0.7 ms late.
                 let time_ns = cycle * 2_000_000 + cycle % 8 * 100_000;
-                let (frame, _) = measurement.encode(Profile::Classical);
+                let seal = Seal { code, cycle: cycle as u32 };
+                let (frame, _) = if is_sealed {
+                    measurement.encode_sealed(Profile::Classical, seal)
+                } else {
+                    measurement.encode(Profile::Classical)
+                };
                 log.write(&[event(time_ns, &frame)]).unwrap();
             }
         }
@@ -89,6 +114,33 @@ fn a_bus_log_is_a_test_of_one_node() {
     );
     assert!(read_bus_log(&path, Node::ALL[0], Some("can1")).is_err());
     std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+fn a_log_of_an_armed_session_opens_with_the_numbers_in_it() {
+    let sealed = log_of("sealed.log", true, |cycle, measurement| {
+        // What holds the armed ram is no test, and no fault.
+        if cycle < 3 {
+            measurement.state = RunState::Armed;
+        }
+        cycle != 700
+    });
+    let series = read_bus_log(&sealed, Node::ALL[1], None).unwrap();
+    assert_eq!((series.time_s.len(), series.repairs.len()), (1496, 0));
+    assert_eq!(series.lines[0], 1 + 6 + 2 * 3 + 2);
+    for (number, time_s) in series.time_s.iter().enumerate() {
+        let cycle = if number < 697 { number + 3 } else { number + 4 };
+        assert!((time_s - (cycle - 3) as f64 * 2e-3).abs() < 1e-12, "{number}");
+        let (x, _) = sample(cycle as u64);
+        assert!((series.displacement_m[number] - x).abs() <= 0.11e-6, "{number}");
+    }
+    // Without the exchange nothing in it can be read.
+    let text = std::fs::read_to_string(&sealed).unwrap();
+    let late: Vec<&str> = text.lines().skip(7).collect();
+    std::fs::write(&sealed, late.join("\n") + "\n").unwrap();
+    let blind = read_bus_log(&sealed, Node::ALL[1], None);
+    assert!(blind.is_err() || blind.is_ok_and(|series| series.time_s.len() < 20));
+    std::fs::remove_file(sealed).unwrap();
 }
 
 #[test]

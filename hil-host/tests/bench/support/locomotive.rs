@@ -2,7 +2,7 @@
 
 use can_protocol::{Node, Pace, Profile};
 use firmware_core::track::Track;
-use hil_host::control::{Port, Session};
+use hil_host::control::{Arming, Port, Session};
 use scenario::run::{Overrides, Run};
 use std::num::NonZeroU8;
 use std::path::Path;
@@ -26,6 +26,7 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>, pace: Pace) -> Ses
         profile: Profile::Classical,
         pace,
         slow_down: NonZeroU8::MIN,
+        arming: Arming::in_memory(),
         watched: [Some(0), Some(1), Some(3)],
         rear_bogie: Some(2),
     }

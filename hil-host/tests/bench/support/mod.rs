@@ -2,4 +2,5 @@
 
 pub(crate) mod host;
 pub(crate) mod locomotive;
+pub(crate) mod opener;
 pub(crate) mod rig;

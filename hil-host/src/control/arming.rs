@@ -1,0 +1,285 @@
+//! Arming: the exchange with every rig, and the sealed commands until every ram is known.
+
+use super::cycle::{HEARTBEAT_CYCLES, SYNC_CYCLES};
+use super::no_answer::NoAnswer;
+use super::port::Port;
+use super::requests::Requests;
+use super::session::{Session, SessionState};
+use crate::bus::{Bus, WireFrame};
+use crate::rig::WATCHDOG_CYCLES;
+use can_protocol::arming::{Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience};
+use can_protocol::{ArmMessage, Pace, RunState, SessionHistory};
+use firmware_core::guard::Command;
+use firmware_core::line::Slot;
+use firmware_core::supervision::{CommandLimits, Event};
+use firmware_core::vehicle::DAMPER_SLOTS;
+use std::time::{Duration, Instant};
+
+/// Limits below which no run makes sense, unless it asks for less itself.
+const LEAST: Limits = Limits {
+    stroke_um: 5000,
+    velocity_um_per_s: 50_000,
+    acceleration_mm_per_s2: 1000,
+    force_n: 1000,
+};
+
+/// Cycles in which an armed rig has to measure its displacement.
+const MEASURES_WITHIN_CYCLES: u64 = 500;
+
+impl Session<'_> {
+    /// Arms every rig and couples it: the next cycle is the first of `RAMP_IN`. From here on no
+    /// cycle may be left out.
+    ///
+    /// # Errors
+    /// A rig that refuses or is refused, does not measure or stands too far away, or a stop. Rigs
+    /// that were armed are disarmed.
+    pub fn arm<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut [B],
+        requests: &Requests,
+    ) -> Result<(), NoAnswer> {
+        let armed = self.exchange(state, buses, requests).and_then(|rams_m| {
+            state.line.on(Event::Arm);
+            self.line.couple(&mut state.line, rams_m).map_err(|far| {
+                let port = self.ports.iter().find(|port| port.slot == far.slot);
+                let node = port.map_or(0, |port| port.node.number());
+                NoAnswer::TooFar { node, ram_m: far.ram_m }
+            })
+        });
+        if let Err(why) = armed {
+            self.disarm(state, buses);
+            return Err(why);
+        }
+        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            port.begin(memory, state.line.slots[port.slot].command);
+        }
+        Ok(())
+    }
+
+    /// One cycle after the other, until every rig is armed and has measured; where the rams stand,
+    /// by slot (m).
+    fn exchange<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut [B],
+        requests: &Requests,
+    ) -> Result<[f64; DAMPER_SLOTS], NoAnswer> {
+        let plans = self.ports.iter().map(|port| self.plan(port));
+        let history = SessionHistory::default();
+        let mut exchanges: Vec<_> = plans.map(|plan| HostArming::new(plan, history)).collect();
+        let mut due = Instant::now();
+        let mut armed_cycles = 0;
+        for cycle in 0_u64.. {
+            if requests.is_ending() {
+                return Err(NoAnswer::Interrupted);
+            }
+            self.listen(state, buses, &mut exchanges);
+            state.quiet.iter_mut().for_each(can_protocol::arming::Quiet::cycle);
+            self.take_outcomes(state, buses, &mut exchanges)?;
+            if exchanges.iter().all(is_armed) {
+                let rams_m = self.rams_m(state);
+                armed_cycles += 1;
+                let is_known = rams_m.is_ok() && self.has_every_echo(state);
+                if is_known || armed_cycles > MEASURES_WITHIN_CYCLES {
+                    return rams_m;
+                }
+            }
+            self.say(state, buses, &mut exchanges, cycle);
+            due += self.arming.cycle;
+            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            for bus in buses.iter_mut() {
+                bus.wait(Duration::ZERO);
+            }
+        }
+        unreachable!("no host waits for 2^64 cycles")
+    }
+
+    /// What the host asks of a rig.
+    fn plan(&self, port: &Port) -> HostPlan {
+        let asked = self.asked(port);
+        HostPlan {
+            node: port.node,
+            number: self.arming.number,
+            asked,
+            needed: LEAST.tighter(asked),
+            requirements: self.arming.requirements,
+            configuration: Configuration {
+                profile: self.profile,
+                pace: self.pace,
+                period_us: self.period_us(),
+                slow_down: self.slow_down,
+                watchdog_cycles: WATCHDOG_CYCLES as u16,
+                limits: asked,
+            },
+            patience: Patience::default(),
+        }
+    }
+
+    /// The limits that the host asks for: those of `[motion]` and the force limit of its checks.
+    fn asked(&self, port: &Port) -> Limits {
+        let limits = match self.line.slots.get(port.slot) {
+            Some(Slot::Rig(rig)) => rig.limits,
+            _ => CommandLimits::default(),
+        };
+        // A conversion saturates: no limit is the largest number.
+        Limits {
+            stroke_um: (limits.stroke_m * 1e6).round() as u32,
+            velocity_um_per_s: (limits.velocity_m_per_s * 1e6).round() as u32,
+            acceleration_mm_per_s2: (limits.acceleration_m_per_s2 * 1e3).round() as u32,
+            force_n: port.force_limit_n().round() as u32,
+        }
+    }
+
+    /// Takes in what has arrived.
+    fn listen<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut [B],
+        exchanges: &mut [HostArming],
+    ) {
+        for (number, bus) in buses.iter_mut().enumerate() {
+            while let Some(frame) = bus.receive() {
+                if let Some(quiet) = state.quiet.get_mut(number) {
+                    quiet.hear(frame.id(), frame.data());
+                }
+                let ports = self.ports.iter().zip(&mut state.ports).zip(&mut *exchanges);
+                for ((port, memory), exchange) in ports.filter(|((port, _), _)| port.bus == number)
+                {
+                    answered(exchange, port, &frame);
+                    if memory.is_armed() {
+                        port.take_frame(memory, &frame);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Begins the sessions of rigs that have just been armed.
+    fn take_outcomes<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut [B],
+        exchanges: &mut [HostArming],
+    ) -> Result<(), NoAnswer> {
+        let ports = self.ports.iter().zip(&mut state.ports).zip(exchanges);
+        for ((port, memory), exchange) in ports {
+            match exchange.outcome() {
+                HostOutcome::Armed(agreement) if !memory.is_armed() => {
+                    port.arm(memory, agreement);
+                    let agreed = tighter(agreement.configuration.limits, self.asked(port));
+                    let slot = &mut state.line.slots[port.slot];
+                    slot.limits = slot.limits.tighter(agreed);
+                }
+                HostOutcome::Refused(refusal) => {
+                    // The rig is sent that its exchange is over.
+                    if let (Some(quiet), Some(bus)) =
+                        (state.quiet.get(port.bus), buses.get_mut(port.bus))
+                        && let Some(last) = exchange.cycle(quiet)
+                    {
+                        bus.send(&last.encode().0);
+                    }
+                    return Err(NoAnswer::Refused { node: port.node.number(), refusal });
+                }
+                HostOutcome::Armed(_) | HostOutcome::Pending(_) | HostOutcome::Reset => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether no answer is still to come, where every command has one.
+    fn has_every_echo(&self, state: &SessionState) -> bool {
+        let mut ports = self.ports.iter().zip(&state.ports);
+        self.pace == Pace::Clock || ports.all(|(port, memory)| port.has_echo(memory))
+    }
+
+    /// Where the rams stand, by slot (m).
+    fn rams_m(&self, state: &SessionState) -> Result<[f64; DAMPER_SLOTS], NoAnswer> {
+        let (mut rams_m, mut missing) = ([0.0; DAMPER_SLOTS], Vec::new());
+        for (port, memory) in self.ports.iter().zip(&state.ports) {
+            match port.displacement_m(memory) {
+                Some(ram_m) => rams_m[port.slot] = ram_m,
+                None => missing.push(port.node.number()),
+            }
+        }
+        if missing.is_empty() { Ok(rams_m) } else { Err(NoAnswer::NoDisplacement(missing)) }
+    }
+
+    /// Sends what is due in a cycle: the next question, or a command that holds an armed rig.
+    fn say<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut [B],
+        exchanges: &mut [HostArming],
+        cycle: u64,
+    ) {
+        if cycle.is_multiple_of(HEARTBEAT_CYCLES) {
+            let heartbeat = self.heartbeat(state);
+            for bus in buses.iter_mut() {
+                bus.send(&heartbeat);
+            }
+        }
+        if cycle % SYNC_CYCLES == SYNC_CYCLES - 1 {
+            let sync = self.sync(state);
+            for bus in buses.iter_mut() {
+                bus.send(&sync);
+            }
+        }
+        let ports = self.ports.iter().zip(&mut state.ports).zip(exchanges);
+        for ((port, memory), exchange) in ports {
+            let (Some(quiet), Some(bus)) = (state.quiet.get(port.bus), buses.get_mut(port.bus))
+            else {
+                continue;
+            };
+            if memory.is_armed() {
+                // In lock-step the next command waits for the answer to the last.
+                if self.pace == Pace::Clock || port.has_echo(memory) || memory.is_new() {
+                    bus.send(&port.command(memory, &Command::default(), RunState::Armed, 0));
+                }
+            } else if let Some(question) = exchange.cycle(quiet) {
+                bus.send(&question.encode().0);
+            }
+        }
+    }
+
+    /// Ends the sessions of the rigs that are armed.
+    fn disarm<B: Bus>(&self, state: &mut SessionState, buses: &mut [B]) {
+        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            if memory.is_armed()
+                && let Some(bus) = buses.get_mut(port.bus)
+            {
+                bus.send(&port.command(memory, &Command::default(), RunState::Standby, 0));
+                port.disarm(memory);
+            }
+        }
+    }
+}
+
+/// Hands the answer of a rig to its exchange.
+fn answered(exchange: &mut HostArming, port: &Port, frame: &WireFrame) {
+    if let Ok(answer) = ArmMessage::decode(frame.id(), frame.data())
+        && answer.node == port.node
+    {
+        exchange.receive(&answer);
+    }
+}
+
+const fn is_armed(exchange: &HostArming) -> bool {
+    matches!(exchange.outcome(), HostOutcome::Armed(_))
+}
+
+/// The agreed limits that are tighter than those that were asked for.
+fn tighter(agreed: Limits, asked: Limits) -> CommandLimits {
+    let limit = |agreed: u32, asked: u32, per_unit: f64| {
+        if agreed < asked { f64::from(agreed) / per_unit } else { f64::INFINITY }
+    };
+    CommandLimits {
+        stroke_m: limit(agreed.stroke_um, asked.stroke_um, 1e6),
+        velocity_m_per_s: limit(agreed.velocity_um_per_s, asked.velocity_um_per_s, 1e6),
+        acceleration_m_per_s2: limit(
+            agreed.acceleration_mm_per_s2,
+            asked.acceleration_mm_per_s2,
+            1e3,
+        ),
+    }
+}
