@@ -11,6 +11,7 @@ mod critical_speed;
 mod curve;
 mod error;
 mod exit;
+mod faults;
 mod identify;
 mod identify_on_mass;
 mod keys;
@@ -60,6 +61,9 @@ enum Command {
     /// Reset a rig that is latched in SAFE or FAULT. It does not arm it.
     #[command(after_help = "Example: yawbench rig-reset --bus socketcan:can0 --node 1")]
     RigReset(rig_reset::RigResetArgs),
+    /// Inject faults into a coupled run in virtual time: what is found, and after how many cycles.
+    #[command(after_help = "Example: yawbench faults")]
+    Faults(faults::FaultsArgs),
     /// Simulate the bench tests of a damper model, or evaluate measured records: records and
     /// figures.
     #[command(
@@ -162,6 +166,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
         Command::Run(args) => run::command(args)?,
         Command::Report(args) => report::command(args).map(done)?,
         Command::Rig(args) => rig::command(args)?,
+        Command::Faults(args) => faults::command(args)?,
         Command::RigReset(args) => rig_reset::command(args)?,
         Command::Characterise(args) => characterise::command(args)?,
         Command::Identify(args) => identify::command(args)?,

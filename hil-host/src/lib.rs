@@ -15,7 +15,8 @@
 //!    that is latched; [`Draw`] is the source of the numbers of both sides.
 //! 5. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
 //!    read back as a damper test.
-//! 6. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `columns` (the
+//! 6. [`faults`]: faults that are injected into a coupled run in virtual time.
+//! 7. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `columns` (the
 //!    record for statistics), `summary` (`summary.json`), `page` (`report.html`), `comparison` (the
 //!    same run with another damper).
 //!
@@ -31,6 +32,7 @@ mod comparison;
 pub mod control;
 mod draw;
 mod error;
+pub mod faults;
 mod options;
 mod page;
 pub mod realtime;

@@ -1,0 +1,160 @@
+//! A bus around a bus: faults between the host and an emulated rig.
+
+use super::kind::{Fault, Memory};
+use crate::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
+use crate::rig::RigNode;
+use can_protocol::{
+    ArmItem, ArmMessage, ArmSide, Frame, Measurement, MessageId, Node, Profile, Receiver,
+    ReceiverState, Seal, SessionCode,
+};
+use scenario::rig::RigSetup;
+use std::collections::VecDeque;
+use std::time::Duration;
+
+/// A memory bus with a fault that begins in a cycle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaultyBus {
+    bus: MemoryBus,
+    node: Node,
+    setup: RigSetup,
+    fault: Option<(Fault, u64, u64)>,
+    memory: Memory,
+    /// Commands that the host has sent since the session was coupled.
+    cycle: u64,
+    pending: VecDeque<WireFrame>,
+    listener: Listener,
+}
+
+impl FaultyBus {
+    /// A bus with one rig, without a fault yet.
+    pub fn new(setup: &RigSetup, node: Node, seed: u64) -> Self {
+        Self {
+            bus: MemoryBus::new(Some(RigNode::new(setup, node, Profile::Classical))),
+            node,
+            setup: setup.clone(),
+            fault: None,
+            memory: Memory::new(seed),
+            cycle: 0,
+            pending: VecDeque::new(),
+            listener: Listener::default(),
+        }
+    }
+
+    /// Begins a session: cycles count from here. The fault acts from `begin` for so many cycles.
+    pub fn inject(&mut self, fault: Fault, begin: u64, lasts: u64) {
+        self.fault = Some((fault, begin, lasts));
+        self.cycle = 0;
+    }
+
+    /// The same bus without a fault, its rig reset by the key if it is latched.
+    pub fn mend(&mut self) {
+        self.fault = None;
+        self.pending.clear();
+        for rig in self.bus.rigs_mut() {
+            rig.reset();
+        }
+    }
+
+    /// The rig.
+    pub fn rig(&self) -> Option<&RigNode> {
+        self.bus.rigs().first()
+    }
+
+    /// The fault that acts, and the cycles since it began.
+    fn acting(&self) -> Option<(Fault, u64)> {
+        let (fault, begin, lasts) = self.fault?;
+        let since = self.cycle.checked_sub(begin).filter(|since| *since < lasts)?;
+        Some((fault, since))
+    }
+
+    /// What happens with the first and with every command of the host.
+    fn on_command(&mut self, fault: Fault, since: u64) {
+        if fault == Fault::Reboot && since == 0 {
+            let rig = RigNode::new(&self.setup, self.node, Profile::Classical);
+            self.bus = MemoryBus::new(Some(rig));
+        }
+        if let Some(foreign) = fault.foreign_command(self.node, since) {
+            self.bus.inject(&foreign);
+        }
+        self.pending.extend(fault.flood());
+    }
+}
+
+impl Bus for FaultyBus {
+    fn send(&mut self, frame: &Frame) -> Sent {
+        let is_command = frame.id() == MessageId::Command(Profile::Classical, self.node).raw();
+        self.cycle += u64::from(is_command);
+        self.listener.hear(self.node, &WireFrame::from(frame));
+        let Some((fault, since)) = self.acting() else { return self.bus.send(frame) };
+        if is_command {
+            self.on_command(fault, since);
+        }
+        match fault {
+            Fault::Down => Sent::Down,
+            Fault::NoRoom(cycles) if is_command && since < cycles => Sent::Dropped,
+            _ if is_command && fault.loses_command(since) => Sent::Away,
+            _ => self.bus.send(frame),
+        }
+    }
+
+    fn receive(&mut self) -> Option<WireFrame> {
+        loop {
+            if let Some(frame) = self.pending.pop_front() {
+                return Some(frame);
+            }
+            let frame = self.bus.receive()?;
+            let seal = self.listener.hear(self.node, &frame);
+            match (self.acting(), seal) {
+                (Some((Fault::Down, _)), _) => {}
+                (Some((fault, since)), Some(seal)) => {
+                    let frames = fault.change(since, frame, seal, self.node, &mut self.memory);
+                    self.pending.extend(frames);
+                }
+                _ => return Some(frame),
+            }
+        }
+    }
+
+    fn wait(&mut self, timeout: Duration) -> bool {
+        !self.pending.is_empty() || self.bus.wait(timeout)
+    }
+
+    fn counters(&self) -> BusCounters {
+        self.bus.counters()
+    }
+}
+
+/// Follows the arming exchange, to know the seal of every measurement: a fault of a sensor lies
+/// before its frame is sealed.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Listener {
+    host_number: Option<u32>,
+    rig_number: Option<u32>,
+    code: Option<SessionCode>,
+    receiver: ReceiverState,
+}
+
+impl Listener {
+    /// Takes a frame; the seal of one that is the next measurement.
+    fn hear(&mut self, node: Node, frame: &WireFrame) -> Option<Seal> {
+        let (id, data) = (frame.id(), frame.data());
+        if let Ok(message) = ArmMessage::decode(id, data) {
+            match (message.side, message.item) {
+                (ArmSide::Host, ArmItem::HostNumber) => self.host_number = Some(message.value),
+                (ArmSide::Rig, ArmItem::RigNumber) => self.rig_number = Some(message.value),
+                (ArmSide::Rig, ArmItem::Armed) => {
+                    let numbers = self.host_number.zip(self.rig_number);
+                    self.code = numbers.map(|(host, rig)| SessionCode::of(host, rig));
+                    self.receiver = ReceiverState::default();
+                }
+                _ => {}
+            }
+            return None;
+        }
+        let code = self.code?;
+        let receiver = Receiver::<Measurement>::new(Profile::Classical, node, 5).ok()?;
+        let reception = receiver.sealed(code).accept(&mut self.receiver, id, data)?;
+        let cycle = self.receiver.cycle()?;
+        reception.status.delivers().then_some(Seal { code, cycle })
+    }
+}

@@ -1,0 +1,156 @@
+//! One session with one fault, and the invariants that hold in every cycle of it.
+
+use super::faulty_bus::FaultyBus;
+use super::kind::Fault;
+use crate::clock::Tick;
+use crate::control::{Buses, End, Ending, NoAnswer, Requests, Session, SessionState, Stop};
+use crate::record::Queues;
+use can_protocol::RunState;
+use firmware_core::supervision::{OLDEST_CYCLES, State};
+use scenario::run::Run;
+use std::fmt;
+use std::time::Duration;
+
+/// When a fault acts, and for how long the session goes on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Plan {
+    pub(super) fault: Fault,
+    /// Cycle in which it begins.
+    pub(super) begin: u64,
+    /// Cycles that it lasts.
+    pub(super) lasts: u64,
+    /// Last cycle of a session that nothing ends.
+    pub(super) until: u64,
+}
+
+/// What became of a fault.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Injected {
+    /// The cycle in which it began.
+    pub begin: u64,
+    /// What stopped the session.
+    pub stop: Option<Stop>,
+    /// How the session ended; none where it went on.
+    pub end: Option<End>,
+    /// State of the rig at the end.
+    pub rig: RunState,
+    /// Cycles done.
+    pub cycles: u64,
+    /// The first invariant that did not hold.
+    pub violation: Option<Violation>,
+}
+
+impl Injected {
+    /// Cycles from the beginning of the fault until it was found.
+    pub fn cycles_to_detect(&self) -> Option<u64> {
+        self.stop.map(|stop| stop.cycle.saturating_sub(self.begin))
+    }
+}
+
+/// An invariant that did not hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Violation {
+    /// A command further from the last than the highest speed allows (m).
+    Step {
+        /// Control cycle.
+        cycle: u64,
+        /// The step.
+        step_m: f64,
+    },
+    /// A command whose speed changes by more than the acceleration allows (m/s).
+    Change {
+        /// Control cycle.
+        cycle: u64,
+        /// The change.
+        change_m_per_s: f64,
+    },
+    /// RUN on a measurement that is too old.
+    Stale {
+        /// Control cycle.
+        cycle: u64,
+        /// Its age in cycles.
+        age_cycles: u8,
+    },
+    /// A session that had found a cause went on in RUN.
+    RunsOn {
+        /// Control cycle.
+        cycle: u64,
+    },
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Step { cycle, step_m } => {
+                write!(f, "cycle {cycle}: the command steps by {:.3} mm", step_m * 1e3)
+            }
+            Self::Change { cycle, change_m_per_s } => {
+                let change = change_m_per_s * 1e3;
+                write!(f, "cycle {cycle}: the speed of the command changes by {change:.3} mm/s")
+            }
+            Self::Stale { cycle, age_cycles } => {
+                write!(f, "cycle {cycle}: RUN on a measurement {age_cycles} cycles old")
+            }
+            Self::RunsOn { cycle } => write!(f, "cycle {cycle}: RUN after a cause was found"),
+        }
+    }
+}
+
+/// Rounding in the comparison with a limit.
+const ROUNDING: f64 = 1.0 + 1e-9;
+
+/// Runs a session into a fault, until it has ended or its cycles are done.
+///
+/// # Errors
+/// The rig cannot be armed.
+pub(super) fn inject(
+    session: &Session<'_>,
+    run: &Run,
+    bus: &mut FaultyBus,
+    plan: &Plan,
+) -> Result<Injected, NoAnswer> {
+    let mut state = session.start(session.line.start(run.start.state.clone()));
+    let requests = Requests::armed();
+    session.greet(&mut state, std::slice::from_mut(bus), Duration::from_secs(1), &requests)?;
+    bus.inject(plan.fault, plan.begin, plan.lasts);
+    let mut queues = Queues::default();
+    let (mut recorder, _drain) = queues.split();
+    let mut ending = Ending::default();
+    let (mut end, mut violation) = (None, None);
+    while state.line.cycle < plan.until && end.is_none() {
+        let before = state.line.slots;
+        let mut buses = Buses::new(std::slice::from_mut(bus), &mut recorder);
+        session.cycle(&mut state, &mut buses, Tick::default());
+        violation = violation.or_else(|| violated(session, &state, &before));
+        end = ending.take(session, &mut state, u64::MAX, false);
+    }
+    let rig = bus.rig().map_or(RunState::Init, crate::rig::RigNode::run_state);
+    let (stop, cycles) = (state.stop, state.line.cycle);
+    Ok(Injected { begin: plan.begin, stop, end, rig, cycles, violation })
+}
+
+/// The first invariant that a cycle did not keep.
+fn violated(
+    session: &Session<'_>,
+    state: &SessionState,
+    before: &[firmware_core::line::SlotState],
+) -> Option<Violation> {
+    let (cycle, cycle_s) = (state.line.cycle, session.line.cycle_s);
+    let is_running = state.line.state == State::Run;
+    if is_running && state.stop.is_some() {
+        return Some(Violation::RunsOn { cycle });
+    }
+    session.ports.iter().zip(&state.ports).find_map(|(port, memory)| {
+        let (last, now) = (before.get(port.slot)?, state.line.slots.get(port.slot)?);
+        let step_m = (now.command.displacement_m - last.command.displacement_m).abs();
+        let change_m_per_s = (now.command.velocity_m_per_s - last.command.velocity_m_per_s).abs();
+        let age = memory.belief.age_cycles().filter(|age| *age > OLDEST_CYCLES);
+        if step_m > now.limits.velocity_m_per_s * cycle_s * ROUNDING {
+            return Some(Violation::Step { cycle, step_m });
+        }
+        if change_m_per_s > now.limits.acceleration_m_per_s2 * cycle_s * ROUNDING {
+            return Some(Violation::Change { cycle, change_m_per_s });
+        }
+        age.filter(|_| is_running).map(|age_cycles| Violation::Stale { cycle, age_cycles })
+    })
+}
