@@ -32,17 +32,18 @@ fn cycle(criterion: &mut Criterion) {
         rear_bogie: Some(2),
     };
     let bus = || vec![MemoryBus::new([RigNode::new(&run.rig, Node::ALL[0], Profile::Classical)])];
-    let start = session.start(session.line.start(run.start.state.clone()));
-    let (mut state, mut buses) = (start.clone(), bus());
+    let (mut state, mut buses) =
+        (session.start(session.line.start(run.start.state.clone())), bus());
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
     let (patience, stop) = (Duration::from_secs(1), Requests::armed());
     let greeted = session.greet(&mut state, &mut buses, patience, &stop);
     assert_eq!(greeted, Ok(()), "the rig in memory does not answer");
+    let start = (state.clone(), buses.clone());
     criterion.bench_function("control cycle, memory bus", |bencher| {
         bencher.iter(|| {
             if state.line.cycle > 55_000 {
-                (state, buses) = (start.clone(), bus());
+                (state, buses) = start.clone();
             }
             session.cycle(&mut state, &mut Buses::new(&mut buses, &mut recorder), Tick::default())
         });

@@ -49,6 +49,6 @@ pub use error::BenchError;
 pub use options::{PaceChoice, RunOptions};
 pub use reset::{reset_over, reset_rig};
 pub use summary::{
-    Acceleration, Accelerations, BusCount, DamperSummary, ForceRange, Frames, Percentiles,
-    StepPercentiles, Stroke, Summary,
+    Acceleration, Accelerations, ArmedSession, BusCount, DamperSummary, ForceRange, Frames,
+    Percentiles, StepPercentiles, Stroke, Summary,
 };

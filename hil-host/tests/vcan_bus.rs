@@ -26,6 +26,9 @@ use std::time::{Duration, Instant};
 const NODE: Node = Node::ALL[0];
 const OPTIONS: Options = Options { exit_after_run: true, realtime: RealtimeOptions::NONE };
 
+/// A cycle of the rig in real time.
+const CYCLE: Duration = Duration::from_millis(1);
+
 /// Longer than every wait here: only a failure reaches it.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -191,8 +194,8 @@ struct Armed {
 }
 
 impl Armed {
-    /// Meets the rig with a sync and arms it.
-    fn greet(bus: &mut impl Bus, sync: &Sync) -> Self {
+    /// Meets the rig with a sync and arms it; a cycle of the exchange takes so long.
+    fn greet(bus: &mut impl Bus, sync: &Sync, period: Duration) -> Self {
         bus.send(&sync.encode());
         // A rig sends heartbeats of its own accord: the one that has agreed counts.
         loop {
@@ -200,26 +203,28 @@ impl Armed {
                 if Heartbeat::decode(frame.id(), frame.data())
                     .is_ok_and(|heartbeat| heartbeat.state == RunState::Standby)
                 {
-                    return Self::arm(bus, sync);
+                    return Self::arm(bus, sync, period);
                 }
             }
             assert!(bus.wait(PATIENCE), "the rig is silent");
         }
     }
 
-    fn arm(bus: &mut impl Bus, sync: &Sync) -> Self {
+    fn arm(bus: &mut impl Bus, sync: &Sync, period: Duration) -> Self {
         let mut host = Host::new(sync.profile);
-        let period_us = u64::from(sync.period_us.get()) * u64::from(sync.slow_down.get());
         let code = host.arm(sync, |question| {
             if let Some(question) = question {
                 bus.send(&question);
             }
-            let until = Instant::now() + Duration::from_micros(period_us);
+            let until = Instant::now() + period;
             let mut heard = Vec::new();
             // The kernel waits for whole milliseconds.
-            while Instant::now() < until {
-                bus.wait(Duration::from_millis(1));
+            loop {
+                bus.wait(period.min(Duration::from_millis(1)));
                 heard.extend(std::iter::from_fn(|| bus.receive()));
+                if Instant::now() >= until {
+                    break;
+                }
             }
             heard
         });
@@ -262,9 +267,9 @@ impl Armed {
 fn in_lock_step_the_rig_answers_as_it_does_in_line() {
     const CYCLES: u64 = 2000;
     /// The answers to a whole session.
-    fn session(bus: &mut impl Bus) -> Vec<Measurement> {
+    fn session(bus: &mut impl Bus, period: Duration) -> Vec<Measurement> {
         let sync = Host::new(Profile::Classical).sync_message(Pace::LockStep);
-        let mut armed = Armed::greet(bus, &sync);
+        let mut armed = Armed::greet(bus, &sync, period);
         let mut answers: Vec<_> = (0..CYCLES).map(|_| armed.run(bus)).collect();
         let last = armed.host.state(RunState::Standby);
         answers.push(armed.ask(bus, &last));
@@ -272,9 +277,9 @@ fn in_lock_step_the_rig_answers_as_it_does_in_line() {
     }
     let Some(vcan) = Vcan::new() else { return };
     let mut memory = MemoryBus::new(vec![RigNode::new(&setup(), NODE, Profile::Classical)]);
-    let in_line = session(&mut memory);
+    let in_line = session(&mut memory, Duration::ZERO);
     let (over_can, summary) = with_rig(&vcan, |mut bus| {
-        let answers = session(&mut bus);
+        let answers = session(&mut bus, CYCLE);
         assert_eq!(bus.counters().receive_dropped, 0);
         answers
     });
@@ -288,7 +293,7 @@ fn a_rig_whose_lock_step_host_dies_goes_safe_and_comes_to_rest() {
     let Some(vcan) = Vcan::new() else { return };
     let (safe_cycles, summary) = with_rig(&vcan, |mut bus| {
         let sync = Host::new(Profile::Classical).sync_message(Pace::LockStep);
-        let mut armed = Armed::greet(&mut bus, &sync);
+        let mut armed = Armed::greet(&mut bus, &sync, CYCLE);
         for _ in 0..100 {
             assert_eq!(armed.run(&mut bus).state, RunState::Run);
         }
@@ -321,7 +326,7 @@ fn a_rig_whose_paced_host_dies_goes_safe_in_the_fifth_cycle() {
         let mut sync = Host::new(Profile::Classical).sync_message(Pace::Clock);
         // 20 ms per cycle: a host is seldom delayed by five of them, and then this is seen earlier.
         sync.slow_down = NonZeroU8::new(20).unwrap();
-        let mut armed = Armed::greet(&mut bus, &sync);
+        let mut armed = Armed::greet(&mut bus, &sync, 20 * CYCLE);
         let mut measured = Vec::new();
         while measured.len() < 30 {
             measured.push(armed.run(&mut bus));

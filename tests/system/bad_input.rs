@@ -179,7 +179,7 @@ fn an_output_folder_that_cannot_be_created_is_bad_input() {
 }
 
 /// Command lines that are refused before anything is read, and the whole line that says so.
-const REFUSED: [(&[&str], &str); 36] = [
+const REFUSED: [(&[&str], &str); 39] = [
     (&["runn", "a.toml"], "runn: unknown command; did you mean run?"),
     (&["xyz"], "xyz: unknown command; `yawbench --help` lists the commands"),
     (&["--foo"], "--foo: unknown option"),
@@ -211,6 +211,12 @@ const REFUSED: [(&[&str], &str); 36] = [
     (&["run", "a.toml", "--json", "--json"], "--json: given twice, expected once"),
     (&["rig", "--bus", "can0"], "--bus can0: expected memory or socketcan:INTERFACE"),
     (&["rig", "--bus", "memory", "--node", "x"], "--node x: expected a whole number"),
+    (&["rig-reset"], "--bus <BUS> is missing"),
+    (&["rig-reset", "--bus", "socketcan:can0", "--node", "9"], "--node 9: expected 1 to 4"),
+    (
+        &["rig-reset", "--bus", "memory"],
+        "--bus memory: expected socketcan:INTERFACE: rigs in memory begin anew with every run",
+    ),
     (&["characterise", "--seed", "-1", "a"], "--seed -1: expected a whole number, 0 or more"),
     (&["characterise", "a.toml", "--from", "b.csv"], "[MODEL]: cannot be used with --from"),
     (&["identify"], "--train <CSV>... is missing"),

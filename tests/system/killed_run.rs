@@ -73,7 +73,7 @@ fn a_run_that_is_killed_leaves_files_that_can_be_read() {
 fn a_report_is_made_of_what_a_killed_run_left_and_says_so() {
     // Without a row, and with half a second of RUN after two fades; the header takes less than ten
     // rows.
-    for (rows, bytes) in [(0, 1), (500, 1510 * ROW)] {
+    for (rows, bytes) in [(0, 1), (500, 1600 * ROW)] {
         let (out, _) = killed("killed-report", bytes);
         let report = || output(yawbench().arg("report").arg(&out));
         let made = report();

@@ -458,6 +458,46 @@ fn a_host_whose_rig_is_killed_goes_safe_within_five_cycles() {
 }
 
 #[test]
+fn a_rig_that_went_safe_was_released_by_the_next_run() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let rig = Rig::start(&vcan, &["--fifo-priority", "0"]);
+    let folder = out(&vcan, "latched");
+    let socket = listener(&vcan);
+    let bus = format!("socketcan:{vcan}");
+    let run = |seconds: &str| {
+        host(&bus, seconds, &folder, &["--pace", "lockstep", "--overwrite"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the host")
+    };
+    let reset = || {
+        let mut command = yawbench();
+        command.args(["rig-reset", "--node", "1", "--bus", &bus]).output().expect("the command")
+    };
+    let text = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
+    let mut killed = run("60");
+    assert_eq!(hear(&socket, MEASUREMENT, 100).len(), 100, "the run did not start");
+    killed.kill().expect("kill");
+    killed.wait().expect("the host's end");
+    let fault = MessageId::Fault(Sender::Rig(Node::ALL[0]));
+    assert_eq!(hear(&socket, fault, 1).len(), 1, "the rig did not go safe");
+    let refused = run("1").wait_with_output().expect("the host");
+    assert_eq!(refused.status.code(), Some(3), "{}", text(&refused));
+    let line = text(&refused);
+    assert!(line.contains("latched in SAFE") && line.contains("yawbench rig-reset"), "{line}");
+    let released = reset();
+    assert_eq!(released.status.code(), Some(0), "{}", text(&released));
+    let again = reset();
+    assert_eq!(again.status.code(), Some(3), "{}", text(&again));
+    assert!(text(&again).contains("the rig refused: STATE"), "{}", text(&again));
+    let done = run("1").wait_with_output().expect("the host");
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done));
+    drop(rig);
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
 fn the_fd_profile_goes_out_with_bit_rate_switch() {
     let Some((vcan, _turn)) = alone() else { return };
     let rig = Rig::start(&vcan, &["--exit-after-run", "--fifo-priority", "0", "--profile", "fd"]);

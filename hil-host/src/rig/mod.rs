@@ -16,10 +16,12 @@
 //! | SAFE, FAULT | decelerates and holds; latched |
 //!
 //! It goes to SAFE by itself when it was commanded and accepts nothing valid for
-//! [`WATCHDOG_CYCLES`] cycles, and when its key switch no longer enables motion. A pressure-off
-//! request leads from any state to FAULT. SAFE and FAULT are left by a reset alone: by key at the
-//! rig ([`RigNode::reset`]) or by the exchange of `yawbench rig-reset`. A command STANDBY ends the
-//! session; the plant (ram, fixture, damper) stays as it is.
+//! [`WATCHDOG_CYCLES`] cycles, when there is evidence that somebody else sends under the id of its
+//! commands ([`firmware_core::supervision::SecondSender`]), and when its key switch no longer
+//! enables motion. A pressure-off request leads from any state to FAULT. SAFE and FAULT are left
+//! by a reset alone: by key at the rig ([`RigNode::reset`]) or by the exchange of
+//! `yawbench rig-reset`. A command STANDBY ends the session; the plant (ram, fixture, damper)
+//! stays as it is.
 //!
 //! **Cycles.** In lock-step a new valid command is a cycle and gets its answer. In clock pace the
 //! owner calls [`RigNode::cycle`] once per period; the newest valid command counts, and in a cycle
@@ -201,6 +203,10 @@ impl RigNode {
         }
         if self.is_watched() && self.silent_cycles >= WATCHDOG_CYCLES {
             self.lose_host(self.silent_cycles);
+        }
+        if self.session.has_second_sender() && self.is_watched() && self.enter(Event::Stop) {
+            let id = MessageId::Command(self.timing.profile, self.node).raw();
+            self.report(FaultCode::Protection, id);
         }
         if !self.condition.enabled && (self.machine == State::Armed || self.machine.moves()) {
             self.enter(Event::Stop);

@@ -5,9 +5,10 @@ use super::WATCHDOG_CYCLES;
 use crate::bus::WireFrame;
 use can_protocol::arming::{Configuration, Limits};
 use can_protocol::{
-    Command, Counts, Node, Pace, Profile, Receiver, ReceiverState, Seal, SessionCode, Sync,
+    Command, Counts, Node, Pace, Profile, Receiver, ReceiverState, Seal, SessionCode, Status, Sync,
 };
 use core::num::{NonZeroU8, NonZeroU16};
+use firmware_core::supervision::{Frames, SecondSender};
 use serde::Serialize;
 
 /// Commands that may be missing in a row before a newer one is out of sequence.
@@ -124,6 +125,9 @@ struct Armed {
     state: ReceiverState,
     /// Number of the next measurement.
     cycle: u32,
+    /// What came under the command's id since the last cycle.
+    frames: Frames,
+    second_sender: SecondSender,
 }
 
 impl Session {
@@ -143,7 +147,9 @@ impl Session {
         self.end();
         let receiver = receiver(profile, self.node).sealed(code);
         let state = ReceiverState::default();
-        self.armed = Some(Armed { code, profile, receiver, state, cycle: 0 });
+        let (frames, second_sender) = (Frames::default(), SecondSender::default());
+        self.armed =
+            Some(Armed { code, profile, receiver, state, cycle: 0, frames, second_sender });
     }
 
     /// Ends it; what was counted stays.
@@ -154,15 +160,27 @@ impl Session {
 
     /// Judges a frame with a command's id; true when it is valid and new.
     pub(super) fn accept(&mut self, frame: &WireFrame) -> bool {
-        let Some(Armed { receiver, state, .. }) = &mut self.armed else {
+        let Some(Armed { receiver, state, frames, .. }) = &mut self.armed else {
             self.earlier.unarmed += 1;
             return false;
         };
-        let reception = receiver.accept(state, frame.id(), frame.data());
-        let Some(command) = reception.and_then(|reception| reception.data) else { return false };
+        let Some(reception) = receiver.accept(state, frame.id(), frame.data()) else {
+            return false;
+        };
+        frames.bad |= reception.status == Status::WrongCrc;
+        frames.conflict |= reception.status == Status::Conflict;
+        frames.foreign |= reception.plain;
+        frames.good |= reception.data.is_some();
+        let Some(command) = reception.data else { return false };
         self.pending = Some(command);
         self.accepted_since_sync = true;
         true
+    }
+
+    /// A cycle has passed; whether there is evidence of a second sender of commands.
+    pub(super) fn has_second_sender(&mut self) -> bool {
+        let Some(armed) = &mut self.armed else { return false };
+        armed.second_sender.take(core::mem::take(&mut armed.frames))
     }
 
     /// The newest command that was not taken yet.

@@ -1,6 +1,6 @@
 //! The summary of a run whose program is gone, from its files.
 
-use super::{Frames, Summary, accelerations, dampers, percentiles, step_percentiles};
+use super::{ArmedSession, Frames, Summary, accelerations, dampers, percentiles, step_percentiles};
 use crate::bus::BusCounters;
 use crate::columns::Columns;
 use crate::control::{End, HASH_ALGORITHM, StopSummary};
@@ -21,6 +21,9 @@ pub(crate) struct KeptSummary {
     pub(crate) record_fault: Option<String>,
     pub(crate) trajectory_hash: String,
     pub(crate) record_dropped: u64,
+    /// Empty in a file of an earlier version.
+    #[serde(default)]
+    pub(crate) sessions: Vec<ArmedSession>,
     /// Null without one.
     pub(crate) comparison: Option<serde_json::Value>,
 }
@@ -90,6 +93,7 @@ impl Summary {
             trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),
             record_dropped: kept.map_or(cycles - columns.rows(), |kept| kept.record_dropped),
             bus_load: asked.bus_load,
+            sessions: kept.map_or_else(Vec::new, |kept| kept.sessions.clone()),
         }
     }
 }

@@ -6,11 +6,13 @@ mod frames;
 mod held;
 mod late;
 mod outcome;
+mod sessions;
 mod times;
 
 pub use accelerations::{Acceleration, Accelerations};
 pub use dampers::{DamperSummary, ForceRange, Stroke};
 pub use frames::{BusCount, Frames};
+pub use sessions::ArmedSession;
 pub use times::{Percentiles, StepPercentiles};
 
 pub(crate) use accelerations::accelerations;
@@ -27,6 +29,7 @@ use frames::frames;
 use held::Counted;
 use scenario::run::CYCLE_S;
 use serde::Serialize;
+use sessions::sessions;
 use times::{percentiles, step_percentiles};
 
 /// The summary of a run. What does not apply is null.
@@ -92,6 +95,8 @@ pub struct Summary {
     pub record_dropped: u64,
     /// Worst-case share of the bus that the cyclic pair takes.
     pub bus_load: f64,
+    /// The armed sessions, one for each rig.
+    pub sessions: Vec<ArmedSession>,
 }
 
 impl Summary {
@@ -153,6 +158,7 @@ impl Summary {
             trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),
             record_dropped: outcome.record_dropped,
             bus_load: outcome.bus_load,
+            sessions: sessions(outcome.ports, &state.ports),
         }
     }
 }

@@ -238,16 +238,27 @@ fn foreign_frames_moved_the_ram_to_50_mm() {
     let mut host = Host::new(Profile::Classical);
     let mut rig = armed(&quiet(), &mut host, WirePace::LockStep);
     let mut stranger = Host::new(Profile::Classical);
+    let mut heard = Vec::new();
     for _ in 0..300 {
         give(&mut rig, &host.run());
         let mode = Mode::Follow;
         give(&mut rig, &stranger.say(RunState::Run, mode, Some(50e-3), Some(0.0)));
-        answers(&mut rig);
+        heard.extend(answers(&mut rig));
     }
-    let frames = rig.frames();
-    assert!(frames.received >= 300 && frames.received <= 303, "{frames:?}");
-    // Its counter is in step with the host's: what passes by chance repeats, and is refused.
+    assert_eq!(rig.frames().received, 300);
     assert!(rig.physics().ram().displacement_m.abs() < 4e-3);
+    // The first of them is evidence in the next cycle, and the rig is safe by itself.
+    let faults: Vec<_> = heard
+        .iter()
+        .filter_map(|message| match message {
+            Message::Fault(fault) => Some((fault.code, fault.detail)),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(faults, [(FaultCode::Protection, 0x101)]);
+    let first = heard.iter().position(|message| matches!(message, Message::Fault(_)));
+    assert!(first.is_some_and(|at| at <= 2), "{first:?}");
+    assert_eq!(rig.run_state(), RunState::Safe);
 }
 
 #[test]
