@@ -2,7 +2,7 @@
 
 use super::kind::{Fault, Memory};
 use crate::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
-use crate::rig::RigNode;
+use crate::rig::{RigNode, WATCHDOG_CYCLES};
 use can_protocol::{
     ArmItem, ArmMessage, ArmSide, Frame, Measurement, MessageId, Node, Profile, Receiver,
     ReceiverState, Seal, SessionCode,
@@ -10,6 +10,9 @@ use can_protocol::{
 use scenario::rig::RigSetup;
 use std::collections::VecDeque;
 use std::time::Duration;
+
+/// Cycles of rest between two sessions.
+const RELAXING_CYCLES: u32 = 1000;
 
 /// A memory bus with a fault that begins in a cycle.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,9 +53,15 @@ impl FaultyBus {
     pub fn mend(&mut self) {
         self.fault = None;
         self.pending.clear();
+        // Its host is gone. The ram comes to rest and the damper relaxes before the key is turned.
         for rig in self.bus.rigs_mut() {
+            rig.host_is_silent(WATCHDOG_CYCLES);
+            (0..RELAXING_CYCLES).for_each(|_| rig.rest_if_uncommanded());
             rig.reset();
+            while rig.take_frame().is_some() {}
         }
+        // What it has sent belongs to no session.
+        while self.bus.receive().is_some() {}
     }
 
     /// The rig.

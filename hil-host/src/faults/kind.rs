@@ -2,8 +2,8 @@
 
 use crate::bus::WireFrame;
 use can_protocol::{
-    Command, Fault as FaultFrame, FaultCode, Frame, Measurement, MeasurementFlags, MessageId, Mode,
-    Node, Pressure, Profile, RunState, Seal, Sender, Telemetry, Trips,
+    Command, Fault as FaultFrame, FaultCode, Frame, Measurement, MeasurementFlags, Mode, Node,
+    Pressure, Profile, RunState, Seal, Sender, Telemetry, Trips,
 };
 use std::collections::VecDeque;
 
@@ -233,7 +233,7 @@ impl Fault {
         if self != Self::Flood {
             return Vec::new();
         }
-        let ids = [0x001, MessageId::Command(Profile::Classical, Node::ALL[3]).raw(), 0x7AA];
+        let ids = [0x001, 0x020, 0x7AA];
         let frames = ids.into_iter().cycle().take(60);
         frames.filter_map(|id| WireFrame::new(id, false, &[0xA5; 8])).collect()
     }

@@ -7,10 +7,12 @@
 
 mod faulty_bus;
 mod kind;
+mod schedule;
 mod session;
 mod table;
 
 pub use faulty_bus::FaultyBus;
 pub use kind::Fault;
+pub use schedule::{Survey, schedule};
 pub use session::{Injected, Violation};
 pub use table::{Expected, ROWS, Row, table};

@@ -227,7 +227,7 @@ impl RigNode {
     }
 
     /// The same of a rig that may be latched too: where the owner's clock is the only one.
-    fn rest_if_uncommanded(&mut self) {
+    pub(crate) fn rest_if_uncommanded(&mut self) {
         if self.is_idle() || self.is_latched() {
             self.rest();
         }
