@@ -7,5 +7,6 @@ mod opened;
 mod record;
 
 mod interface;
+mod peer;
 mod rig;
 mod smoke;

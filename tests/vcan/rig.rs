@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 static TURN: Mutex<()> = Mutex::new(());
 
 /// An interface, with exclusive use of the machine.
-fn alone() -> Option<(Interface, MutexGuard<'static, ()>)> {
+pub(crate) fn alone() -> Option<(Interface, MutexGuard<'static, ()>)> {
     let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     interface().map(|interface| (interface, turn))
 }
@@ -66,11 +66,11 @@ fn scenario(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name)
 }
 
-fn out(interface: &str, name: &str) -> PathBuf {
+pub(crate) fn out(interface: &str, name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("yawbench-{interface}-{name}"))
 }
 
-fn host(bus: &str, seconds: &str, out: &Path, args: &[&str]) -> Command {
+pub(crate) fn host(bus: &str, seconds: &str, out: &Path, args: &[&str]) -> Command {
     let mut command = yawbench();
     command.arg("run").arg(scenario("ss9-160kmh.toml"));
     command.args(["--json", "--duration", seconds, "--bus", bus, "--out"]).arg(out).args(args);
@@ -135,7 +135,7 @@ fn of_bus_log(path: &Path) -> ById {
 }
 
 const COMMAND: MessageId = MessageId::Command(Profile::Classical, Node::ALL[0]);
-const MEASUREMENT: MessageId = MessageId::Measurement(Profile::Classical, Node::ALL[0]);
+pub(crate) const MEASUREMENT: MessageId = MessageId::Measurement(Profile::Classical, Node::ALL[0]);
 
 #[test]
 fn thirty_thousand_cycles_in_lock_step_lose_nothing_and_match_memory_bit_for_bit() {
@@ -283,7 +283,7 @@ const SOL_SOCKET: i32 = 1;
 const SO_RCVBUFFORCE: i32 = 33;
 
 /// A socket that sees every frame.
-fn listener(interface: &Interface) -> CanFdSocket {
+pub(crate) fn listener(interface: &Interface) -> CanFdSocket {
     let socket = CanFdSocket::open(interface).expect("a CAN socket");
     socket.set_read_timeout(Duration::from_millis(200)).expect("a time limit");
     // Room for seconds of frames: a test that waits for the processor must not miss the newest.
@@ -293,7 +293,7 @@ fn listener(interface: &Interface) -> CanFdSocket {
 }
 
 /// Frames of an id until there are enough. A host may take its time to start.
-fn hear(socket: &CanFdSocket, id: MessageId, enough: usize) -> Vec<Vec<u8>> {
+pub(crate) fn hear(socket: &CanFdSocket, id: MessageId, enough: usize) -> Vec<Vec<u8>> {
     let (begin, mut heard) = (Instant::now(), Vec::new());
     while heard.len() < enough && begin.elapsed() < Duration::from_secs(20) {
         let Ok(frame) = socket.read_frame() else { continue };
