@@ -138,17 +138,19 @@ impl Fault {
             Self::OldFrame => {
                 memory.queue.push_back(frame.clone());
                 let old = (memory.queue.len() > 10).then(|| memory.queue.pop_front()).flatten();
-                let old = old.filter(|_| since % 10 == 0);
+                let old = old.filter(|_| since.is_multiple_of(10));
                 old.into_iter().chain([frame]).collect()
             }
-            Self::FlipBit(every) if since % every == 0 => {
+            Self::FlipBit(every) if since.is_multiple_of(every) => {
                 let bit = memory.bits.next() as usize % (8 * frame.data().len().max(1));
                 vec![changed(&frame, |data| data[bit / 8] ^= 1 << (bit % 8))]
             }
-            Self::Garbage(every) if since % every == 0 => {
+            Self::Garbage(every) if since.is_multiple_of(every) => {
                 let bits = &mut memory.bits;
                 vec![changed(&frame, |data| {
-                    data.iter_mut().for_each(|byte| *byte = bits.next() as u8);
+                    for byte in data.iter_mut() {
+                        *byte = bits.next() as u8;
+                    }
                 })]
             }
             Self::StuckCounter => {
@@ -166,7 +168,7 @@ impl Fault {
             Self::ScaleForce(factor) => {
                 lies(&|told| told.force_n = told.force_n.map(|force_n| factor * force_n))
             }
-            Self::SpikeForce(force_n) if since % 2 == 0 => {
+            Self::SpikeForce(force_n) if since.is_multiple_of(2) => {
                 lies(&|told| told.force_n = Some(force_n))
             }
             Self::OffsetDisplacement(by_m) => {

@@ -1,9 +1,9 @@
 //! Faults that are injected into a coupled run in virtual time, and what became of each.
 //!
-//! [`table`] runs through the faults that have a name and an expected outcome; [`schedule`] through
-//! random ones, session after session. Both run the loop itself: the vehicle, the memory bus with an
-//! emulated rig, and a [`FaultyBus`] between them. A cycle takes no time, and cycles are counted
-//! exactly. This is a test of the loop and no safety function.
+//! [`table()`] runs through the faults that have a name and an expected outcome; [`schedule()`]
+//! through random ones, session after session. Both run the loop itself: the vehicle, the memory
+//! bus with an emulated rig, and a [`FaultyBus`] between them. A cycle takes no time, and cycles
+//! are counted exactly. This is a test of the loop and no safety function.
 
 mod faulty_bus;
 mod kind;
