@@ -4,19 +4,17 @@
 
 #[path = "bench/support/host.rs"]
 mod host;
-#[path = "bench/support/opener.rs"]
-mod opener;
 
 use can_protocol::{
     Frame, Heartbeat, Measurement, Message, MessageId, Node, Pace, Profile, RunState, Sender, Sync,
 };
 use core::num::NonZeroU8;
 use hil_host::bus::{Bus, BusCounters, BusError, MemoryBus, Sent, SocketCanBus, WireFrame};
+use hil_host::faults::Opener;
 use hil_host::realtime::RealtimeOptions;
 use hil_host::rig::RigNode;
 use hil_host::rig::process::{Options, RigSummary, heard_by, serve};
 use host::{Host, setup};
-use opener::Opener;
 use socketcan::{CanFrame, CanSocket, EmbeddedFrame, ExtendedId, Socket, StandardId};
 use std::io::Write;
 use std::process::Command;
@@ -228,7 +226,7 @@ impl Armed {
             }
             heard
         });
-        Self { host, opener: Opener { code: Some(code), ..Opener::default() } }
+        Self { host, opener: Opener::of(code) }
     }
 
     /// The next message of the rig.

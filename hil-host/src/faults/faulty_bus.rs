@@ -1,12 +1,10 @@
 //! A bus around a bus: faults between the host and an emulated rig.
 
 use super::kind::{Fault, Memory};
+use super::opener::Opener;
 use crate::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use crate::rig::{RigNode, WATCHDOG_CYCLES};
-use can_protocol::{
-    ArmItem, ArmMessage, ArmSide, Frame, Measurement, MessageId, Node, Profile, Receiver,
-    ReceiverState, Seal, SessionCode,
-};
+use can_protocol::{Frame, MessageId, Node, Profile};
 use scenario::rig::RigSetup;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -25,7 +23,7 @@ pub struct FaultyBus {
     /// Commands that the host has sent since the session was coupled.
     cycle: u64,
     pending: VecDeque<WireFrame>,
-    listener: Listener,
+    opener: Opener,
 }
 
 impl FaultyBus {
@@ -39,7 +37,7 @@ impl FaultyBus {
             memory: Memory::new(seed),
             cycle: 0,
             pending: VecDeque::new(),
-            listener: Listener::default(),
+            opener: Opener::default(),
         }
     }
 
@@ -93,7 +91,7 @@ impl Bus for FaultyBus {
     fn send(&mut self, frame: &Frame) -> Sent {
         let is_command = frame.id() == MessageId::Command(Profile::Classical, self.node).raw();
         self.cycle += u64::from(is_command);
-        self.listener.hear(self.node, &WireFrame::from(frame));
+        self.opener.hear(self.node, &WireFrame::from(frame));
         let Some((fault, since)) = self.acting() else { return self.bus.send(frame) };
         if is_command {
             self.on_command(fault, since);
@@ -112,7 +110,7 @@ impl Bus for FaultyBus {
                 return Some(frame);
             }
             let frame = self.bus.receive()?;
-            let seal = self.listener.hear(self.node, &frame);
+            let seal = self.opener.hear(self.node, &frame);
             match (self.acting(), seal) {
                 (Some((Fault::Down, _)), _) => {}
                 (Some((fault, since)), Some(seal)) => {
@@ -130,40 +128,5 @@ impl Bus for FaultyBus {
 
     fn counters(&self) -> BusCounters {
         self.bus.counters()
-    }
-}
-
-/// Follows the arming exchange, to know the seal of every measurement: a fault of a sensor lies
-/// before its frame is sealed.
-#[derive(Debug, Clone, PartialEq, Default)]
-struct Listener {
-    host_number: Option<u32>,
-    rig_number: Option<u32>,
-    code: Option<SessionCode>,
-    receiver: ReceiverState,
-}
-
-impl Listener {
-    /// Takes a frame; the seal of one that is the next measurement.
-    fn hear(&mut self, node: Node, frame: &WireFrame) -> Option<Seal> {
-        let (id, data) = (frame.id(), frame.data());
-        if let Ok(message) = ArmMessage::decode(id, data) {
-            match (message.side, message.item) {
-                (ArmSide::Host, ArmItem::HostNumber) => self.host_number = Some(message.value),
-                (ArmSide::Rig, ArmItem::RigNumber) => self.rig_number = Some(message.value),
-                (ArmSide::Rig, ArmItem::Armed) => {
-                    let numbers = self.host_number.zip(self.rig_number);
-                    self.code = numbers.map(|(host, rig)| SessionCode::of(host, rig));
-                    self.receiver = ReceiverState::default();
-                }
-                _ => {}
-            }
-            return None;
-        }
-        let code = self.code?;
-        let receiver = Receiver::<Measurement>::new(Profile::Classical, node, 5).ok()?;
-        let reception = receiver.sealed(code).accept(&mut self.receiver, id, data)?;
-        let cycle = self.receiver.cycle()?;
-        reception.status.delivers().then_some(Seal { code, cycle })
     }
 }

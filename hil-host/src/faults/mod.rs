@@ -7,12 +7,14 @@
 
 mod faulty_bus;
 mod kind;
+mod opener;
 mod schedule;
 mod session;
 mod table;
 
 pub use faulty_bus::FaultyBus;
 pub use kind::Fault;
+pub use opener::Opener;
 pub use schedule::{Survey, schedule};
 pub use session::{Injected, Violation};
 pub use table::{Expected, ROWS, Row, table};

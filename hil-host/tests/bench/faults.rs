@@ -2,7 +2,6 @@
 //! cycles. The rows are those of faults that earlier versions of the loop ended as "completed".
 
 use crate::support::locomotive::{NODE, scenario, session};
-use crate::support::opener::Opener;
 use can_protocol::{
     Fault, FaultCode, Frame, Measurement, MessageId, Pace as WirePace, Pressure, Profile, RunState,
     Seal, Sender, Telemetry, Trips,
@@ -11,6 +10,7 @@ use firmware_core::supervision::{Action, Signal};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::Tick;
 use hil_host::control::{Buses, Requests, Stop};
+use hil_host::faults::Opener;
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
 use std::collections::VecDeque;

@@ -3,7 +3,6 @@
 
 use crate::support::host::{Host, setup};
 use crate::support::locomotive::{NODE, scenario, session};
-use crate::support::opener::Opener;
 use crate::support::rig::{FedRig, answers, arm, armed, give, measured, quiet};
 use can_protocol::arming::Refusal;
 use can_protocol::{
@@ -14,6 +13,7 @@ use firmware_core::supervision::{Action, Signal};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::Tick;
 use hil_host::control::{Buses, NoAnswer, Requests, Session, SessionState, Stop};
+use hil_host::faults::Opener;
 use hil_host::record::Queues;
 use hil_host::rig::{Condition, RigNode};
 use hil_host::{Draw, reset_over};

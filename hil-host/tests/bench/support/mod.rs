@@ -2,5 +2,4 @@
 
 pub(crate) mod host;
 pub(crate) mod locomotive;
-pub(crate) mod opener;
 pub(crate) mod rig;

@@ -1,24 +1,29 @@
-//! A listener on the bus that follows an arming exchange and opens what is sealed after it.
+//! A listener that follows an arming exchange and knows the seal of what comes after it.
 
+use crate::bus::WireFrame;
 use can_protocol::{
     ArmItem, ArmMessage, ArmSide, Measurement, Node, Profile, Receiver, ReceiverState, Seal,
     SessionCode,
 };
-use hil_host::bus::WireFrame;
 
-/// What a listener knows of one rig.
-#[derive(Debug, Default)]
-pub(crate) struct Opener {
-    pub(crate) host_number: Option<u32>,
-    pub(crate) rig_number: Option<u32>,
-    /// The session's code.
-    pub(crate) code: Option<SessionCode>,
-    pub(crate) receiver: ReceiverState,
+/// Follows the arming exchange, to know the seal of every measurement: a fault of a sensor lies
+/// before its frame is sealed.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Opener {
+    host_number: Option<u32>,
+    rig_number: Option<u32>,
+    code: Option<SessionCode>,
+    receiver: ReceiverState,
 }
 
 impl Opener {
-    /// Follows every frame; the seal of one that is the next measurement.
-    pub(crate) fn hear(&mut self, node: Node, frame: &WireFrame) -> Option<Seal> {
+    /// A listener that knows the code of a session whose arming it did not hear.
+    pub fn of(code: SessionCode) -> Self {
+        Self { code: Some(code), ..Self::default() }
+    }
+
+    /// Takes a frame; the seal of one that is the next measurement.
+    pub fn hear(&mut self, node: Node, frame: &WireFrame) -> Option<Seal> {
         let (id, data) = (frame.id(), frame.data());
         if let Ok(message) = ArmMessage::decode(id, data) {
             match (message.side, message.item) {
@@ -34,7 +39,7 @@ impl Opener {
             return None;
         }
         let code = self.code?;
-        let receiver = Receiver::<Measurement>::new(Profile::Classical, node, 5).unwrap();
+        let receiver = Receiver::<Measurement>::new(Profile::Classical, node, 5).ok()?;
         let reception = receiver.sealed(code).accept(&mut self.receiver, id, data)?;
         let cycle = self.receiver.cycle()?;
         reception.status.delivers().then_some(Seal { code, cycle })
