@@ -113,13 +113,8 @@ impl Fault {
 
     /// The frame, and whether the counter did not fit.
     pub fn encode(&self) -> (Frame, Saturated) {
-        let mut word = Word::default();
-        let mut saturated = Saturated::empty();
-        saturated.set(Saturated::COUNTER, word.put_counter(Self::COUNTER, Some(self.counter)));
-        word.put(Self::STATE, u32::from(self.state.code()));
-        word.put(Self::CODE, u32::from(self.code.code()));
-        word.put(Self::DETAIL, u32::from(self.detail));
-        (protection::protect(MessageId::Fault(self.sender), word, None), saturated)
+        let Self { sender, counter, state, code, detail } = *self;
+        Report { counter, state, code, detail }.encode(MessageId::Fault(sender))
     }
 
     /// The fault in a frame.
@@ -130,13 +125,37 @@ impl Fault {
         let Some(message @ MessageId::Fault(sender)) = MessageId::from_raw(id) else {
             return Err(Error::UnknownId { id });
         };
+        let Report { counter, state, code, detail } = Report::decode(message, data)?;
+        Ok(Self { sender, counter, state, code, detail })
+    }
+}
+
+/// What went wrong, as a fault and a request for pressure off have it on the wire.
+pub(crate) struct Report {
+    pub(crate) counter: u8,
+    pub(crate) state: RunState,
+    pub(crate) code: FaultCode,
+    pub(crate) detail: u16,
+}
+
+impl Report {
+    pub(crate) fn encode(&self, message: MessageId) -> (Frame, Saturated) {
+        let mut word = Word::default();
+        let mut saturated = Saturated::empty();
+        saturated.set(Saturated::COUNTER, word.put_counter(Fault::COUNTER, Some(self.counter)));
+        word.put(Fault::STATE, u32::from(self.state.code()));
+        word.put(Fault::CODE, u32::from(self.code.code()));
+        word.put(Fault::DETAIL, u32::from(self.detail));
+        (protection::protect(message, word, None), saturated)
+    }
+
+    pub(crate) fn decode(message: MessageId, data: &[u8]) -> Result<Self, Error> {
         let word = protection::open(message, data, None)?;
         Ok(Self {
-            sender,
-            counter: word.counter(message, Self::COUNTER)?,
-            state: word.code(message, Self::STATE)?,
-            code: FaultCode::from_code(word.get(Self::CODE) as u16),
-            detail: word.get(Self::DETAIL) as u16,
+            counter: word.counter(message, Fault::COUNTER)?,
+            state: word.code(message, Fault::STATE)?,
+            code: FaultCode::from_code(word.get(Fault::CODE) as u16),
+            detail: word.get(Fault::DETAIL) as u16,
         })
     }
 }

@@ -4,8 +4,9 @@
 //! has to be armed or agreed for it. A host sends it where a displacement is not believed, so that
 //! holding a position would be no safe state. It is a request over a bus and no safety function:
 //! the pressure dump of the emergency stop is hard-wired.
-use crate::signal::{Field, Saturated, Word};
-use crate::{Error, FaultCode, Frame, MessageId, Node, RunState, protection};
+use crate::fault::Report;
+use crate::signal::{Field, Saturated};
+use crate::{Error, Fault, FaultCode, Frame, MessageId, Node, RunState};
 use core::fmt;
 
 /// The host's request.
@@ -20,29 +21,24 @@ pub struct PressureOff {
     pub state: RunState,
     /// Why.
     pub code: FaultCode,
-    /// How much, as in a [`Fault`](crate::Fault).
+    /// How much, as in a [`Fault`].
     pub detail: u16,
 }
 
 impl PressureOff {
     /// Sequence number.
-    pub const COUNTER: Field = Field::new(8, 4);
+    pub const COUNTER: Field = Fault::COUNTER;
     /// Run state.
-    pub const STATE: Field = Field::new(12, 4);
+    pub const STATE: Field = Fault::STATE;
     /// Fault code.
-    pub const CODE: Field = Field::new(16, 16);
+    pub const CODE: Field = Fault::CODE;
     /// Detail.
-    pub const DETAIL: Field = Field::new(32, 16);
+    pub const DETAIL: Field = Fault::DETAIL;
 
     /// The frame, and whether the counter did not fit.
     pub fn encode(&self) -> (Frame, Saturated) {
-        let mut word = Word::default();
-        let mut saturated = Saturated::empty();
-        saturated.set(Saturated::COUNTER, word.put_counter(Self::COUNTER, Some(self.counter)));
-        word.put(Self::STATE, u32::from(self.state.code()));
-        word.put(Self::CODE, u32::from(self.code.code()));
-        word.put(Self::DETAIL, u32::from(self.detail));
-        (protection::protect(MessageId::PressureOff(self.node), word, None), saturated)
+        let Self { node, counter, state, code, detail } = *self;
+        Report { counter, state, code, detail }.encode(MessageId::PressureOff(node))
     }
 
     /// The request in a frame.
@@ -53,14 +49,8 @@ impl PressureOff {
         let Some(message @ MessageId::PressureOff(node)) = MessageId::from_raw(id) else {
             return Err(Error::UnknownId { id });
         };
-        let word = protection::open(message, data, None)?;
-        Ok(Self {
-            node,
-            counter: word.counter(message, Self::COUNTER)?,
-            state: word.code(message, Self::STATE)?,
-            code: FaultCode::from_code(word.get(Self::CODE) as u16),
-            detail: word.get(Self::DETAIL) as u16,
-        })
+        let Report { counter, state, code, detail } = Report::decode(message, data)?;
+        Ok(Self { node, counter, state, code, detail })
     }
 
     /// Whether the request is for this rig.
@@ -94,6 +84,7 @@ impl fmt::Display for PressureOff {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::signal::Word;
 
     const BYTES: [u8; 6] = [0x83, 0x63, 0x20, 0x00, 0x02, 0x00];
     const PRESSURE_OFF: PressureOff = PressureOff {

@@ -24,3 +24,10 @@ wire_enum! {
         OpenLoop = 8, "OPEN_LOOP";
     }
 }
+
+impl RunState {
+    /// Whether the ram of a rig follows the commands of a coupled run.
+    pub const fn is_coupled(self) -> bool {
+        matches!(self, Self::RampIn | Self::Run | Self::RampOut)
+    }
+}

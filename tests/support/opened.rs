@@ -1,16 +1,16 @@
 //! Frames of a bus, opened: those of an armed session with the numbers that were exchanged before
 //! it. For one rig, node 1.
 
+use can_protocol::arming::FollowedExchange;
 use can_protocol::{
-    ArmItem, ArmMessage, ArmSide, Command, Cyclic, Measurement, Message, MessageId, Node, Profile,
-    Receiver, ReceiverState, SessionCode,
+    Command, Cyclic, Measurement, Message, MessageId, Node, Profile, Receiver, ReceiverState,
+    SessionCode,
 };
 
 /// What a listener knows so far.
 #[derive(Debug, Default)]
 pub(crate) struct Opened {
-    host_number: Option<u32>,
-    rig_number: Option<u32>,
+    exchange: FollowedExchange,
     code: Option<SessionCode>,
     commands: ReceiverState,
     measurements: ReceiverState,
@@ -30,22 +30,10 @@ impl Opened {
             _ => {
                 let message = Message::decode(id, data).ok()?;
                 if let Message::Arm(message) = &message {
-                    self.follow(message);
+                    self.code = self.exchange.hear(message).or(self.code);
                 }
                 Some(message)
             }
-        }
-    }
-
-    fn follow(&mut self, message: &ArmMessage) {
-        match (message.side, message.item) {
-            (ArmSide::Host, ArmItem::HostNumber) => self.host_number = Some(message.value),
-            (ArmSide::Rig, ArmItem::RigNumber) => self.rig_number = Some(message.value),
-            (ArmSide::Rig, ArmItem::Armed) => {
-                let numbers = self.host_number.zip(self.rig_number);
-                self.code = numbers.map(|(host, rig)| SessionCode::of(host, rig));
-            }
-            _ => {}
         }
     }
 }

@@ -160,6 +160,7 @@
 
 mod agreement;
 mod configuration;
+mod followed_exchange;
 mod host;
 mod item;
 mod limits;
@@ -171,6 +172,7 @@ mod rig;
 
 pub use agreement::Agreement;
 pub use configuration::{Configuration, DBC_HASH};
+pub use followed_exchange::FollowedExchange;
 pub use host::{HostArming, HostOutcome, HostPlan, Patience};
 pub use item::ArmItem;
 pub use limits::Limits;

@@ -6,7 +6,6 @@ use super::session::{Session, SessionState};
 use crate::bus::Bus;
 use crate::clock::{Pacer, Tick};
 use can_protocol::{Pace as WirePace, RunState};
-use firmware_core::line::Fade;
 use firmware_core::supervision::{Action, Event, Signal, State};
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
@@ -137,7 +136,7 @@ impl Session<'_> {
 
     /// Goes on with an orderly end; whether it is done. Where nothing is faded, it is done at once.
     fn has_ended(&self, state: &mut SessionState) -> bool {
-        if !self.has_rigs() || state.line.fade == Fade::default() {
+        if !self.has_ramps(state) {
             return true;
         }
         state.line.on(Event::End);

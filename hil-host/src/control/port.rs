@@ -7,7 +7,7 @@ use crate::record::FrameBytes;
 use can_protocol::arming::Agreement;
 use can_protocol::{
     Command, Counts, Frame, Measurement, MeasurementFlags, MessageId, Mode, Node, Profile,
-    Receiver, ReceiverState, Residual, RunState, Seal, Status,
+    Receiver, ReceiverState, Residual, RunState, Seal, SessionCode, Status,
 };
 use firmware_core::guard::{self, ForceInput, Guard};
 use firmware_core::supervision::{
@@ -34,8 +34,8 @@ pub struct Port {
 /// What a port remembers.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PortState {
-    /// What was agreed when the rig was armed; none before and after.
-    agreement: Option<Agreement>,
+    /// The session of an armed rig; none before and after.
+    armed: Option<Armed>,
     receiver: ReceiverState,
     /// What was received before the first cycle of the run.
     before: Counts,
@@ -72,6 +72,16 @@ pub struct PortState {
     pub watch: WatchState,
     /// Counter of the last residual sent.
     residual_counter: Option<u8>,
+}
+
+/// What holds as long as a rig is armed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Armed {
+    agreement: Agreement,
+    /// The code that seals commands and measurements.
+    code: SessionCode,
+    /// The checks, with the force limit that the rig has agreed to.
+    checks: Checks,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -179,11 +189,11 @@ impl Port {
             let cause = Cause { signal, value, limit: f64::INFINITY, action };
             state.news = state.news.or(Some(cause));
         }
-        let checks = self.agreed_checks(state);
+        let checks = state.armed.as_ref().map_or(&self.checks, |armed| &armed.checks);
         let Some(kept) = state.newest.take() else {
             self.receiver.no_frame(&mut state.receiver);
             let arrival = if frames.bad { Arrival::Damaged } else { Arrival::Nothing };
-            let input = state.belief.take(&checks, arrival, state.sent);
+            let input = state.belief.take(checks, arrival, state.sent);
             return (input, FrameBytes::default());
         };
         let measurement = kept.measurement;
@@ -196,9 +206,9 @@ impl Port {
             displacement_m: measurement.displacement_m,
             force_n: measurement.force_n,
             is_valid: !measurement.flags.contains(MeasurementFlags::SENSOR_INVALID),
-            runs: follows(measurement.state),
+            runs: measurement.state.is_coupled(),
         };
-        let input = state.belief.take(&checks, Arrival::Frame(measured), state.sent);
+        let input = state.belief.take(checks, Arrival::Frame(measured), state.sent);
         (input, kept.bytes)
     }
 
@@ -218,14 +228,17 @@ impl Port {
 
     /// Begins the sealed session of a rig that is armed: both sides count from cycle 0.
     pub fn arm(&self, state: &mut PortState, agreement: Agreement) {
-        state.agreement = Some(agreement);
+        let agreed_n = f64::from(agreement.configuration.limits.force_n);
+        let force = Rule { limit: self.checks.force.limit.min(agreed_n), ..self.checks.force };
+        let checks = Checks { force, ..self.checks };
+        state.armed = Some(Armed { agreement, code: agreement.code(), checks });
         (state.receiver, state.before) = (ReceiverState::default(), Counts::default());
         (state.cycle, state.sent, state.stands_m) = (0, None, None);
     }
 
     /// Ends it.
     pub fn disarm(&self, state: &mut PortState) {
-        state.agreement = None;
+        state.armed = None;
     }
 
     /// Begins to command a ram that stands still: what came before belongs to no cycle, and frames
@@ -248,18 +261,10 @@ impl Port {
 
     /// The receiver of the session, once there is one.
     fn receiver(&self, state: &PortState) -> Receiver<Measurement> {
-        match &state.agreement {
-            Some(agreement) => self.receiver.clone().sealed(agreement.code()),
+        match &state.armed {
+            Some(armed) => self.receiver.clone().sealed(armed.code),
             None => self.receiver.clone(),
         }
-    }
-
-    /// The checks, with the force limit that the rig has agreed to.
-    fn agreed_checks(&self, state: &PortState) -> Checks {
-        let asked = self.checks.force;
-        let agreed = state.agreement.map(|agreement| agreement.configuration.limits.force_n);
-        let limit = agreed.map_or(asked.limit, |force_n| asked.limit.min(f64::from(force_n)));
-        Checks { force: Rule { limit, ..asked }, ..self.checks }
     }
 
     /// The next command, sealed. Before arming it is a plain one, which no rig obeys.
@@ -270,16 +275,16 @@ impl Port {
         run: RunState,
         time_us: u32,
     ) -> Frame {
-        debug_assert!(state.agreement.is_some(), "a command to a rig that is not armed");
+        debug_assert!(state.armed.is_some(), "a command to a rig that is not armed");
         let cycle = state.cycle;
         state.cycle = cycle.saturating_add(1);
-        let seal = state.agreement.map(|agreement| Seal { code: agreement.code(), cycle });
+        let seal = state.armed.as_ref().map(|armed| Seal { code: armed.code, cycle });
         let counter = (cycle % u32::from(self.profile.counter_modulus())) as u8;
         let message = Command {
             node: self.node,
             counter,
             state: run,
-            mode: if follows(run) { Mode::FollowWithVelocity } else { Mode::Hold },
+            mode: if run.is_coupled() { Mode::FollowWithVelocity } else { Mode::Hold },
             echo: state.receiver.echo(),
             displacement_m: Some(command.displacement_m),
             velocity_m_per_s: Some(command.velocity_m_per_s),
@@ -325,7 +330,7 @@ impl Port {
 impl PortState {
     /// Whether the rig is armed.
     pub fn is_armed(&self) -> bool {
-        self.agreement.is_some()
+        self.armed.is_some()
     }
 
     /// Whether no command was sent since arming.
@@ -335,13 +340,8 @@ impl PortState {
 
     /// What was agreed with the rig: numbers, session code, limits.
     pub fn agreement(&self) -> Option<&Agreement> {
-        self.agreement.as_ref()
+        self.armed.as_ref().map(|armed| &armed.agreement)
     }
-}
-
-/// Whether a rig follows commands in a state.
-const fn follows(state: RunState) -> bool {
-    matches!(state, RunState::RampIn | RunState::Run | RunState::RampOut)
 }
 
 #[cfg(test)]

@@ -93,8 +93,7 @@ impl Session<'_> {
         action: Action,
     ) {
         // Without a ramp the only way to rest is a stop.
-        let can_ramp = state.line.fade != Fade::default();
-        let is_orderly = action == Action::RampOut && can_ramp;
+        let is_orderly = action == Action::RampOut && self.has_ramps(state);
         state.line.on(if is_orderly { Event::End } else { Event::Stop });
         let (cycle, time_s) = (state.line.cycle, state.line.time_s(self.line.cycle_s));
         let stop = Stop { cycle, time_s, node, cause };
@@ -104,9 +103,9 @@ impl Session<'_> {
         state.stop.get_or_insert(stop);
     }
 
-    /// Whether any damper is on a rig.
-    pub(super) fn has_rigs(&self) -> bool {
-        !self.ports.is_empty()
+    /// Whether there is anything to fade in and out.
+    pub(super) fn has_ramps(&self, state: &SessionState) -> bool {
+        !self.ports.is_empty() && state.line.fade != Fade::default()
     }
 
     /// A cause that is a fact and has no value.

@@ -3,6 +3,7 @@
 use super::kind::{Fault, Memory};
 use super::opener::Opener;
 use crate::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
+use crate::draw::Draw;
 use crate::rig::{RigNode, WATCHDOG_CYCLES};
 use can_protocol::{Frame, MessageId, Node, Profile};
 use scenario::rig::RigSetup;
@@ -34,7 +35,7 @@ impl FaultyBus {
             node,
             setup: setup.clone(),
             fault: None,
-            memory: Memory::new(seed),
+            memory: Memory::new(Draw::seeded(seed, 1)),
             cycle: 0,
             pending: VecDeque::new(),
             opener: Opener::default(),
@@ -45,6 +46,7 @@ impl FaultyBus {
     pub fn inject(&mut self, fault: Fault, begin: u64, lasts: u64) {
         self.fault = Some((fault, begin, lasts));
         self.cycle = 0;
+        self.memory.begin();
     }
 
     /// The same bus without a fault, its rig reset by the key if it is latched.
@@ -98,7 +100,7 @@ impl Bus for FaultyBus {
         }
         match fault {
             Fault::Down => Sent::Down,
-            Fault::NoRoom(cycles) if is_command && since < cycles => Sent::Dropped,
+            Fault::NoRoom { full, of } if is_command && since % of < full => Sent::Dropped,
             _ if is_command && fault.loses_command(since) => Sent::Away,
             _ => self.bus.send(frame),
         }

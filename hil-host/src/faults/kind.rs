@@ -1,6 +1,7 @@
 //! The faults: what each does to a frame or to the bus.
 
 use crate::bus::WireFrame;
+use crate::draw::Draw;
 use can_protocol::{
     Command, Fault as FaultFrame, FaultCode, Frame, Measurement, MeasurementFlags, Mode, Node,
     Pressure, Profile, RunState, Seal, Sender, Telemetry, Trips,
@@ -56,8 +57,13 @@ pub enum Fault {
     PlainCommander,
     /// Sixty frames of others in every cycle.
     Flood,
-    /// The bus has no room for so many cycles in a row.
-    NoRoom(u64),
+    /// The bus has no room in the first so many cycles of every period.
+    NoRoom {
+        /// How many.
+        full: u64,
+        /// Of so many; `u64::MAX`: once.
+        of: u64,
+    },
     /// The bus goes down.
     Down,
     /// The rig starts anew.
@@ -72,34 +78,23 @@ pub enum Fault {
     Flags,
 }
 
-/// A source of pseudo-random numbers for bits and bytes: xorshift, always the same.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Bits(u64);
-
-impl Bits {
-    pub(super) const fn new(seed: u64) -> Self {
-        Self(seed | 1)
-    }
-
-    pub(super) const fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-}
-
 /// What a fault remembers.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Memory {
     queue: VecDeque<WireFrame>,
-    bits: Bits,
+    draw: Draw,
     said: bool,
 }
 
 impl Memory {
-    pub(super) fn new(seed: u64) -> Self {
-        Self { queue: VecDeque::new(), bits: Bits::new(seed), said: false }
+    pub(super) fn new(draw: Draw) -> Self {
+        Self { queue: VecDeque::new(), draw, said: false }
+    }
+
+    /// Forgets the fault before.
+    pub(super) fn begin(&mut self) {
+        self.queue.clear();
+        self.said = false;
     }
 }
 
@@ -142,14 +137,14 @@ impl Fault {
                 old.into_iter().chain([frame]).collect()
             }
             Self::FlipBit(every) if since.is_multiple_of(every) => {
-                let bit = memory.bits.next() as usize % (8 * frame.data().len().max(1));
+                let bit = memory.draw.number() as usize % (8 * frame.data().len().max(1));
                 vec![changed(&frame, |data| data[bit / 8] ^= 1 << (bit % 8))]
             }
             Self::Garbage(every) if since.is_multiple_of(every) => {
-                let bits = &mut memory.bits;
+                let draw = &mut memory.draw;
                 vec![changed(&frame, |data| {
                     for byte in data.iter_mut() {
-                        *byte = bits.next() as u8;
+                        *byte = draw.number() as u8;
                     }
                 })]
             }
@@ -158,24 +153,24 @@ impl Fault {
                 memory.queue.push_back(first.clone());
                 vec![first]
             }
-            Self::StuckForce(force_n) => lies(&|told| told.force_n = Some(force_n)),
-            Self::StuckDisplacement(at_m) => lies(&|told| told.displacement_m = Some(at_m)),
-            Self::InvalidForce => lies(&|told| {
-                told.force_n = None;
-                told.flags |= MeasurementFlags::SENSOR_INVALID;
+            Self::StuckForce(force_n) => lies(&|measured| measured.force_n = Some(force_n)),
+            Self::StuckDisplacement(at_m) => lies(&|measured| measured.displacement_m = Some(at_m)),
+            Self::InvalidForce => lies(&|measured| {
+                measured.force_n = None;
+                measured.flags |= MeasurementFlags::SENSOR_INVALID;
             }),
-            Self::InvalidDisplacement => lies(&|told| told.displacement_m = None),
-            Self::ScaleForce(factor) => {
-                lies(&|told| told.force_n = told.force_n.map(|force_n| factor * force_n))
-            }
+            Self::InvalidDisplacement => lies(&|measured| measured.displacement_m = None),
+            Self::ScaleForce(factor) => lies(&|measured| {
+                measured.force_n = measured.force_n.map(|force_n| factor * force_n);
+            }),
             Self::SpikeForce(force_n) if since.is_multiple_of(2) => {
-                lies(&|told| told.force_n = Some(force_n))
+                lies(&|measured| measured.force_n = Some(force_n))
             }
-            Self::OffsetDisplacement(by_m) => {
-                lies(&|told| told.displacement_m = told.displacement_m.map(|at_m| at_m + by_m))
-            }
-            Self::SaysSafe => lies(&|told| told.state = RunState::Safe),
-            Self::Flags => lies(&|told| told.flags |= MeasurementFlags::LIMIT_REACHED),
+            Self::OffsetDisplacement(by_m) => lies(&|measured| {
+                measured.displacement_m = measured.displacement_m.map(|at_m| at_m + by_m);
+            }),
+            Self::SaysSafe => lies(&|measured| measured.state = RunState::Safe),
+            Self::Flags => lies(&|measured| measured.flags |= MeasurementFlags::LIMIT_REACHED),
             Self::PlainSender => {
                 let opened = Measurement::decode_sealed(frame.id(), frame.data(), seal);
                 let plain = opened.map(|own| own.encode(Profile::Classical).0);

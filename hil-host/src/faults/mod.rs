@@ -16,5 +16,5 @@ pub use faulty_bus::FaultyBus;
 pub use kind::Fault;
 pub use opener::Opener;
 pub use schedule::{Survey, schedule};
-pub use session::{Injected, Violation};
+pub use session::{Injected, Injection, Violation, inject};
 pub use table::{Expected, ROWS, Row, table};

@@ -1,17 +1,16 @@
 //! A listener that follows an arming exchange and knows the seal of what comes after it.
 
 use crate::bus::WireFrame;
+use can_protocol::arming::FollowedExchange;
 use can_protocol::{
-    ArmItem, ArmMessage, ArmSide, Measurement, Node, Profile, Receiver, ReceiverState, Seal,
-    SessionCode,
+    ArmMessage, Measurement, Node, Profile, Receiver, ReceiverState, Seal, SessionCode,
 };
 
 /// Follows the arming exchange, to know the seal of every measurement: a fault of a sensor lies
 /// before its frame is sealed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Opener {
-    host_number: Option<u32>,
-    rig_number: Option<u32>,
+    exchange: FollowedExchange,
     code: Option<SessionCode>,
     receiver: ReceiverState,
 }
@@ -26,15 +25,8 @@ impl Opener {
     pub fn hear(&mut self, node: Node, frame: &WireFrame) -> Option<Seal> {
         let (id, data) = (frame.id(), frame.data());
         if let Ok(message) = ArmMessage::decode(id, data) {
-            match (message.side, message.item) {
-                (ArmSide::Host, ArmItem::HostNumber) => self.host_number = Some(message.value),
-                (ArmSide::Rig, ArmItem::RigNumber) => self.rig_number = Some(message.value),
-                (ArmSide::Rig, ArmItem::Armed) => {
-                    let numbers = self.host_number.zip(self.rig_number);
-                    self.code = numbers.map(|(host, rig)| SessionCode::of(host, rig));
-                    self.receiver = ReceiverState::default();
-                }
-                _ => {}
+            if let Some(code) = self.exchange.hear(&message) {
+                (self.code, self.receiver) = (Some(code), ReceiverState::default());
             }
             return None;
         }

@@ -1,13 +1,14 @@
 //! Random faults, session after session, on one rig whose plant stays as it is.
 
 use super::faulty_bus::FaultyBus;
-use super::kind::{Bits, Fault};
-use super::session::{Injected, Plan, inject};
+use super::kind::Fault;
+use super::session::{Injected, Injection, inject};
 use super::table::ROWS;
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::control::{End, NoAnswer};
-use crate::run::{Plan as RigPlan, Terms, session};
+use crate::draw::Draw;
+use crate::run::{Plan, Terms, session};
 use can_protocol::{Node, Profile};
 use scenario::run::Run;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -48,20 +49,20 @@ pub fn schedule(
     stop: &AtomicBool,
     done: &mut dyn FnMut(u64),
 ) -> Result<Survey, BenchError> {
-    let plan = RigPlan::new(run, &BusChoice::Memory)?;
+    let plan = Plan::new(run, &BusChoice::Memory)?;
     let track = run.track.view();
     let session = session(run, &track, &plan.rigs, Terms::in_memory(Profile::Classical))?;
     let node = plan.rigs.first().map_or(Node::ALL[0], |rig| rig.node);
-    let mut bits = Bits::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+    let mut draw = Draw::seeded(seed, 0);
     let mut bus = FaultyBus::new(&run.rig, node, seed);
     let mut survey = Survey::default();
     while survey.cycles < cycles && !stop.load(Ordering::Relaxed) {
-        let mut below = |most: u64| bits.next() % most;
+        let mut below = |most: u64| u64::from(draw.number()) % most;
         let fault = ROWS[below(ROWS.len() as u64) as usize].fault;
         let begin = EARLIEST + below(4000);
         let lasts = 1 + below(500);
-        let plan = Plan { fault, begin, lasts, until: begin + lasts + WATCHED };
-        let injected = match inject(&session, run, &mut bus, &plan) {
+        let injection = Injection { fault, begin, lasts, until: begin + lasts + WATCHED };
+        let injected = match inject(&session, run, &mut bus, &injection) {
             Ok(injected) => injected,
             Err(NoAnswer::Refused { .. } | NoAnswer::Latched { .. } | NoAnswer::TooFar { .. }) => {
                 // A ram at the end of its stroke or a damper under load: a fresh rig.

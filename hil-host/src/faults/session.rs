@@ -13,14 +13,15 @@ use std::time::Duration;
 
 /// When a fault acts, and for how long the session goes on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Plan {
-    pub(super) fault: Fault,
+pub struct Injection {
+    /// The fault.
+    pub fault: Fault,
     /// Cycle in which it begins.
-    pub(super) begin: u64,
+    pub begin: u64,
     /// Cycles that it lasts.
-    pub(super) lasts: u64,
+    pub lasts: u64,
     /// Last cycle of a session that nothing ends.
-    pub(super) until: u64,
+    pub until: u64,
 }
 
 /// What became of a fault.
@@ -103,21 +104,21 @@ const ROUNDING: f64 = 1.0 + 1e-9;
 ///
 /// # Errors
 /// The rig cannot be armed.
-pub(super) fn inject(
+pub fn inject(
     session: &Session<'_>,
     run: &Run,
     bus: &mut FaultyBus,
-    plan: &Plan,
+    injection: &Injection,
 ) -> Result<Injected, NoAnswer> {
     let mut state = session.start(session.line.start(run.start.state.clone()));
     let requests = Requests::armed();
     session.greet(&mut state, std::slice::from_mut(bus), Duration::from_secs(1), &requests)?;
-    bus.inject(plan.fault, plan.begin, plan.lasts);
+    bus.inject(injection.fault, injection.begin, injection.lasts);
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
     let mut ending = Ending::default();
     let (mut end, mut violation) = (None, None);
-    while state.line.cycle < plan.until && end.is_none() {
+    while state.line.cycle < injection.until && end.is_none() {
         let before = state.line.slots;
         let mut buses = Buses::new(std::slice::from_mut(bus), &mut recorder);
         session.cycle(&mut state, &mut buses, Tick::default());
@@ -126,7 +127,7 @@ pub(super) fn inject(
     }
     let rig = bus.rig().map_or(RunState::Init, crate::rig::RigNode::run_state);
     let (stop, cycles) = (state.stop, state.line.cycle);
-    Ok(Injected { begin: plan.begin, stop, end, rig, cycles, violation })
+    Ok(Injected { begin: injection.begin, stop, end, rig, cycles, violation })
 }
 
 /// The first invariant that a cycle did not keep.

@@ -2,11 +2,11 @@
 
 use super::faulty_bus::FaultyBus;
 use super::kind::Fault;
-use super::session::{Injected, Plan, inject};
+use super::session::{Injected, Injection, inject};
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::control::End;
-use crate::run::{Plan as RigPlan, Terms, session};
+use crate::run::{Plan, Terms, session};
 use can_protocol::{Node, Profile};
 use firmware_core::supervision::{Action, Signal};
 use scenario::run::Run;
@@ -197,8 +197,14 @@ pub const ROWS: [Row; 42] = [
         EVER,
         Ends(&[S::LostMeasurements, S::SecondSender, S::RigState, S::SilentRig], 7),
     ),
-    row(22, "no room on the bus in one cycle", Fault::NoRoom(1), EVER, GoesOn),
-    row(22, "no room on the bus in two cycles", Fault::NoRoom(2), EVER, Ends(&[S::BusQueue], 3)),
+    row(22, "no room on the bus in one cycle", Fault::NoRoom { full: 1, of: EVER }, EVER, GoesOn),
+    row(
+        22,
+        "no room on the bus in two cycles",
+        Fault::NoRoom { full: 2, of: EVER },
+        EVER,
+        Ends(&[S::BusQueue], 3),
+    ),
     row(23, "flag of a limit for ever", Fault::Flags, EVER, GoesOn),
     row(25, "emergency stop in telemetry", Fault::EmergencyStop, EVER, Ends(&[S::RigTrip], 2)),
     row(25, "a measurement in SAFE", Fault::SaysSafe, 1, Ends(&[S::RigState], 2)),
@@ -215,17 +221,17 @@ const WATCHED: u64 = 4000;
 /// # Errors
 /// The scenario has no rig, or its rig cannot be armed.
 pub fn table(run: &Run, mut each: impl FnMut(&Row, &Injected, bool)) -> Result<bool, BenchError> {
-    let plan = RigPlan::new(run, &BusChoice::Memory)?;
+    let plan = Plan::new(run, &BusChoice::Memory)?;
     let track = run.track.view();
     let session = session(run, &track, &plan.rigs, Terms::in_memory(Profile::Classical))?;
     let node = plan.rigs.first().map_or(Node::ALL[0], |rig| rig.node);
     let mut all_right = true;
     for row in &ROWS {
         let mut bus = FaultyBus::new(&run.rig, node, u64::from(row.number));
-        let plan =
-            Plan { fault: row.fault, begin: BEGIN, lasts: row.lasts, until: BEGIN + WATCHED };
-        let injected =
-            inject(&session, run, &mut bus, &plan).map_err(|why| why.on(&BusChoice::Memory))?;
+        let injection =
+            Injection { fault: row.fault, begin: BEGIN, lasts: row.lasts, until: BEGIN + WATCHED };
+        let injected = inject(&session, run, &mut bus, &injection)
+            .map_err(|why| why.on(&BusChoice::Memory))?;
         let is_right = row.expected.is_met_by(&injected);
         all_right &= is_right;
         each(row, &injected, is_right);

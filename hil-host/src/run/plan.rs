@@ -35,11 +35,8 @@ pub(crate) struct BusLoad {
 
 /// Whether a rig of a scenario is on a real bus; `default` is the bus of slots that name none.
 pub fn is_on_a_bus(run: &Run, default: &BusChoice) -> bool {
-    run.slots.iter().any(|slot| match &slot.force {
-        SlotForce::Rig { bus: Some(name), .. } => name.parse() != Ok(BusChoice::Memory),
-        SlotForce::Rig { bus: None, .. } => *default != BusChoice::Memory,
-        SlotForce::Modelled(_) => false,
-    })
+    // A bus that cannot be one is refused later, by name.
+    Plan::new(run, default).map_or(true, |plan| plan.real_bus().is_some())
 }
 
 impl Plan {
@@ -70,10 +67,14 @@ impl Plan {
         rig.is_some_and(|rig| self.buses.get(rig.bus) == Some(&BusChoice::Memory))
     }
 
+    /// The first bus that is not in memory.
+    fn real_bus(&self) -> Option<&BusChoice> {
+        self.buses.iter().find(|bus| **bus != BusChoice::Memory)
+    }
+
     /// Refuses a pace that a bus cannot keep.
     pub(crate) fn check_pace(&self, pace: PaceChoice) -> Result<(), BenchError> {
-        let real = self.buses.iter().find(|bus| **bus != BusChoice::Memory);
-        match real {
+        match self.real_bus() {
             Some(bus) if pace == PaceChoice::Fast => {
                 Err(BenchError::FastOnBus { bus: bus.to_string() })
             }

@@ -45,7 +45,12 @@ pub(crate) fn session<'a>(
     terms: Terms,
 ) -> Result<Session<'a>, can_protocol::Error> {
     let Terms { profile, pace, slow_down, arming } = terms;
-    let forces_n = believed_forces_n(run, line(run, track));
+    // A second of work, which a run without rigs does not need.
+    let forces_n = if rigs.is_empty() {
+        [f64::INFINITY; DAMPER_SLOTS]
+    } else {
+        believed_forces_n(run, line(run, track))
+    };
     let port = |rig: &RigPlace| {
         let port = Port::new(rig.node, rig.bus, rig.slot, profile)?.believing(forces_n[rig.slot]);
         Ok(match watch_of(run, rig.slot) {

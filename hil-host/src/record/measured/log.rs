@@ -4,16 +4,16 @@
 //! record of a damper test. The sample's number comes from the frame's counter, which has no
 //! jitter; the sync gives the length of a cycle. Measurements of an armed session are sealed: the
 //! numbers that host and rig have exchanged in the log open them, so a log has to begin before
-//! arming. Frames that the protocol would not use (wrong CRC,
-//! repeated, out of sequence, not in RUN, sensor invalid) are omitted and reported; up to three in
-//! a row are then filled by interpolation like missing rows of any file, more are an error with its
-//! line. Lost frames beyond one turn of the counter are placed by their time stamps where a clock
-//! sets the pace.
+//! arming. Frames that the protocol would not use (wrong CRC, repeated, out of sequence, not in RUN
+//! or a ramp, sensor invalid) are omitted and reported; up to three in a row are then filled by
+//! interpolation like missing rows of any file, more are an error with its line. Lost frames beyond
+//! one turn of the counter are placed by their time stamps where a clock sets the pace.
 
 use super::empty;
+use can_protocol::arming::FollowedExchange;
 use can_protocol::{
-    ArmItem, ArmMessage, ArmSide, Measurement, MeasurementFlags, MessageId, Node, Pace, Profile,
-    Receiver, ReceiverState, RunState, SessionCode, Status, Sync,
+    ArmMessage, Measurement, MeasurementFlags, MessageId, Node, Pace, Profile, Receiver,
+    ReceiverState, RunState, Status, Sync,
 };
 use files::{Limit, input, quoted};
 use measurement::{MeasurementError, Series};
@@ -105,8 +105,8 @@ struct Seen {
     numbers: Vec<u64>,
     stamps_us: Vec<u64>,
     sync: Option<Sync>,
-    /// The numbers of host and rig in the exchange that the log shows.
-    numbers_drawn: [Option<u32>; 2],
+    /// The exchange that the log shows.
+    exchange: FollowedExchange,
     is_cut_off: bool,
     unused: u64,
     not_running: u64,
@@ -134,7 +134,7 @@ impl Seen {
             numbers: Vec::new(),
             stamps_us: Vec::new(),
             sync: None,
-            numbers_drawn: [None; 2],
+            exchange: FollowedExchange::default(),
             is_cut_off: false,
             unused: 0,
             not_running: 0,
@@ -185,7 +185,7 @@ impl Seen {
         let number = self.number(profile, reception.status, measurement.counter, stamp_us);
         self.last = Some((number, measurement.counter, stamp_us));
         match measurement.state {
-            RunState::RampIn | RunState::Run | RunState::RampOut => {}
+            state if state.is_coupled() => {}
             // Every session begins with these.
             RunState::Armed => return Ok(()),
             _ => {
@@ -208,21 +208,12 @@ impl Seen {
         Ok(())
     }
 
-    /// Takes up the numbers of an exchange, and the session that begins with them.
+    /// Follows an exchange into the session that begins with it.
     fn follow_arming(&mut self, message: &ArmMessage) {
-        let [host, rig] = &mut self.numbers_drawn;
-        match (message.side, message.item) {
-            (ArmSide::Host, ArmItem::HostNumber) => *host = Some(message.value),
-            (ArmSide::Rig, ArmItem::RigNumber) => *rig = Some(message.value),
-            (ArmSide::Rig, ArmItem::Armed) => {
-                let Some((host, rig)) = host.zip(*rig) else { return };
-                let code = SessionCode::of(host, rig);
-                for (receiver, state) in &mut self.receivers {
-                    *receiver = receiver.clone().sealed(code);
-                    *state = ReceiverState::default();
-                }
-            }
-            _ => {}
+        let Some(code) = self.exchange.hear(message) else { return };
+        for (receiver, state) in &mut self.receivers {
+            *receiver = receiver.clone().sealed(code);
+            *state = ReceiverState::default();
         }
     }
 
