@@ -6,6 +6,7 @@
 //! cargo xtask firmware   the no_std crates for a Cortex-M7, and that they cannot panic there
 //! cargo xtask vcan       the tests over SocketCAN
 //! cargo xtask bench      the benchmarks; what follows goes to criterion
+//! cargo xtask fuzz       decoders and loaders, guided by coverage; a target and `--seconds N`
 //! ```
 //!
 //! A task installs what it needs where it may: a compiler target through rustup, Debian packages
@@ -16,6 +17,7 @@
 
 mod debian;
 mod equipment;
+mod fuzz;
 mod machine;
 mod modules;
 mod no_panic;
@@ -50,10 +52,11 @@ fn main() -> ExitCode {
         }
         ["vcan", rest @ ..] => run.step("vcan", |run| vcan::test(run, vcan::Place::Any, rest)),
         ["bench", rest @ ..] => run.step("bench", |run| bench(run, rest)),
+        ["fuzz", rest @ ..] => run.step("fuzz", |run| fuzz::fuzz(run, rest)),
         _ => {
             eprintln!(
                 "usage: cargo xtask test | ci | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
-                 | bench [BENCHMARK]"
+                 | bench [BENCHMARK] | fuzz [TARGET] [--seconds N]"
             );
             return ExitCode::from(2);
         }

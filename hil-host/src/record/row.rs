@@ -124,7 +124,7 @@ macro_rules! row {
             }
 
             /// Bytes of a row.
-            pub(crate) fn size() -> usize {
+            pub fn size() -> usize {
                 let fields = Self::fields();
                 fields.iter().map(|(_, kind, shape)| bytes_of(kind, shape)).sum()
             }

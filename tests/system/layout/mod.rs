@@ -24,7 +24,7 @@ const LAYERS: [&[&str]; 9] = [
     &["virtual-bench", "identification", "vehicle-studies", "hil-host"],
     &["evidence"],
     &["yawbench"],
-    &["firmware", "xtask"],
+    &["firmware", "fuzz", "xtask"],
 ];
 
 /// What test code uses of its own layer: crate, what it uses, why.
