@@ -7,6 +7,7 @@ mod opened;
 mod record;
 
 mod interface;
+mod participants;
 mod peer;
 mod rig;
 mod smoke;

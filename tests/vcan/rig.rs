@@ -23,13 +23,13 @@ pub(crate) fn alone() -> Option<(Interface, MutexGuard<'static, ()>)> {
 }
 
 /// Without a clock nothing needs the real-time scheduler, and candump is to keep up.
-const LOCK_STEP_RIG: &[&str] = &["--exit-after-run", "--fifo-priority", "0"];
+pub(crate) const LOCK_STEP_RIG: &[&str] = &["--exit-after-run", "--fifo-priority", "0"];
 
 /// A rig process that dies with the test.
-struct Rig(Option<Child>);
+pub(crate) struct Rig(Option<Child>);
 
 impl Rig {
-    fn start(interface: &Interface, args: &[&str]) -> Self {
+    pub(crate) fn start(interface: &Interface, args: &[&str]) -> Self {
         let mut command = yawbench();
         // The rig with the damper of the scenarios, as the README starts it.
         command.arg("rig").arg(scenario("rigs/laboratory-rig.toml"));
@@ -43,7 +43,7 @@ impl Rig {
     }
 
     /// Waits for its end; gives exit code and summary.
-    fn end(mut self) -> (Option<i32>, Value) {
+    pub(crate) fn end(mut self) -> (Option<i32>, Value) {
         let output =
             self.0.take().expect("a running rig").wait_with_output().expect("the rig's end");
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -78,7 +78,7 @@ pub(crate) fn host(bus: &str, seconds: &str, out: &Path, args: &[&str]) -> Comma
     command
 }
 
-fn summary(output: &Output) -> Value {
+pub(crate) fn summary(output: &Output) -> Value {
     let text = String::from_utf8_lossy(&output.stderr);
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
@@ -109,7 +109,7 @@ fn of_candump_id(by_id: &ById, id: MessageId) -> u64 {
     by_id.get(&id.raw()).map_or(0, |frames| frames.len() as u64)
 }
 
-fn parts(frame: &CanAnyFrame) -> Option<(u16, Vec<u8>)> {
+pub(crate) fn parts(frame: &CanAnyFrame) -> Option<(u16, Vec<u8>)> {
     let (id, data) = match frame {
         CanAnyFrame::Normal(frame) => (frame.id(), frame.data().to_vec()),
         CanAnyFrame::Fd(frame) => (frame.id(), frame.data().to_vec()),
@@ -134,7 +134,7 @@ fn of_bus_log(path: &Path) -> ById {
     by_id
 }
 
-const COMMAND: MessageId = MessageId::Command(Profile::Classical, Node::ALL[0]);
+pub(crate) const COMMAND: MessageId = MessageId::Command(Profile::Classical, Node::ALL[0]);
 pub(crate) const MEASUREMENT: MessageId = MessageId::Measurement(Profile::Classical, Node::ALL[0]);
 
 #[test]

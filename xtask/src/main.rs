@@ -6,6 +6,7 @@
 //! cargo xtask firmware   the no_std crates for a Cortex-M7, and that they cannot panic there
 //! cargo xtask vcan       the tests over SocketCAN
 //! cargo xtask bench      the benchmarks; what follows goes to criterion
+//! cargo xtask instructions   instructions of a cycle, against those that are committed
 //! cargo xtask fuzz       decoders and loaders, guided by coverage; a target and `--seconds N`
 //! ```
 //!
@@ -18,6 +19,7 @@
 mod debian;
 mod equipment;
 mod fuzz;
+mod instructions;
 mod machine;
 mod modules;
 mod no_panic;
@@ -52,11 +54,12 @@ fn main() -> ExitCode {
         }
         ["vcan", rest @ ..] => run.step("vcan", |run| vcan::test(run, vcan::Place::Any, rest)),
         ["bench", rest @ ..] => run.step("bench", |run| bench(run, rest)),
+        ["instructions"] => run.step("instructions", instructions::count),
         ["fuzz", rest @ ..] => run.step("fuzz", |run| fuzz::fuzz(run, rest)),
         _ => {
             eprintln!(
                 "usage: cargo xtask test | ci | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
-                 | bench [BENCHMARK] | fuzz [TARGET] [--seconds N]"
+                 | bench [BENCHMARK] | instructions | fuzz [TARGET] [--seconds N]"
             );
             return ExitCode::from(2);
         }

@@ -1,0 +1,77 @@
+//! `cargo xtask instructions`: what a cycle costs in instructions, counted by callgrind.
+//!
+//! A count does not depend on what else the machine does. The bench `instructions` runs with two
+//! numbers of cycles; the difference is free of what happens before the first one. The counts that
+//! are committed in `benches/instructions.toml` are from one compiler; another one may count a few
+//! per cent otherwise, so a difference is reported and only a rise of more than 3 % fails.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::debian;
+use crate::run::{Outcome, Run};
+
+const CYCLES: [u32; 2] = [1000, 3000];
+
+/// Rise over the committed count that fails, %.
+const RISE_PERCENT: f64 = 3.0;
+
+/// Counts both kinds of cycle and compares them with the committed counts.
+pub(crate) fn count(run: &mut Run) -> Outcome {
+    if let Err(reason) = debian::ensure("valgrind", &["valgrind"]) {
+        return Outcome::Skipped(reason);
+    }
+    let committed = run.root.join("benches/instructions.toml");
+    let mut all = Outcome::Passed;
+    let mut counted = Vec::new();
+    for kind in ["step", "rig"] {
+        match per_cycle(run, kind) {
+            Ok(count) => counted.push((kind, count)),
+            Err(reason) => return Outcome::Failed(reason),
+        }
+    }
+    for (kind, count) in &counted {
+        let Some(before) = kept(&committed, kind) else {
+            return Outcome::Failed(format!("{}: no count of {kind}", committed.display()));
+        };
+        let rise = 100.0 * (count / before - 1.0);
+        run.note(format!("{kind}: {count:.0} instructions a cycle, {rise:+.2} % of {before:.0}"));
+        if rise > RISE_PERCENT {
+            all = all.and(Outcome::Failed(format!("{kind} is dearer by {rise:.1} %")));
+        }
+    }
+    if let [(_, step), (_, rig)] = counted.as_slice() {
+        run.note(format!(
+            "a rig slot costs {:.0} instructions more than a modelled one",
+            rig - step
+        ));
+    }
+    all
+}
+
+/// A committed count: `step = 123456` in a line of its own.
+fn kept(file: &Path, kind: &str) -> Option<f64> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix(kind)?.trim().strip_prefix('='))?;
+    line.trim().replace('_', "").parse().ok()
+}
+
+fn per_cycle(run: &Run, kind: &str) -> Result<f64, String> {
+    let [few, many] = CYCLES.map(|cycles| instructions(run, kind, cycles));
+    Ok((many? - few?) / f64::from(CYCLES[1] - CYCLES[0]))
+}
+
+/// Instructions of a whole run of the bench.
+fn instructions(run: &Run, kind: &str, cycles: u32) -> Result<f64, String> {
+    let mut cargo: Command = run.cargo();
+    cargo.args(["bench", "--bench", "instructions", "--", kind, &cycles.to_string()]);
+    let runner = "valgrind --tool=callgrind --callgrind-out-file=/dev/null";
+    // For whichever target this is: the name of the variable holds it.
+    let target = format!("{}_UNKNOWN_LINUX_GNU", std::env::consts::ARCH.to_uppercase());
+    cargo.env(format!("CARGO_TARGET_{target}_RUNNER"), runner);
+    let output = cargo.output().map_err(|error| format!("cargo bench: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let total = text.lines().find_map(|line| line.split("Collected :").nth(1));
+    let total = total.and_then(|total| total.split_whitespace().next()?.parse().ok());
+    total.ok_or_else(|| format!("callgrind counted nothing: {}", text.lines().last().unwrap_or("")))
+}
