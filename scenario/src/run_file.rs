@@ -5,6 +5,7 @@ use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
 use crate::motion::MotionFile;
+use crate::plausibility::PlausibilityFile;
 use crate::quantity::Quantity;
 use crate::rig::RigFile;
 use crate::source::Source;
@@ -42,6 +43,9 @@ pub struct RunFile {
     /// How rigs are moved.
     #[serde(default)]
     pub motion: MotionFile,
+    /// What is believed of rigs.
+    #[serde(default)]
+    pub plausibility: PlausibilityFile,
     /// The emulated rig on the memory bus; its damper defaults to that of the scenario.
     #[serde(default)]
     pub rig: RigFile,

@@ -57,8 +57,9 @@ impl Session<'_> {
         let woken = Instant::now();
         self.receive(state, buses);
         let inputs = self.decode(state);
-        self.judge(state);
+        self.judge(state, &inputs);
         let compute = self.guard_step_and_compensate(state, &inputs);
+        self.judge_commands(state);
         self.watch_growth(state);
         let commands = self.encode(state);
         self.send(state, buses, &commands);
@@ -114,7 +115,13 @@ impl Session<'_> {
     }
 
     /// Ends the run on the causes that the rigs have given, and on another host.
-    fn judge(&self, state: &mut SessionState) {
+    fn judge(&self, state: &mut SessionState, inputs: &Inputs) {
+        if state.line.state == State::Run {
+            for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+                let model_n = state.line.slots[port.slot].damper.force_n();
+                port.judge_residual(memory, inputs.force[port.slot], model_n);
+            }
+        }
         for bus in 0..state.overheard.len() {
             if let Some(id) = state.overheard[bus].judge() {
                 let (signal, action) = (Signal::SecondSender, Action::Stop);
@@ -147,6 +154,15 @@ impl Session<'_> {
             self.stop(state, silent, Self::fact(signal), Action::Stop);
         }
         begin.elapsed()
+    }
+
+    /// Stops where a limit has changed a command, if that is chosen.
+    fn judge_commands(&self, state: &mut SessionState) {
+        for port in &self.ports {
+            if let Some(cause) = port.beyond_limits(state.line.slots[port.slot].limited) {
+                self.stop(state, Some(port.node.number()), cause, cause.action);
+            }
+        }
     }
 
     /// Ramps out where hunting will reach the end of a stroke.

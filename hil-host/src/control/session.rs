@@ -3,7 +3,7 @@
 use super::hash;
 use super::overheard::Overheard;
 use super::port::{Port, PortState};
-use super::stop::{PressureRequest, Stop};
+use super::stop::{NotedSummary, PressureRequest, Stop};
 use super::terms::Arming;
 use crate::wire_state::wire_state;
 use can_protocol::arming::Quiet;
@@ -101,6 +101,20 @@ impl Session<'_> {
             state.pressure_off.get_or_insert(PressureRequest::new(stop));
         }
         state.stop.get_or_insert(stop);
+    }
+
+    /// What was beyond a limit of a rig and ended nothing.
+    pub fn noted(&self, state: &SessionState) -> std::vec::Vec<NotedSummary> {
+        let time_s = |cycle: u64| {
+            let since = cycle as i64 - i64::from(state.line.ramp_in_cycles) - 1;
+            since as f64 * self.line.cycle_s
+        };
+        let ports = self.ports.iter().zip(&state.ports);
+        let noted = ports.flat_map(|(port, memory)| {
+            let node = port.node.number();
+            memory.belief.noted().map(move |noted| NotedSummary::of(node, &noted, time_s))
+        });
+        noted.collect()
     }
 
     /// Whether there is anything to fade in and out.

@@ -5,7 +5,7 @@ use super::plan::{Plan, RigPlace};
 use crate::BenchError;
 use crate::bus::{AnyBus, BusChoice, MemoryBus, SocketCanBus};
 use crate::clock::Pacer;
-use crate::control::{Arming, Pace, Port, Session, Watch};
+use crate::control::{Arming, MOST_FORCE_N, Pace, Port, Session, Watch};
 use crate::draw::Draw;
 use crate::options::{PaceChoice, RunOptions};
 use crate::rig::RigNode;
@@ -52,7 +52,10 @@ pub(crate) fn session<'a>(
         believed_forces_n(run, line(run, track))
     };
     let port = |rig: &RigPlace| {
-        let port = Port::new(rig.node, rig.bus, rig.slot, profile)?.believing(forces_n[rig.slot]);
+        let force_n = forces_n[rig.slot].min(MOST_FORCE_N);
+        let checks = run.plausibility.checks(profile.counter_modulus(), force_n);
+        let port = Port::new(rig.node, rig.bus, rig.slot, profile)?
+            .checked(checks, run.motion.beyond_limits);
         Ok(match watch_of(run, rig.slot) {
             Some(watch) => port.watched(watch),
             None => port,
