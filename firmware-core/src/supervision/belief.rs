@@ -21,7 +21,8 @@ use super::loss::{Loss, LossVerdict};
 use super::rule::{Action, Rule, RuleState};
 use super::stuck::Stuck;
 use super::work::Work;
-use crate::guard::{Command, ForceInput};
+use crate::command::Command;
+use crate::guard::ForceInput;
 
 /// A measurement, as it came off the bus.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,6 +63,8 @@ const RESIDUAL_S: f64 = 1.0;
 pub struct Belief {
     age: AgeJudge,
     begun: bool,
+    /// Whether the rig was coupled, and every cycle is to bring a measurement.
+    is_coupled: bool,
     /// Whether this cycle has a new measurement.
     is_new: bool,
     last_echo: Option<u8>,
@@ -117,10 +120,12 @@ impl Belief {
             input => input,
         };
         let is_new = core::mem::take(&mut self.is_new);
-        self.begun |= matches!(input, ForceInput::Fresh(_));
-        if self.begun {
+        let has_come = matches!(input, ForceInput::Fresh(_));
+        // The first command was sent in the cycle of the coupling: its answer is due in the next.
+        if self.begun || has_come {
             self.count_losses(checks, is_new);
         }
+        self.begun |= has_come || self.is_coupled;
         self.found.end_cycle();
         input
     }
@@ -152,9 +157,11 @@ impl Belief {
         self.found.noted()
     }
 
-    /// Fills the memory of commands with the place where the ram stands when it is coupled.
+    /// Begins with the cycle in which a rig is coupled: fills the memory of commands with the place
+    /// where its ram stands. From the next cycle on measurements can be lost.
     pub fn begin(&mut self, command: Command) {
         self.sent = [command; REMEMBERED];
+        self.is_coupled = true;
     }
 
     /// The strongest action that has been asked for: the first cause may ask to ramp out, and a

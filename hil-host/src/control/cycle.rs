@@ -2,7 +2,6 @@
 
 use super::buses::Buses;
 use super::hash;
-use super::port::Port;
 use super::session::{Session, SessionState};
 use crate::bus::{Bus, Sent};
 use crate::clock::Tick;
@@ -96,14 +95,6 @@ impl Session<'_> {
             inputs.kind[port.slot] = force.into();
             inputs.frame[port.slot] = frame;
         }
-        if state.line.cycle == 0 {
-            // The first answer comes after the first command.
-            for (force, slot) in inputs.force.iter_mut().zip(&self.line.slots) {
-                if matches!(slot, Slot::Rig(_)) && *force == ForceInput::Missing {
-                    *force = ForceInput::Fresh(0.0);
-                }
-            }
-        }
         let modelled = inputs.kind.iter().zip(&self.line.slots);
         debug_assert!(
             modelled.into_iter().all(|(kind, slot)| {
@@ -148,10 +139,7 @@ impl Session<'_> {
         self.line.step(&mut state.line, &inputs.force);
         debug_assert_eq!(state.line.cycle, cycle + 1, "a step is one cycle");
         if state.line.is_safe() && state.stop.is_none() {
-            let tripped = |port: &&Port| state.line.slots[port.slot].guard.tripped;
-            let silent = self.ports.iter().find(tripped).map(|port| port.node.number());
-            let signal = if silent.is_some() { Signal::SilentRig } else { Signal::Vehicle };
-            self.stop(state, silent, Self::fact(signal), Action::Stop);
+            self.stop(state, None, Self::fact(Signal::Vehicle), Action::Stop);
         }
         begin.elapsed()
     }

@@ -9,7 +9,8 @@ use can_protocol::{
     Command, Counts, Frame, Measurement, MeasurementFlags, MessageId, Mode, Node, Profile,
     Receiver, ReceiverState, Residual, RunState, Seal, SessionCode, Status,
 };
-use firmware_core::guard::{self, ForceInput};
+use firmware_core::command;
+use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{
     Action, Arrival, Belief, Cause, Checks, Frames, Growth, Measured, Rule, SecondSender, Signal,
 };
@@ -271,7 +272,7 @@ impl Port {
 
     /// Begins to command a ram that stands still: what came before belongs to no cycle, and frames
     /// are counted from here on.
-    pub fn begin(&self, state: &mut PortState, ram: guard::Command) {
+    pub fn begin(&self, state: &mut PortState, ram: command::Command) {
         (state.newest, state.frames) = (None, Frames::default());
         state.before = *state.receiver.counts();
         state.belief.begin(ram);
@@ -299,7 +300,7 @@ impl Port {
     pub fn command(
         &self,
         state: &mut PortState,
-        command: &guard::Command,
+        command: &command::Command,
         run: RunState,
         time_us: u32,
     ) -> Frame {
@@ -428,7 +429,7 @@ mod tests {
     fn of_several_measurements_the_newest_counts() {
         let (port, mut state) = armed();
         for counter in 0..3 {
-            port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
+            port.command(&mut state, &command::Command::default(), RunState::Run, 0);
             assert!(port.take_frame(&mut state, &measurement(counter, f64::from(counter) * 10.0)));
         }
         assert_eq!(port.take_input(&mut state).0, ForceInput::Fresh(20.0));
@@ -439,7 +440,7 @@ mod tests {
     #[test]
     fn a_rig_that_is_not_running_gives_no_force() {
         let (port, mut state) = armed();
-        port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
+        port.command(&mut state, &command::Command::default(), RunState::Run, 0);
         let (frame, _) = Measurement {
             state: RunState::Safe,
             ..Measurement::decode_sealed(0x201, measurement(0, 5.0).data(), seal(0)).unwrap()
@@ -455,7 +456,7 @@ mod tests {
     fn a_measurement_in_fault_was_forgotten_after_its_cycle() {
         let (port, mut state) = armed();
         for (counter, run) in [(0, RunState::Fault), (1, RunState::Run)] {
-            port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
+            port.command(&mut state, &command::Command::default(), RunState::Run, 0);
             let (whole, seal) = (measurement(counter, 5.0), seal(counter));
             let sound = Measurement::decode_sealed(0x201, whole.data(), seal).unwrap();
             let (frame, _) =
@@ -470,7 +471,7 @@ mod tests {
     fn the_echo_of_the_last_command_is_recognised() {
         let (port, mut state) = armed();
         assert!(!port.has_echo(&state));
-        let command = guard::Command::default();
+        let command = command::Command::default();
         port.command(&mut state, &command, RunState::Run, 0);
         port.take_frame(&mut state, &measurement(0, 1.0));
         assert!(port.has_echo(&state));

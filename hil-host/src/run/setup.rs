@@ -11,7 +11,6 @@ use crate::options::{PaceChoice, RunOptions};
 use crate::rig::RigNode;
 use can_protocol::{MessageId, Node, Pace as WirePace, Profile, Sender};
 use firmware_core::compensation::VirtualWear;
-use firmware_core::guard::Guard;
 use firmware_core::line::{Fade, Line, RigSlot, Slot};
 use firmware_core::supervision::CommandLimits;
 use firmware_core::track::Track;
@@ -104,7 +103,6 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
         cycle_s: CYCLE_S,
         substeps: run.substeps,
         slots,
-        guard: Guard::default(),
         fade: Fade {
             motion_cycles: run.motion.ramp_cycles,
             coupling_cycles: run.motion.ramp_cycles,
