@@ -362,6 +362,11 @@ impl PortState {
         self.armed.is_some()
     }
 
+    /// Whether measurements came since the last cycle, and all of them failed their check.
+    pub(super) fn hears_only_bad(&self) -> bool {
+        self.frames.bad && !self.frames.good
+    }
+
     /// Whether no command was sent since arming.
     pub(super) fn is_new(&self) -> bool {
         self.cycle == 0

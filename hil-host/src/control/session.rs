@@ -137,6 +137,10 @@ impl Session<'_> {
 
     /// The announcement to all rigs.
     pub fn sync(&self, state: &SessionState) -> Frame {
+        self.sync_message(state).encode()
+    }
+
+    pub(super) fn sync_message(&self, state: &SessionState) -> Sync {
         Sync {
             version: can_protocol::PROTOCOL_VERSION,
             profile: self.profile,
@@ -145,7 +149,6 @@ impl Session<'_> {
             slow_down: self.slow_down,
             time_us: self.time_us(state),
         }
-        .encode()
     }
 
     /// The next heartbeat.
