@@ -34,6 +34,7 @@ pub(crate) fn effective(
     file.damper = file.damper.over(&DamperFile::new_damper());
     file.rig = file.rig.with_defaults(&file.damper);
     file.motion = file.motion.with_defaults();
+    file.readiness = file.readiness.with_defaults();
     file.plausibility = file.plausibility.with_defaults(motion.stroke_m);
     for slot in file.slot.iter_mut().filter(|slot| slot.on == On::Rig) {
         slot.model = Some(slot.model.take().unwrap_or_default().over(&file.damper));

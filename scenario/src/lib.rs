@@ -42,6 +42,7 @@ mod motion;
 pub mod plausibility;
 pub mod profile;
 pub mod quantity;
+mod readiness;
 pub mod rig;
 pub mod run;
 mod run_file;

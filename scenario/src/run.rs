@@ -4,6 +4,7 @@ pub use crate::cycle::CYCLE_S;
 pub use crate::effective::Effective;
 pub use crate::motion::{BeyondLimits, Motion};
 pub use crate::plausibility::{BEYOND_STROKE_M, ForceLimit, Plausibility};
+pub use crate::readiness::Readiness;
 pub use crate::run_file::{On, RunFile, SlotFile, VirtualWearFile};
 pub use crate::slot::{Slot, SlotForce, worn};
 
@@ -78,6 +79,8 @@ pub struct Run {
     pub slots: Vec<Slot>,
     /// How rigs are moved.
     pub motion: Motion,
+    /// What rigs have to answer before they are armed.
+    pub readiness: Readiness,
     /// What is believed of rigs.
     pub plausibility: Plausibility,
     /// The emulated rig.
@@ -213,6 +216,7 @@ impl Run {
             ScenarioError::Equilibrium { file: vehicle_source.path().to_owned(), part: None, error }
         })?;
         let motion = file.motion.build(source)?;
+        let readiness = file.readiness.build(source)?;
         let plausibility = file.plausibility.build(source, motion.stroke_m)?;
         let ramps_s = if on_rigs(&slots) { motion.ramps_s() } else { 0.0 };
         let end_m = START_M + speed_m_per_s * (duration_s + ramps_s) + 20.0;
@@ -253,6 +257,7 @@ impl Run {
             band,
             slots,
             motion,
+            readiness,
             plausibility,
             rig,
             compare,

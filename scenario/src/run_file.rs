@@ -7,6 +7,7 @@ use crate::inputs::Inputs;
 use crate::motion::MotionFile;
 use crate::plausibility::PlausibilityFile;
 use crate::quantity::Quantity;
+use crate::readiness::ReadinessFile;
 use crate::rig::RigFile;
 use crate::source::Source;
 use crate::track::TrackFile;
@@ -43,6 +44,9 @@ pub struct RunFile {
     /// How rigs are moved.
     #[serde(default)]
     pub motion: MotionFile,
+    /// What rigs have to answer before they are armed.
+    #[serde(default)]
+    pub readiness: ReadinessFile,
     /// What is believed of rigs.
     #[serde(default)]
     pub plausibility: PlausibilityFile,

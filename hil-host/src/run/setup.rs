@@ -67,7 +67,7 @@ pub(crate) fn session<'a>(
         profile,
         pace,
         slow_down,
-        arming,
+        arming: arming.requiring(&run.readiness),
         watched: [body("carbody"), body("bogie_front"), body("wheelset_1")],
         rear_bogie: body("bogie_rear"),
     })

@@ -40,7 +40,7 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>, pace: Pace) -> Ses
         profile: Profile::Classical,
         pace,
         slow_down: NonZeroU8::MIN,
-        arming: Arming::in_memory(),
+        arming: Arming::in_memory().requiring(&run.readiness),
         watched: [Some(0), Some(1), Some(3)],
         rear_bogie: Some(2),
     }
