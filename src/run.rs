@@ -213,6 +213,12 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
     }
     let not_held = summary.not_held.iter();
     lines.extend(not_held.map(|reason| format!("warning: not held: {reason}")));
+    lines.extend(summary.noted.iter().map(|noted| {
+        let (first, largest) = (&noted.first, report::significant(noted.largest, 4));
+        let unit = first.unit.as_deref().unwrap_or_default();
+        let (message, times) = (&first.message, noted.times);
+        format!("noted: {message}; {times} times, at most {largest} {unit}")
+    }));
     for damper in &summary.damper {
         let (cut, flagged) = (damper.saturated_commands, damper.flagged_measurements);
         if cut.unwrap_or(0) + flagged.unwrap_or(0) > 0 {

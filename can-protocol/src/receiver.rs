@@ -20,8 +20,8 @@
 //!   from 0. A frame's cycle is the last accepted one plus the step of the counter, 0 to 14 (FD 0
 //!   to 254), and its CRC must be sealed with that cycle. With the cycle one roll-over earlier it
 //!   is an old frame, `WRONG_SEQUENCE`; with any other it is `WRONG_CRC`. A sender that restarted
-//!   is never taken up again. A refused frame is tried as a plain one ([`Reception::plain`]), and
-//!   [`Receiver::is_sealed_by`] tries another session: evidence of a second sender.
+//!   is never taken up again. A refused frame is tried as a plain one ([`Reception::plain`]):
+//!   evidence of a second sender.
 use crate::reception::{Counts, Reception, Status};
 use crate::signal::{Field, Word};
 use crate::{
@@ -229,20 +229,6 @@ impl<M: Cyclic> Receiver<M> {
     pub fn no_frame(&self, state: &mut ReceiverState) -> Status {
         state.counts.count(Status::NoNewData);
         Status::NoNewData
-    }
-
-    /// Whether a frame is sealed by another session whose sender is near the cycle of `other`, up
-    /// to half a roll-over before or after it. True for random bytes once in 256 (FD 65,536).
-    pub fn is_sealed_by(&self, id: u16, data: &[u8], other: Seal) -> bool {
-        let modulus = self.profile.counter_modulus();
-        let steps = self.profile.counter_steps(other.counter(self.profile), self.counter_in(data));
-        let cycle = if steps <= modulus / 2 {
-            other.cycle.checked_add(u32::from(steps))
-        } else {
-            other.cycle.checked_sub(u32::from(modulus - steps))
-        };
-        let seal = cycle.map(|cycle| Seal { cycle, ..other });
-        id == self.message_id().raw() && seal.is_some() && M::decode_frame(id, data, seal).is_ok()
     }
 
     /// The counter of a payload that may be anything.

@@ -6,7 +6,8 @@
 //! Read in this order:
 //!
 //! 1. [`mod@line`]: one control cycle as one straight line. It joins everything below.
-//! 2. [`guard`]: what a received force must pass, and the safe stop.
+//! 2. [`guard`]: the last believed force of a rig; [`command`]: where its command stands, and the
+//!    safe stop.
 //! 3. [`vehicle`]: bodies and force elements from data, stepped by leapfrog.
 //! 4. [`damper`]: the series damper, and [`damper::effects`], one file each, for what a nominal
 //!    damper lacks.
@@ -21,7 +22,8 @@
 //!
 //! ```text
 //! line -> vehicle -> wheel_rail, track -> lanes
-//!      -> guard, supervision, compensation, damper
+//!      -> supervision -> guard, command
+//!      -> compensation, damper
 //! ```
 //!
 //! Parameters are `&self`, memory is `&mut state`; every state can be copied as a snapshot.
@@ -33,6 +35,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod command;
 pub mod compensation;
 pub mod damper;
 mod error;

@@ -13,7 +13,7 @@ use firmware_core::damper::{
     Curve, Damper, DamperState, Effect, EmpiricalMap, Factors, MapCoordinate, MapKnot, Motion,
     Nominal, Parts, attachment_force_n,
 };
-use firmware_core::guard::{ForceInput, Guard, GuardState};
+use firmware_core::guard::{ForceInput, Guard};
 use firmware_core::lanes::Lanes;
 use firmware_core::line::{Fade, Line, Slot};
 use firmware_core::supervision::{Event, Growth};
@@ -59,7 +59,6 @@ fn line(vehicle: &Vehicle, track: &Track<'_>, table: &ContactTable) {
         cycle_s: 0.0,
         substeps: 0,
         slots: [const { Slot::Empty }; DAMPER_SLOTS],
-        guard: Guard::default(),
         fade: black_box(Fade::default()),
     };
     black_box(&mut line);
@@ -74,8 +73,8 @@ fn line(vehicle: &Vehicle, track: &Track<'_>, table: &ContactTable) {
     let snapshot = state.clone();
     black_box((snapshot == state, state.vehicle.is_finite()));
     black_box(&state);
-    let mut guard = black_box(GuardState::default());
-    black_box(line.guard.take(&mut guard, black_box(ForceInput::Missing)));
+    let mut guard = black_box(Guard::default());
+    black_box(guard.take(black_box(ForceInput::Missing)));
 }
 
 /// Several vehicles side by side.

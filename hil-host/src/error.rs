@@ -5,7 +5,7 @@
 
 use crate::bus::{BusError, InvalidBus};
 use can_protocol::arming::Refusal;
-use can_protocol::{ArmItem, PROTOCOL_VERSION, RunState};
+use can_protocol::{ArmItem, PROTOCOL_VERSION, RunState, Sync};
 use files::{FolderError, InputError, quoted};
 use scenario::source::ScenarioError;
 use std::fmt;
@@ -73,6 +73,15 @@ pub enum BenchError {
         bus: String,
         /// Its version; none where its heartbeat cannot be read.
         version: Option<u8>,
+    },
+    /// A rig that refuses the announced session.
+    RefusedSync {
+        /// Its node.
+        node: u8,
+        /// The bus as it was given.
+        bus: String,
+        /// The session that it cannot follow.
+        session: Sync,
     },
     /// A rig that is latched in SAFE or FAULT.
     LatchedRig {
@@ -177,6 +186,7 @@ impl BenchError {
             Self::SilentRigs { .. }
             | Self::BlindRigs { .. }
             | Self::ForeignVersion { .. }
+            | Self::RefusedSync { .. }
             | Self::LatchedRig { .. }
             | Self::UnarmedRig { .. }
             | Self::UnresetRig { .. }
@@ -199,6 +209,7 @@ impl BenchError {
                 | Self::BlindRigs { .. }
                 | Self::FarRam { .. }
                 | Self::ForeignVersion { .. }
+                | Self::RefusedSync { .. }
                 | Self::LatchedRig { .. }
                 | Self::UnarmedRig { .. }
                 | Self::UnresetRig { .. }
@@ -223,6 +234,12 @@ impl BenchError {
                 }
                 write!(f, ", expected protocol version {PROTOCOL_VERSION}")
             }
+            Self::RefusedSync { node, bus, session } => write!(
+                f,
+                "rig node {node} on {} refuses the session (CONFIGURATION_MISMATCH), expected one \
+                 that it can follow; found {session}",
+                quoted(bus)
+            ),
             Self::LatchedRig { node, bus, state } => write!(
                 f,
                 "rig node {node} on {} is latched in {state}: reset it by the key at the rig, or by \
@@ -316,6 +333,7 @@ impl fmt::Display for BenchError {
                 )
             }
             Self::ForeignVersion { .. }
+            | Self::RefusedSync { .. }
             | Self::LatchedRig { .. }
             | Self::UnarmedRig { .. }
             | Self::UnresetRig { .. } => self.fmt_of_rig(f),

@@ -3,6 +3,7 @@
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::irregularity::IrregularityFile;
+use crate::motion::Motion;
 use crate::run_file::{On, RunFile};
 use crate::source::Source;
 use crate::vehicle::VehicleFile;
@@ -20,6 +21,7 @@ pub struct Effective {
 /// The scenario with every default written out; files that it names get their full path.
 pub(crate) fn effective(
     mut file: RunFile,
+    motion: &Motion,
     source: &Source,
     mut vehicle: VehicleFile,
     vehicle_source: &Source,
@@ -32,6 +34,8 @@ pub(crate) fn effective(
     file.damper = file.damper.over(&DamperFile::new_damper());
     file.rig = file.rig.with_defaults(&file.damper);
     file.motion = file.motion.with_defaults();
+    file.readiness = file.readiness.with_defaults();
+    file.plausibility = file.plausibility.with_defaults(motion.stroke_m);
     for slot in file.slot.iter_mut().filter(|slot| slot.on == On::Rig) {
         slot.model = Some(slot.model.take().unwrap_or_default().over(&file.damper));
     }

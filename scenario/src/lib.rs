@@ -7,7 +7,8 @@
 //!
 //! Read [`run`] first. The parts of the file follow: [`vehicle`] and [`wheel_rail`], whose numbers
 //! carry their provenance ([`quantity`]); [`damper`], the damper of each slot, and [`watch`], the
-//! model that a rig is compared with; [`track`] and [`irregularity`]; [`rig`]; [`compare`].
+//! model that a rig is compared with; [`track`] and [`irregularity`]; [`rig`] and
+//! [`plausibility`], what is believed of it; [`compare`].
 //! [`setting`] changes single numbers by their key, as studies do. [`datasheet::Datasheet`]
 //! converts a maker's data into a nominal damper.
 //!
@@ -38,8 +39,10 @@ pub mod irregularity;
 mod kind;
 pub mod minimum_speed;
 mod motion;
+pub mod plausibility;
 pub mod profile;
 pub mod quantity;
+mod readiness;
 pub mod rig;
 pub mod run;
 mod run_file;

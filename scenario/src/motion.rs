@@ -6,9 +6,11 @@
 //! stroke_m = 0.1                   # furthest command from mid-stroke
 //! velocity_m_per_s = 0.5
 //! acceleration_m_per_s2 = 20.0
-//! force_n = 30.0e3                 # largest believed force; by default 1.5 times the model's
+//! beyond_limits = "saturate"       # what becomes of a command beyond them: or "stop"
 //! ```
-//! The limits are those of the host's commands. A rig has its own, and the tighter ones rule.
+//! The limits are those of the host's commands. A rig has its own, and the tighter ones rule. A
+//! command that asks for more is replaced by the nearest one within them; with `"stop"` that also
+//! brings the bench to SAFE. Wear in software and `ramp_s = 0` need commands to be cut.
 
 use crate::cycle::CYCLE_S;
 use crate::error::ScenarioError;
@@ -28,9 +30,22 @@ pub struct MotionFile {
     pub velocity_m_per_s: Option<Quantity>,
     /// Highest acceleration of a command.
     pub acceleration_m_per_s2: Option<Quantity>,
-    /// Largest believed force.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// What becomes of a command beyond them.
+    pub beyond_limits: Option<BeyondLimits>,
+    /// Where the largest believed force stood before there was `[plausibility]`.
+    #[serde(skip_serializing)]
     pub force_n: Option<Quantity>,
+}
+
+/// What becomes of a command beyond its limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BeyondLimits {
+    /// The nearest command within them is sent.
+    #[default]
+    Saturate,
+    /// The same, and the bench goes to SAFE.
+    Stop,
 }
 
 /// The motion of rigs, ready to run.
@@ -44,8 +59,8 @@ pub struct Motion {
     pub velocity_m_per_s: f64,
     /// Highest acceleration of a command (m/s2).
     pub acceleration_m_per_s2: f64,
-    /// Largest believed force (N); where absent it follows from the model of each damper.
-    pub force_n: Option<f64>,
+    /// What becomes of a command beyond them.
+    pub beyond_limits: BeyondLimits,
 }
 
 const RAMP_S: f64 = 0.5;
@@ -59,15 +74,17 @@ const ACCELERATION_M_PER_S2: f64 = 20.0;
 impl MotionFile {
     /// The same with every default written out.
     pub(crate) fn with_defaults(&self) -> Self {
-        let or = |given: &Option<Quantity>, default| {
-            Some(given.clone().unwrap_or_else(|| Quantity::plain(default)))
-        };
+        let or = Quantity::or;
         Self {
-            ramp_s: or(&self.ramp_s, RAMP_S),
-            stroke_m: or(&self.stroke_m, STROKE_M),
-            velocity_m_per_s: or(&self.velocity_m_per_s, VELOCITY_M_PER_S),
-            acceleration_m_per_s2: or(&self.acceleration_m_per_s2, ACCELERATION_M_PER_S2),
-            force_n: self.force_n.clone(),
+            ramp_s: Some(or(self.ramp_s.as_ref(), RAMP_S)),
+            stroke_m: Some(or(self.stroke_m.as_ref(), STROKE_M)),
+            velocity_m_per_s: Some(or(self.velocity_m_per_s.as_ref(), VELOCITY_M_PER_S)),
+            acceleration_m_per_s2: Some(or(
+                self.acceleration_m_per_s2.as_ref(),
+                ACCELERATION_M_PER_S2,
+            )),
+            beyond_limits: Some(self.beyond_limits.unwrap_or_default()),
+            force_n: None,
         }
     }
 
@@ -76,6 +93,13 @@ impl MotionFile {
     /// # Errors
     /// The first number that does not fit, with file and line.
     pub(crate) fn build(&self, source: &Source) -> Result<Motion, ScenarioError> {
+        if let Some(force) = &self.force_n {
+            let new = format!(
+                "[motion] force_n is now `force = {{ limit_n = {} }}` under [plausibility]",
+                files::number(force.value)
+            );
+            return Err(force.error(source, new));
+        }
         let within = |given: &Option<Quantity>, key: &str, (least, most): (f64, f64), unit, or| {
             let range = format!("{least} to {most} {unit}");
             given.as_ref().map_or(Ok(or), |value| value.within(source, key, least, most, &range))
@@ -98,10 +122,7 @@ impl MotionFile {
                 "m/s2",
                 ACCELERATION_M_PER_S2,
             )?,
-            force_n: match &self.force_n {
-                Some(force) => Some(force.within(source, "force_n", 100.0, 1e6, "100 to 1e6 N")?),
-                None => None,
-            },
+            beyond_limits: self.beyond_limits.unwrap_or_default(),
         })
     }
 }
@@ -133,10 +154,17 @@ mod tests {
             "ramp_s = 1e9",
             "stroke_m = 0.0",
             "velocity_m_per_s = 0.0",
-            "force_n = 1.0",
+            "beyond_limits = \"cut\"",
         ] {
             assert!(built(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn the_key_that_has_moved_is_refused_with_its_new_name() {
+        let expected = "motion.toml:2: [motion] force_n is now `force = { limit_n = 30000 }` under \
+                        [plausibility]";
+        assert_eq!(built("ramp_s = 0.1\nforce_n = 30e3").unwrap_err().to_string(), expected);
     }
 
     #[test]

@@ -60,6 +60,11 @@ impl Quantity {
         Self { value, ..Self::default() }
     }
 
+    /// A number that a file gives, or its default.
+    pub(crate) fn or(given: Option<&Self>, default: f64) -> Self {
+        given.cloned().unwrap_or_else(|| Self::plain(default))
+    }
+
     /// The same number with where it comes from and what there is to say about it.
     #[must_use]
     pub fn with_provenance(self, provenance: Provenance, note: Option<String>) -> Self {

@@ -103,18 +103,19 @@ impl RigFile {
     /// This rig with every default written out, and `damper` wherever its own has no value.
     #[must_use]
     pub fn with_defaults(&self, damper: &DamperFile) -> Self {
-        let or = |given: &Option<Quantity>, default| {
-            Some(given.clone().unwrap_or_else(|| Quantity::plain(default)))
-        };
+        let or = Quantity::or;
         Self {
             name: Some(self.name.clone().unwrap_or_else(|| NAME.to_owned())),
-            stroke_m: or(&self.stroke_m, STROKE_M),
-            rate_m_per_s: or(&self.rate_m_per_s, RATE_M_PER_S),
-            lag_s: or(&self.lag_s, LAG_S),
+            stroke_m: Some(or(self.stroke_m.as_ref(), STROKE_M)),
+            rate_m_per_s: Some(or(self.rate_m_per_s.as_ref(), RATE_M_PER_S)),
+            lag_s: Some(or(self.lag_s.as_ref(), LAG_S)),
             delay_cycles: Some(self.delay_cycles.unwrap_or(0)),
             fixture_n_per_m: self.fixture_n_per_m.clone(),
-            force_noise_n: or(&self.force_noise_n, FORCE_NOISE_N),
-            displacement_noise_m: or(&self.displacement_noise_m, DISPLACEMENT_NOISE_M),
+            force_noise_n: Some(or(self.force_noise_n.as_ref(), FORCE_NOISE_N)),
+            displacement_noise_m: Some(or(
+                self.displacement_noise_m.as_ref(),
+                DISPLACEMENT_NOISE_M,
+            )),
             seed: Some(self.seed.unwrap_or(1)),
             damper: self.damper.over(damper),
         }

@@ -2,7 +2,9 @@
 
 pub use crate::cycle::CYCLE_S;
 pub use crate::effective::Effective;
-pub use crate::motion::Motion;
+pub use crate::motion::{BeyondLimits, Motion};
+pub use crate::plausibility::{BEYOND_STROKE_M, ForceLimit, Plausibility};
+pub use crate::readiness::Readiness;
 pub use crate::run_file::{On, RunFile, SlotFile, VirtualWearFile};
 pub use crate::slot::{Slot, SlotForce, worn};
 
@@ -77,6 +79,10 @@ pub struct Run {
     pub slots: Vec<Slot>,
     /// How rigs are moved.
     pub motion: Motion,
+    /// What rigs have to answer before they are armed.
+    pub readiness: Readiness,
+    /// What is believed of rigs.
+    pub plausibility: Plausibility,
     /// The emulated rig.
     pub rig: RigSetup,
     /// Another damper that the run is compared with.
@@ -210,6 +216,8 @@ impl Run {
             ScenarioError::Equilibrium { file: vehicle_source.path().to_owned(), part: None, error }
         })?;
         let motion = file.motion.build(source)?;
+        let readiness = file.readiness.build(source)?;
+        let plausibility = file.plausibility.build(source, motion.stroke_m)?;
         let ramps_s = if on_rigs(&slots) { motion.ramps_s() } else { 0.0 };
         let end_m = START_M + speed_m_per_s * (duration_s + ramps_s) + 20.0;
         let track = file.track.build(source, (0.0, end_m), &mut inputs)?;
@@ -234,7 +242,7 @@ impl Run {
             vehicle_file.body.iter().map(|body| quoted(&body.name).to_string()).collect();
         file.run_in_s = Some(Quantity::plain(run_in_s));
         file.substeps = Some(substeps);
-        let effective = effective(file, source, vehicle_file, &vehicle_source)?;
+        let effective = effective(file, &motion, source, vehicle_file, &vehicle_source)?;
         Ok(Self {
             title,
             vehicle_name,
@@ -249,6 +257,8 @@ impl Run {
             band,
             slots,
             motion,
+            readiness,
+            plausibility,
             rig,
             compare,
             start,

@@ -5,7 +5,9 @@ use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
 use crate::motion::MotionFile;
+use crate::plausibility::PlausibilityFile;
 use crate::quantity::Quantity;
+use crate::readiness::ReadinessFile;
 use crate::rig::RigFile;
 use crate::source::Source;
 use crate::track::TrackFile;
@@ -42,6 +44,12 @@ pub struct RunFile {
     /// How rigs are moved.
     #[serde(default)]
     pub motion: MotionFile,
+    /// What rigs have to answer before they are armed.
+    #[serde(default)]
+    pub readiness: ReadinessFile,
+    /// What is believed of rigs.
+    #[serde(default)]
+    pub plausibility: PlausibilityFile,
     /// The emulated rig on the memory bus; its damper defaults to that of the scenario.
     #[serde(default)]
     pub rig: RigFile,

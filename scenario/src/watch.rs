@@ -74,16 +74,17 @@ impl WatchFile {
     /// This watch with every default written out; `base` is the scenario's damper.
     #[must_use]
     pub fn with_defaults(&self, base: &DamperFile) -> Self {
-        let or = |given: &Option<Quantity>, default| {
-            Some(given.clone().unwrap_or_else(|| Quantity::plain(default)))
+        let or = Quantity::or;
+        let limit_ratio = if self.limit_n.is_none() {
+            Some(or(self.limit_ratio.as_ref(), LIMIT_RATIO))
+        } else {
+            None
         };
-        let limit_ratio =
-            if self.limit_n.is_none() { or(&self.limit_ratio, LIMIT_RATIO) } else { None };
         Self {
             damper: self.damper.over(base),
-            settle_s: or(&self.settle_s, SETTLE_S),
-            learn_s: or(&self.learn_s, LEARN_S),
-            window_s: or(&self.window_s, WINDOW_S),
+            settle_s: Some(or(self.settle_s.as_ref(), SETTLE_S)),
+            learn_s: Some(or(self.learn_s.as_ref(), LEARN_S)),
+            window_s: Some(or(self.window_s.as_ref(), WINDOW_S)),
             limit_ratio,
             limit_n: self.limit_n.clone(),
         }

@@ -106,7 +106,7 @@ fn a_peer_that_lies_in_motion_is_found_out_by_name() {
         ("frozen-force", "stuck_force", "ramped_out"),
         ("reversed-force", "work", "ramped_out"),
         ("displacement-off", "velocity", "safe"),
-        ("wrong-seal", "silent_rig", "safe"),
+        ("wrong-seal", "wrong_seal", "safe"),
     ];
     for (lie, signal, state) in lies {
         // It begins half a second into RUN.

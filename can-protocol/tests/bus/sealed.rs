@@ -150,23 +150,6 @@ fn a_restarted_sender_is_never_taken_up_again() {
 }
 
 #[test]
-fn a_frame_of_another_session_is_recognised_where_its_code_is_known() {
-    let armed = Armed::new(Classical, code(0));
-    for cycle in 0..5000_u32 {
-        let foreign = frame(Classical, code(1), cycle);
-        let is_of = |session: usize, cycle| {
-            let other = Seal { code: code(session), cycle };
-            armed.receiver.is_sealed_by(foreign.id(), foreign.data(), other)
-        };
-        for estimate in [cycle.saturating_sub(7), cycle, cycle + 7] {
-            assert!(is_of(1, estimate), "{cycle} {estimate}");
-        }
-        assert!(!is_of(0, cycle), "two codes never agree in one cycle");
-        assert!(!armed.receiver.is_sealed_by(0x102, foreign.data(), Seal { code: code(1), cycle }));
-    }
-}
-
-#[test]
 fn the_session_ends_before_its_cycle_number_does() {
     let last = u32::MAX;
     let seal = Seal { code: code(0), cycle: last };
@@ -300,8 +283,6 @@ proptest! {
         for payload in payloads {
             let reception = armed.receiver.accept(&mut armed.state, id, &payload).unwrap();
             prop_assert_eq!(reception.data.is_some(), reception.status.delivers());
-            let other = Seal { code: code(1), cycle: u32::MAX };
-            let _ = armed.receiver.is_sealed_by(id, &payload, other);
         }
     }
 }

@@ -12,7 +12,7 @@
 
 use super::slot::SlotState;
 use super::{Line, LineState, Slot};
-use crate::guard::Command;
+use crate::command::Command;
 use crate::supervision::{CommandLimits, Event, Outcome, Ramp, State};
 use crate::vehicle::DAMPER_SLOTS;
 

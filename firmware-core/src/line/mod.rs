@@ -17,8 +17,9 @@ mod slot;
 pub use fade::{Fade, TooFar, URGENT_S};
 pub use slot::{RigSlot, Slot, SlotState};
 
+use crate::command::Command;
 use crate::damper::DamperState;
-use crate::guard::{Command, ForceInput, Guard};
+use crate::guard::ForceInput;
 use crate::lanes::Lanes;
 use crate::supervision::{Event, Outcome, State};
 use crate::track::Track;
@@ -43,8 +44,6 @@ pub struct Line<'a> {
     pub substeps: u32,
     /// The damper slots.
     pub slots: [Slot; DAMPER_SLOTS],
-    /// The guard of every rig.
-    pub guard: Guard,
     /// How long the coupling of rigs is faded in and out.
     pub fade: Fade,
 }
@@ -158,21 +157,16 @@ impl<'a> Line<'a> {
         self.assert_configured();
         debug_assert!(state.state.moves() || state.is_safe(), "a step in {:?}", state.state);
         let mut held_n = [0.0; DAMPER_SLOTS];
-        let mut has_tripped = false;
         for (((slot, memory), input), force_n) in
             self.slots.iter().zip(&mut state.slots).zip(inputs).zip(&mut held_n)
         {
             if let Slot::Rig(_) = slot {
                 *force_n = if memory.is_force_believed {
-                    self.guard.take(&mut memory.guard, *input)
+                    memory.guard.take(*input)
                 } else {
                     memory.guard.force_n
                 };
-                has_tripped |= memory.guard.tripped;
             }
-        }
-        if has_tripped {
-            state.on(Event::Stop);
         }
         if !state.is_safe() {
             self.advance_fades(state);
@@ -276,7 +270,6 @@ mod tests {
             cycle_s: 1e-3,
             substeps: 4,
             slots: core::array::from_fn(|_| Slot::Empty),
-            guard: Guard::default(),
             fade: Fade::default(),
         }
     }

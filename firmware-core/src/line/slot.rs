@@ -1,9 +1,10 @@
 //! A damper slot of the line: where its force comes from, and what it remembers.
 
 use super::Line;
+use crate::command::Command;
 use crate::compensation::{VirtualWear, VirtualWearState};
 use crate::damper::{Damper, DamperState, Motion};
-use crate::guard::{Command, GuardState};
+use crate::guard::Guard;
 use crate::supervision::{CommandLimits, Ramp};
 use crate::vehicle::{DAMPER_SLOTS, DamperForces};
 
@@ -34,8 +35,8 @@ pub struct RigSlot {
 pub struct SlotState {
     /// The model's state.
     pub damper: DamperState,
-    /// The guard's state.
-    pub guard: GuardState,
+    /// The last believed force.
+    pub guard: Guard,
     /// Where the injected play stands.
     pub wear: VirtualWearState,
     /// Extension at which the vehicle stands still: mid-stroke (m).

@@ -6,18 +6,23 @@
 //! ```
 //!
 //! [`Belief::take`] judges what arrived in a cycle. It gives the force to use, and the first cause
-//! that asks for an end. Every check counts cycles; none reads a clock.
+//! that asks for an end. [`Belief::temperature`] and [`Belief::residual`] judge what comes by
+//! another way. Every check counts cycles; none reads a clock. A check whose action is to log or to
+//! hold ends nothing and is noted ([`Noted`]); while one holds, the last believed force is used.
 //!
 //! Limits: a gain error of 10 % or an offset within the limits is a possible damper, and no check
 //! of this kind can find it while the bench runs.
 
 use super::age::{Age, AgeJudge};
 use super::cause::{Cause, Signal};
-use super::loss::{Loss, LossVerdict, MOST_IN_A_ROW, MOST_IN_LONG, MOST_IN_SHORT};
+use super::checks::{Checks, Condition};
+use super::findings::{Findings, Noted};
+use super::loss::{Loss, LossVerdict};
 use super::rule::{Action, Rule, RuleState};
-use super::stuck::{FEWEST_CYCLES, Stuck};
-use super::work::{Work, WorkVerdict};
-use crate::guard::{Command, ForceInput};
+use super::stuck::Stuck;
+use super::work::Work;
+use crate::command::Command;
+use crate::guard::ForceInput;
 
 /// A measurement, as it came off the bus.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,62 +52,19 @@ pub enum Arrival {
     Damaged,
 }
 
-/// Parameters of the checks of one rig.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Checks {
-    /// Range of the counters.
-    pub counter_modulus: u8,
-    /// Length of a cycle, s.
-    pub cycle_s: f64,
-    /// Measured force, N.
-    pub force: Rule,
-    /// Change of the measured force from cycle to cycle, N.
-    pub force_rate: Rule,
-    /// Speed of the measured displacement, m/s.
-    pub velocity: Rule,
-    /// Measured displacement less the command that it answers, m.
-    pub tracking: Rule,
-    /// Speed of the command from which live sensors change, m/s.
-    pub moving_m_per_s: f64,
-    /// What a frozen force sensor asks for.
-    pub stuck_force: Action,
-    /// What a frozen displacement sensor asks for.
-    pub stuck_displacement: Action,
-    /// What work that is given back asks for.
-    pub work: Action,
-}
-
-impl Checks {
-    /// The checks of a rig with counters of this range and cycles of this length.
-    ///
-    /// The force may reach `force_n`. It may change by 25 kN in a cycle: at the end of a clearance
-    /// of 8 mm an attachment of 12.5 MN/m is met at 0.2 m/s, which is 2.5 kN per millisecond, and a
-    /// spike of a sensor is larger than ten times that. The displacement may move at 0.8 m/s, twice
-    /// what a hunting locomotive asks for. It may be 5 mm off its command.
-    pub const fn usual(counter_modulus: u8, cycle_s: f64, force_n: f64) -> Self {
-        Self {
-            counter_modulus,
-            cycle_s,
-            force: Rule { limit: force_n, debounce_cycles: 2, action: Action::Stop },
-            force_rate: Rule { limit: 25e3, debounce_cycles: 2, action: Action::Stop },
-            velocity: Rule { limit: 0.8, debounce_cycles: 1, action: Action::PowerOff },
-            tracking: Rule { limit: 5e-3, debounce_cycles: 3, action: Action::PowerOff },
-            moving_m_per_s: 1e-3,
-            stuck_force: Action::RampOut,
-            stuck_displacement: Action::PowerOff,
-            work: Action::RampOut,
-        }
-    }
-}
-
 /// Commands that are remembered: the oldest that a believed measurement can answer, and itself.
 const REMEMBERED: usize = 8;
+
+/// Time over which the rms of the residual forgets, s.
+const RESIDUAL_S: f64 = 1.0;
 
 /// What the checks of one rig remember.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Belief {
     age: AgeJudge,
     begun: bool,
+    /// Whether the rig was coupled, and every cycle is to bring a measurement.
+    is_coupled: bool,
     /// Whether this cycle has a new measurement.
     is_new: bool,
     last_echo: Option<u8>,
@@ -113,19 +75,25 @@ pub struct Belief {
     blind_cycles: u32,
     force: RuleState,
     force_rate: RuleState,
+    displacement: RuleState,
     velocity: RuleState,
+    acceleration: RuleState,
     tracking: RuleState,
+    temperature: RuleState,
+    residual: RuleState,
+    /// Running mean of the squared residual, N2.
+    residual2: f64,
     stuck_force: Stuck,
     stuck_displacement: Stuck,
     work: Work,
     last_force_n: Option<f64>,
     last_displacement_m: Option<f64>,
+    /// Change of the displacement in the last cycle, where both ends of it were measured, m.
+    last_step_m: Option<f64>,
     since_displacement: u32,
     sent: [Command; REMEMBERED],
     next: usize,
-    cause: Option<Cause>,
-    /// The strongest action that any cause has asked for.
-    action: Option<Action>,
+    found: Findings,
 }
 
 impl Belief {
@@ -147,32 +115,64 @@ impl Belief {
             (Arrival::Frame(_) | Arrival::Nothing, _) => ForceInput::Missing,
             (Arrival::Damaged, _) => ForceInput::Invalid,
         };
+        let input = match input {
+            ForceInput::Fresh(_) if self.found.holds() => ForceInput::Invalid,
+            input => input,
+        };
         let is_new = core::mem::take(&mut self.is_new);
-        self.begun |= matches!(input, ForceInput::Fresh(_));
-        if self.begun {
-            self.count_losses(is_new);
+        let has_come = matches!(input, ForceInput::Fresh(_));
+        // The first command was sent in the cycle of the coupling: its answer is due in the next.
+        if self.begun || has_come {
+            self.count_losses(checks, is_new);
         }
-        debug_assert!(
-            self.cause.is_none_or(|cause| cause.action != Action::Log),
-            "what is only logged ends nothing"
-        );
+        self.begun |= has_come || self.is_coupled;
+        self.found.end_cycle();
         input
     }
 
-    /// Fills the memory of commands with the place where the ram stands when it is coupled.
+    /// Judges the temperature that the rig reports (degrees Celsius), before [`Belief::take`].
+    pub fn temperature(&mut self, checks: &Checks, temperature_degc: f64) {
+        self.found.on_rule(
+            &checks.temperature,
+            &mut self.temperature,
+            Signal::Temperature,
+            temperature_degc,
+        );
+    }
+
+    /// Judges the measured force of a cycle less that of the slot's model (N).
+    pub fn residual(&mut self, checks: &Checks, residual_n: f64) {
+        let share = (checks.cycle_s / RESIDUAL_S).min(1.0);
+        self.residual2 += share * (residual_n * residual_n - self.residual2);
+        self.found.on_rule(
+            &checks.residual,
+            &mut self.residual,
+            Signal::Residual,
+            libm::sqrt(self.residual2),
+        );
+    }
+
+    /// What was beyond a limit and ended nothing, by signal.
+    pub fn noted(&self) -> impl Iterator<Item = Noted> + '_ {
+        self.found.noted()
+    }
+
+    /// Begins with the cycle in which a rig is coupled: fills the memory of commands with the place
+    /// where its ram stands. From the next cycle on measurements can be lost.
     pub fn begin(&mut self, command: Command) {
         self.sent = [command; REMEMBERED];
+        self.is_coupled = true;
     }
 
     /// The strongest action that has been asked for: the first cause may ask to ramp out, and a
     /// later one to stop.
     pub fn action(&self) -> Option<Action> {
-        self.action
+        self.found.action()
     }
 
     /// The first cause that asks for an end.
     pub fn cause(&self) -> Option<Cause> {
-        self.cause
+        self.found.cause()
     }
 
     /// Age of the last believed measurement, cycles.
@@ -191,136 +191,143 @@ impl Belief {
         }
         let age = match self.age.take(measured.counter, measured.echo, sent, checks.counter_modulus)
         {
-            Age::New(age) => age,
-            Age::Old => {
+            Age::New(age) if f64::from(age) <= checks.age.limit => age,
+            Age::New(_) | Age::Old => {
                 self.old_cycles = self.old_cycles.saturating_add(1);
-                self.fail_if(
-                    self.old_cycles >= MOST_IN_A_ROW,
-                    Signal::OldMeasurements,
-                    (f64::from(self.old_cycles), f64::from(MOST_IN_A_ROW)),
-                    Action::Stop,
-                );
+                let cycles = checks.age.debounce_cycles;
+                let condition = Condition { cycles, action: checks.age.action };
+                self.found.on_condition(condition, self.old_cycles, Signal::OldMeasurements);
                 return ForceInput::Missing;
             }
             Age::Unknown => return ForceInput::Missing,
         };
         (self.is_new, self.old_cycles) = (true, 0);
-        self.note_echo(measured.echo);
+        self.note_echo(checks, measured.echo);
         self.judge_displacement(checks, measured, age);
         self.judge_force(checks, measured, age)
     }
 
     /// A measurement that echoes the same command as the last one tells of a lost command.
-    fn note_echo(&mut self, echo: Option<u8>) {
-        let verdict = self.commands.take(self.begun && echo == self.last_echo);
+    fn note_echo(&mut self, checks: &Checks, echo: Option<u8>) {
+        let is_lost = self.begun && echo == self.last_echo;
+        let verdict = self.commands.take(&checks.lost, is_lost);
         self.last_echo = echo;
-        self.on_loss(verdict, Signal::LostCommands);
+        self.on_loss(checks, verdict, Signal::LostCommands);
     }
 
-    fn count_losses(&mut self, came: bool) {
-        let verdict = self.measurements.take(!came);
-        self.on_loss(verdict, Signal::LostMeasurements);
+    fn count_losses(&mut self, checks: &Checks, came: bool) {
+        let verdict = self.measurements.take(&checks.lost, !came);
+        self.on_loss(checks, verdict, Signal::LostMeasurements);
     }
 
-    fn on_loss(&mut self, verdict: LossVerdict, signal: Signal) {
+    fn on_loss(&mut self, checks: &Checks, verdict: LossVerdict, signal: Signal) {
         let loss = if signal == Signal::LostCommands { &self.commands } else { &self.measurements };
         let (short, long) = loss.in_windows();
+        let lost = checks.lost;
         let (count, most, action) = match verdict {
             LossVerdict::Holds => return,
-            LossVerdict::Stop => (loss.in_a_row(), MOST_IN_A_ROW, Action::Stop),
-            LossVerdict::RampOut if short > MOST_IN_SHORT => {
-                (short, MOST_IN_SHORT, Action::RampOut)
-            }
-            LossVerdict::RampOut => (long, MOST_IN_LONG, Action::RampOut),
+            LossVerdict::Row => (loss.in_a_row(), lost.in_a_row, checks.lost_in_a_row),
+            LossVerdict::Short => (short, lost.in_short, checks.lost_of_50),
+            LossVerdict::Long => (long, lost.in_long, checks.lost_of_250),
         };
-        self.fail_if(true, signal, (f64::from(count), f64::from(most)), action);
+        self.found.act(Cause { signal, value: f64::from(count), limit: f64::from(most), action });
     }
 
     fn judge_displacement(&mut self, checks: &Checks, measured: &Measured, age: u8) {
         let Some(displacement_m) = measured.displacement_m else {
             self.blind_cycles = self.blind_cycles.saturating_add(1);
-            let cycles = (f64::from(self.blind_cycles), f64::from(MOST_IN_A_ROW));
-            let is_blind = self.blind_cycles >= MOST_IN_A_ROW;
-            self.fail_if(is_blind, Signal::InvalidDisplacement, cycles, Action::PowerOff);
+            let (condition, cycles) = (checks.invalid_displacement, self.blind_cycles);
+            self.found.on_condition(condition, cycles, Signal::InvalidDisplacement);
             return;
         };
         self.blind_cycles = 0;
-        let answered = self.answered(age);
-        if let Some(last_m) = self.last_displacement_m.replace(displacement_m) {
-            let time_s = f64::from(self.since_displacement.max(1)) * checks.cycle_s;
-            let speed = (displacement_m - last_m) / time_s;
-            let action = checks.velocity.take(&mut self.velocity, speed);
-            self.on_rule(action, Signal::Velocity, speed, checks.velocity.limit);
-        }
-        self.since_displacement = 0;
-        let error_m = displacement_m - answered.displacement_m;
-        let action = checks.tracking.take(&mut self.tracking, error_m);
-        self.on_rule(action, Signal::Tracking, error_m, checks.tracking.limit);
-        let moves = answered.velocity_m_per_s.abs() > checks.moving_m_per_s;
-        let is_stuck =
-            self.stuck_displacement.take(displacement_m.to_bits(), f64::NAN.to_bits(), moves);
-        let cycles = f64::from(FEWEST_CYCLES);
-        self.fail_if(
-            is_stuck,
-            Signal::StuckDisplacement,
-            (cycles, cycles),
-            checks.stuck_displacement,
+        self.found.on_rule(
+            &checks.displacement,
+            &mut self.displacement,
+            Signal::Displacement,
+            displacement_m,
         );
+        self.judge_motion(checks, displacement_m);
+        let answered = self.answered(age);
+        let error_m = displacement_m - answered.displacement_m;
+        self.found.on_rule(&checks.tracking, &mut self.tracking, Signal::Tracking, error_m);
+        let moves = answered.velocity_m_per_s.abs() > checks.moving_m_per_s;
+        let condition = checks.stuck_displacement;
+        let (code, resting) = (displacement_m.to_bits(), f64::NAN.to_bits());
+        let is_stuck = self.stuck_displacement.take(condition.cycles, code, resting, moves);
+        let cycles = if is_stuck { condition.cycles } else { 0 };
+        self.found.on_condition(condition, cycles, Signal::StuckDisplacement);
+    }
+
+    /// Speed and acceleration of the displacement.
+    fn judge_motion(&mut self, checks: &Checks, displacement_m: f64) {
+        let cycles = core::mem::take(&mut self.since_displacement).max(1);
+        let Some(last_m) = self.last_displacement_m.replace(displacement_m) else { return };
+        let step_m = displacement_m - last_m;
+        let speed = step_m / (f64::from(cycles) * checks.cycle_s);
+        self.found.on_rule(&checks.velocity, &mut self.velocity, Signal::Velocity, speed);
+        let before_m = core::mem::replace(&mut self.last_step_m, (cycles == 1).then_some(step_m));
+        if let (Some(before_m), 1) = (before_m, cycles) {
+            let acceleration = (step_m - before_m) / (checks.cycle_s * checks.cycle_s);
+            self.found.on_rule(
+                &checks.acceleration,
+                &mut self.acceleration,
+                Signal::Acceleration,
+                acceleration,
+            );
+        }
     }
 
     fn judge_force(&mut self, checks: &Checks, measured: &Measured, age: u8) -> ForceInput {
         let Some(force_n) = measured.force_n.filter(|_| measured.is_valid) else {
             self.invalid_cycles = self.invalid_cycles.saturating_add(1);
-            let cycles = (f64::from(self.invalid_cycles), f64::from(MOST_IN_A_ROW));
-            let is_dead = self.invalid_cycles >= MOST_IN_A_ROW;
-            self.fail_if(is_dead, Signal::InvalidForce, cycles, Action::Stop);
+            let (condition, cycles) = (checks.invalid_force, self.invalid_cycles);
+            self.found.on_condition(condition, cycles, Signal::InvalidForce);
             return ForceInput::Invalid;
         };
         self.invalid_cycles = 0;
-        let action = checks.force.take(&mut self.force, force_n);
-        self.on_rule(action, Signal::Force, force_n, checks.force.limit);
+        self.found.on_rule(&checks.force, &mut self.force, Signal::Force, force_n);
         let change_n = self.last_force_n.map_or(0.0, |last_n| force_n - last_n);
-        let action = checks.force_rate.take(&mut self.force_rate, change_n);
-        self.on_rule(action, Signal::ForceRate, change_n, checks.force_rate.limit);
+        self.found.on_rule(&checks.force_rate, &mut self.force_rate, Signal::ForceRate, change_n);
         let moves = self.answered(age).velocity_m_per_s.abs() > checks.moving_m_per_s;
-        let is_stuck = self.stuck_force.take(force_n.to_bits(), 0.0_f64.to_bits(), moves);
-        let cycles = f64::from(FEWEST_CYCLES);
-        self.fail_if(is_stuck, Signal::StuckForce, (cycles, cycles), checks.stuck_force);
+        let condition = checks.stuck_force;
+        let (code, resting) = (force_n.to_bits(), 0.0_f64.to_bits());
+        let is_stuck = self.stuck_force.take(condition.cycles, code, resting, moves);
+        let cycles = if is_stuck { condition.cycles } else { 0 };
+        self.found.on_condition(condition, cycles, Signal::StuckForce);
         if let Some(displacement_m) = measured.displacement_m {
-            let verdict = self.work.take(displacement_m, force_n);
-            let gives_back = verdict != WorkVerdict::Passive;
-            let work = (self.work.last_cycle_j(), 0.0);
-            self.fail_if(gives_back, Signal::Work, work, checks.work);
+            self.judge_work(checks, displacement_m, force_n);
         }
-        let is_within =
-            force_n.abs() <= checks.force.limit && change_n.abs() <= checks.force_rate.limit;
-        if !is_within {
+        let passes = |rule: &Rule, value: f64| {
+            value.abs() <= rule.limit || (value.is_finite() && rule.action <= Action::Hold)
+        };
+        if !passes(&checks.force, force_n) || !passes(&checks.force_rate, change_n) {
             // One such value is held over, as one that is lost; the next is compared with the last
             // that was believed.
             self.is_new = false;
             return ForceInput::Invalid;
         }
-        self.last_force_n = Some(force_n);
+        if !self.found.holds() {
+            self.last_force_n = Some(force_n);
+        }
         ForceInput::Fresh(force_n)
+    }
+
+    fn judge_work(&mut self, checks: &Checks, displacement_m: f64, force_n: f64) {
+        self.work.take(&checks.work, displacement_m, force_n);
+        let found = [
+            (self.work.has_wrong_sign(), checks.wrong_sign),
+            (self.work.has_wrong_phase(), checks.wrong_phase),
+        ];
+        for (_, action) in found.into_iter().filter(|(is_so, _)| *is_so) {
+            let value = self.work.last_cycle_j();
+            self.found.act(Cause { signal: Signal::Work, value, limit: 0.0, action });
+        }
     }
 
     /// The command that a measurement of an age answers.
     fn answered(&self, age: u8) -> Command {
         let place = (self.next + REMEMBERED - usize::from(age) % REMEMBERED) % REMEMBERED;
         self.sent.get(place).copied().unwrap_or_default()
-    }
-
-    fn on_rule(&mut self, action: Option<Action>, signal: Signal, value: f64, limit: f64) {
-        if let Some(action) = action {
-            self.fail_if(action > Action::Hold, signal, (value, limit), action);
-        }
-    }
-
-    fn fail_if(&mut self, is_so: bool, signal: Signal, at: (f64, f64), action: Action) {
-        if is_so && action > Action::Hold {
-            let (value, limit) = at;
-            self.cause = self.cause.or(Some(Cause { signal, value, limit, action }));
-            self.action = self.action.max(Some(action));
-        }
     }
 }

@@ -19,16 +19,24 @@ pub enum Signal {
     Force,
     /// Change of the measured force.
     ForceRate,
+    /// Measured displacement.
+    Displacement,
     /// The force sensor repeats one code.
     StuckForce,
     /// Speed of the measured displacement.
     Velocity,
+    /// Acceleration of the measured displacement.
+    Acceleration,
     /// Measured displacement less the command that it answers.
     Tracking,
     /// The displacement sensor repeats one code.
     StuckDisplacement,
     /// Work that the damper gives back.
     Work,
+    /// Temperature of the damper.
+    Temperature,
+    /// Measured force less that of the slot's model.
+    Residual,
     /// The rig has left RUN.
     RigState,
     /// A guard or limit of the rig.
@@ -37,12 +45,16 @@ pub enum Signal {
     RigFault,
     /// A rig that is silent.
     SilentRig,
+    /// Measurements of a rig that are not sealed by this session.
+    WrongSeal,
     /// Commands that the bus has no room for.
     BusQueue,
     /// A bus that is down.
     BusDown,
     /// A motion that grows towards the end of the stroke.
     Growth,
+    /// A command that its limits would change.
+    CommandLimit,
     /// Frames of a second sender under an id of this session.
     SecondSender,
     /// The vehicle has left its track, or its numbers.
@@ -53,7 +65,7 @@ pub enum Signal {
 
 impl Signal {
     /// All signals.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 28] = [
         Self::LostMeasurements,
         Self::LostCommands,
         Self::OldMeasurements,
@@ -61,18 +73,24 @@ impl Signal {
         Self::InvalidDisplacement,
         Self::Force,
         Self::ForceRate,
+        Self::Displacement,
         Self::StuckForce,
         Self::Velocity,
+        Self::Acceleration,
         Self::Tracking,
         Self::StuckDisplacement,
         Self::Work,
+        Self::Temperature,
+        Self::Residual,
         Self::RigState,
         Self::RigTrip,
         Self::RigFault,
         Self::SilentRig,
+        Self::WrongSeal,
         Self::BusQueue,
         Self::BusDown,
         Self::Growth,
+        Self::CommandLimit,
         Self::SecondSender,
         Self::Vehicle,
         Self::Operator,
@@ -88,18 +106,24 @@ impl Signal {
             Self::InvalidDisplacement => "invalid_displacement",
             Self::Force => "force",
             Self::ForceRate => "force_rate",
+            Self::Displacement => "displacement",
             Self::StuckForce => "stuck_force",
             Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
             Self::Tracking => "tracking",
             Self::StuckDisplacement => "stuck_displacement",
             Self::Work => "work",
+            Self::Temperature => "temperature",
+            Self::Residual => "residual",
             Self::RigState => "rig_state",
             Self::RigTrip => "rig_trip",
             Self::RigFault => "rig_fault",
             Self::SilentRig => "silent_rig",
+            Self::WrongSeal => "wrong_seal",
             Self::BusQueue => "bus_queue",
             Self::BusDown => "bus_down",
             Self::Growth => "growth",
+            Self::CommandLimit => "command_limit",
             Self::SecondSender => "second_sender",
             Self::Vehicle => "vehicle",
             Self::Operator => "operator",
@@ -116,18 +140,24 @@ impl Signal {
             Self::InvalidDisplacement => "cycles without a displacement",
             Self::Force => "measured force",
             Self::ForceRate => "change of the measured force",
+            Self::Displacement => "measured displacement",
             Self::StuckForce => "cycles with the same force",
             Self::Velocity => "speed of the measured displacement",
+            Self::Acceleration => "acceleration of the measured displacement",
             Self::Tracking => "measured displacement less command",
             Self::StuckDisplacement => "cycles with the same displacement",
             Self::Work => "work of the damper over a cycle of the motion",
+            Self::Temperature => "temperature of the damper",
+            Self::Residual => "rms of the measured force less that of the model",
             Self::RigState => "state of the rig",
             Self::RigTrip => "guard or limit of the rig",
             Self::RigFault => "fault of the rig",
             Self::SilentRig => "silent rig",
+            Self::WrongSeal => "measurements that this session has not sealed",
             Self::BusQueue => "commands without room on the bus",
             Self::BusDown => "bus down",
             Self::Growth => "size of a motion that grows towards the end of the stroke",
+            Self::CommandLimit => "command beyond its limits",
             Self::SecondSender => "second sender on",
             Self::Vehicle => "vehicle off its track",
             Self::Operator => "stopped by the operator",
@@ -138,17 +168,24 @@ impl Signal {
     pub const fn is_of_force(self) -> bool {
         matches!(
             self,
-            Self::InvalidForce | Self::Force | Self::ForceRate | Self::StuckForce | Self::Work
+            Self::InvalidForce
+                | Self::Force
+                | Self::ForceRate
+                | Self::StuckForce
+                | Self::Work
+                | Self::Residual
         )
     }
 
     /// The unit of its value and limit; none where they are codes or mean nothing.
     pub const fn unit(self) -> Option<&'static str> {
         match self {
-            Self::Force => Some("N"),
+            Self::Force | Self::Residual => Some("N"),
             Self::ForceRate => Some("N per cycle"),
             Self::Velocity => Some("m/s"),
-            Self::Tracking | Self::Growth => Some("m"),
+            Self::Acceleration => Some("m/s2"),
+            Self::Displacement | Self::Tracking | Self::Growth => Some("m"),
+            Self::Temperature => Some("degC"),
             Self::Work => Some("J"),
             Self::LostMeasurements
             | Self::LostCommands
@@ -162,6 +199,8 @@ impl Signal {
             | Self::RigTrip
             | Self::RigFault
             | Self::SilentRig
+            | Self::WrongSeal
+            | Self::CommandLimit
             | Self::BusDown
             | Self::SecondSender
             | Self::Vehicle
@@ -186,6 +225,11 @@ pub struct Cause {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn signals_are_listed_in_their_own_order() {
+        assert!(Signal::ALL.iter().enumerate().all(|(n, signal)| *signal as usize == n));
+    }
 
     #[test]
     fn keys_and_names_are_unique() {

@@ -15,7 +15,7 @@
 //! the acceleration: a command that begins too close to the end for its speed is braked as hard as
 //! the acceleration allows.
 
-use crate::guard::Command;
+use crate::command::Command;
 
 /// What a ram can do, or what a bench allows it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +59,7 @@ impl CommandLimits {
     /// The command next to a wanted one that keeps the limits, a period after the last.
     ///
     /// ```
-    /// use firmware_core::guard::Command;
+    /// use firmware_core::command::Command;
     /// use firmware_core::supervision::CommandLimits;
     /// let limits = CommandLimits {
     ///     stroke_m: 50e-3, velocity_m_per_s: 0.3, acceleration_m_per_s2: 20.0,

@@ -13,26 +13,38 @@
 //! are counted, each with a [`Loss`] of its own: the measurements that do not come, and the
 //! commands that a measurement's echo does not confirm.
 
-/// Cycles in a row after which the bench stops.
-pub const MOST_IN_A_ROW: u32 = 5;
-/// Most losses in the short window.
-pub const MOST_IN_SHORT: u32 = 8;
 /// Cycles of the short window.
 pub const SHORT_CYCLES: usize = 50;
-/// Most losses in the long window.
-pub const MOST_IN_LONG: u32 = 18;
 /// Cycles of the long window.
 pub const LONG_CYCLES: usize = 250;
 
-/// What the losses so far ask for.
+/// How much may be lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LossLimits {
+    /// Losses in a row that are too many. A receiver loses its step after five.
+    pub in_a_row: u32,
+    /// Most losses in the short window.
+    pub in_short: u32,
+    /// Most losses in the long window.
+    pub in_long: u32,
+}
+
+impl LossLimits {
+    /// Those of the table above.
+    pub const USUAL: Self = Self { in_a_row: 5, in_short: 8, in_long: 18 };
+}
+
+/// What the losses so far are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LossVerdict {
-    /// Nothing: the last good value holds.
+    /// Few: the last good value holds.
     Holds,
-    /// Too many are lost: the run is to end in order.
-    RampOut,
-    /// None comes any more: motion is to stop.
-    Stop,
+    /// Too many of the long window.
+    Long,
+    /// Too many of the short window.
+    Short,
+    /// Too many in a row.
+    Row,
 }
 
 /// Losses of one direction.
@@ -48,25 +60,23 @@ impl Loss {
     /// Takes one cycle, and gives the verdict after it.
     ///
     /// ```
-    /// use firmware_core::supervision::{Loss, LossVerdict};
+    /// use firmware_core::supervision::{Loss, LossLimits, LossVerdict};
     /// let mut loss = Loss::default();
-    /// let verdicts: [LossVerdict; 5] = core::array::from_fn(|_| loss.take(true));
-    /// assert_eq!(verdicts[3..], [LossVerdict::Holds, LossVerdict::Stop]);
+    /// let verdicts: [LossVerdict; 5] =
+    ///     core::array::from_fn(|_| loss.take(&LossLimits::USUAL, true));
+    /// assert_eq!(verdicts[3..], [LossVerdict::Holds, LossVerdict::Row]);
     /// ```
-    pub fn take(&mut self, is_lost: bool) -> LossVerdict {
+    pub fn take(&mut self, limits: &LossLimits, is_lost: bool) -> LossVerdict {
         self.in_a_row = if is_lost { self.in_a_row.saturating_add(1) } else { 0 };
         self.total += u64::from(is_lost);
         self.short.push(is_lost, SHORT_CYCLES);
         self.long.push(is_lost, LONG_CYCLES);
-        self.verdict()
-    }
-
-    /// The verdict as it stands.
-    pub fn verdict(&self) -> LossVerdict {
-        if self.in_a_row >= MOST_IN_A_ROW {
-            LossVerdict::Stop
-        } else if self.short.count > MOST_IN_SHORT || self.long.count > MOST_IN_LONG {
-            LossVerdict::RampOut
+        if self.in_a_row >= limits.in_a_row {
+            LossVerdict::Row
+        } else if self.short.count > limits.in_short {
+            LossVerdict::Short
+        } else if self.long.count > limits.in_long {
+            LossVerdict::Long
         } else {
             LossVerdict::Holds
         }
@@ -126,57 +136,56 @@ mod tests {
     use super::super::random::uniform;
     use super::*;
 
+    const USUAL: LossLimits = LossLimits::USUAL;
+
     /// Cycle of the first verdict of losses that follow a rule.
     fn first(cycles: u32, verdict: LossVerdict, is_lost: impl Fn(u32) -> bool) -> Option<u32> {
         let mut loss = Loss::default();
-        (0..cycles).find(|cycle| loss.take(is_lost(*cycle)) == verdict)
+        (0..cycles).find(|cycle| loss.take(&USUAL, is_lost(*cycle)) == verdict)
     }
 
     #[test]
     fn four_in_a_row_hold_and_five_stop() {
-        assert_eq!(first(1000, LossVerdict::Stop, |n| n % 100 < 4), None);
-        assert_eq!(first(1000, LossVerdict::Stop, |n| n >= 100), Some(104));
+        assert_eq!(first(1000, LossVerdict::Row, |n| n % 100 < 4), None);
+        assert_eq!(first(1000, LossVerdict::Row, |n| n >= 100), Some(104));
     }
 
     #[test]
     fn nine_of_fifty_ramp_out_and_eight_do_not() {
         // The ninth of every second cycle from 100 on is lost in cycle 116.
-        assert_eq!(
-            first(1000, LossVerdict::RampOut, |n| n >= 100 && n.is_multiple_of(2)),
-            Some(116)
-        );
+        assert_eq!(first(1000, LossVerdict::Short, |n| n >= 100 && n.is_multiple_of(2)), Some(116));
         let eight = |n: u32| n < 16 && n.is_multiple_of(2);
-        assert_eq!(first(1000, LossVerdict::RampOut, eight), None);
+        assert_eq!(first(1000, LossVerdict::Short, eight), None);
         // Nine over 51 cycles never are in one window of 50.
         let spread = |n: u32| n == 50 || (n < 16 && n.is_multiple_of(2));
-        assert_eq!(first(1000, LossVerdict::RampOut, spread), None);
+        assert_eq!(first(1000, LossVerdict::Short, spread), None);
     }
 
     #[test]
     fn four_of_every_five_lost_for_ever_ran_to_the_end() {
         // Row 2 of the faults that were tried: the run ended as completed.
-        assert_eq!(first(1000, LossVerdict::RampOut, |n| n % 5 != 0), Some(11));
+        assert_eq!(first(1000, LossVerdict::Short, |n| n % 5 != 0), Some(11));
     }
 
     #[test]
     fn one_in_ten_ramps_out_by_the_long_window() {
         // Regular losses of one in ten: five of fifty, and the nineteenth in cycle 180.
-        assert_eq!(first(1000, LossVerdict::RampOut, |n| n % 10 == 0), Some(180));
-        assert_eq!(first(100_000, LossVerdict::RampOut, |n| n % 14 == 0), None);
+        assert_eq!(first(1000, LossVerdict::Long, |n| n % 10 == 0), Some(180));
+        assert_eq!(first(100_000, LossVerdict::Long, |n| n % 14 == 0), None);
     }
 
     #[test]
     fn one_per_cent_holds_for_an_hour_and_ten_per_cent_does_not_last_half_a_second() {
         let mut state = 20_261_129;
         let mut loss = Loss::default();
-        let holds =
-            (0..3_600_000).all(|_| loss.take(uniform(&mut state) < 0.01) == LossVerdict::Holds);
+        let holds = (0..3_600_000)
+            .all(|_| loss.take(&USUAL, uniform(&mut state) < 0.01) == LossVerdict::Holds);
         assert!(holds, "{loss:?}");
         let ends = |_: &u32| {
             let (mut there, mut back) = (Loss::default(), Loss::default());
             (0..500).any(|_| {
                 let lost = [uniform(&mut state) < 0.1, uniform(&mut state) < 0.1];
-                there.take(lost[0]).max(back.take(lost[1])) != LossVerdict::Holds
+                there.take(&USUAL, lost[0]).max(back.take(&USUAL, lost[1])) != LossVerdict::Holds
             })
         };
         assert_eq!((0..1000).filter(ends).count(), 1000);

@@ -3,11 +3,13 @@
 //! | file | content |
 //! | --- | --- |
 //! | `state` | states and events of host and rig, and the outcome of each pair |
-//! | `belief` | everything that is checked about one rig, cycle by cycle |
+//! | `checks` | what is checked of a rig, with its limits and actions |
+//! | `belief` | the checks of one rig, cycle by cycle |
 //! | `cause` | what stopped a bench |
 //! | `loss` | frames that do not arrive |
 //! | `age` | how old a measurement is |
 //! | `rule` | a limit on a signal, its debounce and its action |
+//! | `findings` | the first cause that ends a run, and what ended nothing |
 //! | `stuck` | a sensor that has frozen |
 //! | `growth` | a motion that grows towards the end of the stroke |
 //! | `second_sender` | frames of somebody else under the id of a peer |
@@ -21,6 +23,8 @@
 mod age;
 mod belief;
 mod cause;
+mod checks;
+mod findings;
 mod growth;
 mod limiter;
 mod loss;
@@ -34,16 +38,16 @@ mod stuck;
 mod work;
 
 pub use age::{Age, AgeJudge, OLDEST_CYCLES};
-pub use belief::{Arrival, Belief, Checks, Measured};
+pub use belief::{Arrival, Belief, Measured};
 pub use cause::{Cause, Signal};
+pub use checks::{Checks, Condition, RESIDUAL_SHARE};
+pub use findings::Noted;
 pub use growth::Growth;
 pub use limiter::{CommandLimits, Limited};
-pub use loss::{
-    LONG_CYCLES, Loss, LossVerdict, MOST_IN_A_ROW, MOST_IN_LONG, MOST_IN_SHORT, SHORT_CYCLES,
-};
+pub use loss::{LONG_CYCLES, Loss, LossLimits, LossVerdict, SHORT_CYCLES};
 pub use ramp::Ramp;
 pub use rule::{Action, Rule, RuleState};
 pub use second_sender::{Frames, SecondSender};
 pub use state::{Event, Outcome, State, write_diagram};
 pub use stuck::{FEWEST_CYCLES, Stuck};
-pub use work::{LEAST_AMPLITUDE_M, LEAST_FORCE_N, SUMMED, Work, WorkVerdict};
+pub use work::{LEAST_AMPLITUDE_M, LEAST_FORCE_N, SUMMED, Work, WorkLimits, WorkVerdict};

@@ -58,6 +58,7 @@ pub struct RuleState {
 
 impl Rule {
     /// Takes the value of a cycle; gives the action while the rule is tripped, or while it holds.
+    /// A rule that holds does so from the first cycle beyond its limit.
     ///
     /// ```
     /// use firmware_core::supervision::{Action, Rule, RuleState};
@@ -81,6 +82,7 @@ impl Rule {
         }
         match self.action {
             Action::Hold => is_beyond.then_some(Action::Hold),
+            Action::Log => (state.beyond_cycles >= self.debounce_cycles).then_some(Action::Log),
             action => state.tripped_at.map(|_| action),
         }
     }
@@ -131,6 +133,15 @@ mod tests {
         let mut state = RuleState::default();
         let held = [0.0, 2.0, 0.0, 2.0].map(|value| hold.take(&mut state, value).is_some());
         assert_eq!(held, [false, true, false, true]);
+    }
+
+    #[test]
+    fn what_is_logged_ends_with_its_cause_and_waits_for_its_debounce() {
+        let log = Rule { action: Action::Log, ..RULE };
+        let mut state = RuleState::default();
+        let logged =
+            [2.0, 2.0, 2.0, 2.0, 0.0, 2.0].map(|value| log.take(&mut state, value).is_some());
+        assert_eq!(logged, [false, false, true, true, false, false]);
     }
 
     #[test]

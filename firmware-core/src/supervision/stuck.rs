@@ -15,7 +15,7 @@
 //!
 //! Limits: a freeze while the ram stands still is seen when it moves again.
 
-/// Cycles in motion with one code.
+/// Cycles in motion with one code, where nothing else is stated.
 pub const FEWEST_CYCLES: u32 = 20;
 /// Multiple of the longest run before.
 const LONGER: u32 = 4;
@@ -35,17 +35,17 @@ pub struct Stuck {
 impl Stuck {
     /// Takes the raw code of a cycle; true while the sensor counts as stuck.
     ///
-    /// `resting` is the code that it shows without a load, at which a sensor without noise may
+    /// `fewest` is the number of cycles in motion with one code from which on it may; `resting` is the code that it shows without a load, at which a sensor without noise may
     /// stay; `moves` says whether the ram is fast enough to change it.
     ///
     /// ```
-    /// use firmware_core::supervision::Stuck;
+    /// use firmware_core::supervision::{FEWEST_CYCLES, Stuck};
     /// let mut stuck = Stuck::default();
-    /// let noisy = (0..600).any(|n| stuck.take(1000 + n % 7, 0, true));
-    /// let frozen = (0..40).position(|_| stuck.take(1234, 0, true));
+    /// let noisy = (0..600).any(|n| stuck.take(FEWEST_CYCLES, 1000 + n % 7, 0, true));
+    /// let frozen = (0..40).position(|_| stuck.take(FEWEST_CYCLES, 1234, 0, true));
     /// assert_eq!((noisy, frozen), (false, Some(19)));
     /// ```
-    pub fn take(&mut self, code: u64, resting: u64, moves: bool) -> bool {
+    pub fn take(&mut self, fewest: u32, code: u64, resting: u64, moves: bool) -> bool {
         if self.code != Some(code) {
             // The run that made the sensor count as stuck is no measure of a live one.
             if !self.reported {
@@ -57,8 +57,8 @@ impl Stuck {
             self.run_cycles = self.run_cycles.saturating_add(1);
             self.moving_cycles = self.moving_cycles.saturating_add(1);
         }
-        let has_noise = self.moving_cycles >= KNOWN_CYCLES && self.longest_cycles < FEWEST_CYCLES;
-        let enough = FEWEST_CYCLES.max(LONGER.saturating_mul(self.longest_cycles));
+        let has_noise = self.moving_cycles >= KNOWN_CYCLES && self.longest_cycles < fewest;
+        let enough = fewest.max(LONGER.saturating_mul(self.longest_cycles));
         let at_rest = code == resting && !has_noise;
         self.reported = self.run_cycles >= enough && !at_rest;
         self.reported
@@ -72,7 +72,7 @@ mod tests {
     /// Cycle in which a sensor counts as stuck that freezes in a given cycle.
     fn stuck_after(freeze: usize, code: impl Fn(usize) -> u64) -> Option<usize> {
         let mut stuck = Stuck::default();
-        (0..5000).position(|n| stuck.take(code(n.min(freeze)), 0, true))
+        (0..5000).position(|n| stuck.take(FEWEST_CYCLES, code(n.min(freeze)), 0, true))
     }
 
     /// A force of 16 kN in steps of 0.2 N at 3.5 Hz, with a flicker of one code.
@@ -113,6 +113,6 @@ mod tests {
     #[test]
     fn a_ram_that_stands_still_freezes_nothing() {
         let mut stuck = Stuck::default();
-        assert!((0..5000).all(|_| !stuck.take(77, 0, false)));
+        assert!((0..5000).all(|_| !stuck.take(FEWEST_CYCLES, 77, 0, false)));
     }
 }

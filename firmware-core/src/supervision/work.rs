@@ -22,14 +22,24 @@
 pub const LEAST_AMPLITUDE_M: f64 = 0.5e-3;
 /// Mean force of a cycle from which its work counts, N.
 pub const LEAST_FORCE_N: f64 = 500.0;
-/// Share of the most in ten cycles below which the phase is wrong.
-const WRONG_PHASE: f64 = -0.1;
-/// Share of the most in one cycle below which the sign is wrong.
-const WRONG_SIGN: f64 = -1.0 / 3.0;
 /// Cycles of the longer sum.
 pub const SUMMED: usize = 10;
 /// Share by which the slow mean follows the displacement, per cycle of control: 3 s at 1 kHz.
 const SLOW: f64 = 1.0 / 3000.0;
+
+/// Shares of the most possible work that may be given back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorkLimits {
+    /// In one cycle of the motion: beyond it the sign is wrong.
+    pub one_cycle: f64,
+    /// In ten cycles of the motion: beyond it the phase is wrong.
+    pub ten_cycles: f64,
+}
+
+impl WorkLimits {
+    /// Those of the formulas above.
+    pub const USUAL: Self = Self { one_cycle: 1.0 / 3.0, ten_cycles: 0.1 };
+}
 
 /// What the work says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -59,24 +69,34 @@ pub struct Work {
     mosts_j: [f64; SUMMED],
     counted: u32,
     next: usize,
+    /// What the cycle has shown that has ended in this cycle of control.
+    ended: Option<Ended>,
     verdict: Option<WorkVerdict>,
 }
 
+/// What a cycle of the motion has shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ended {
+    sign_is_wrong: bool,
+    phase_is_wrong: bool,
+}
+
 impl Work {
-    /// Takes displacement (m) and force (N) of one instant, tension positive.
+    /// Takes displacement (m) and force (N) of one instant, tension positive; the worst so far.
     ///
     /// ```
-    /// use firmware_core::supervision::{Work, WorkVerdict};
+    /// use firmware_core::supervision::{Work, WorkLimits, WorkVerdict};
     /// let mut work = Work::default();
     /// let wave = |n: u32| 0.022 * f64::from(n);
     /// for n in 0..3000 {
     ///     // A dashpot: force along the velocity.
-    ///     work.take(3e-3 * wave(n).sin(), 16e3 * wave(n).cos());
+    ///     work.take(&WorkLimits::USUAL, 3e-3 * wave(n).sin(), 16e3 * wave(n).cos());
     /// }
     /// assert_eq!(work.verdict(), WorkVerdict::Passive);
     /// assert!((work.last_cycle_j() - 151.0).abs() < 1.0);
     /// ```
-    pub fn take(&mut self, displacement_m: f64, force_n: f64) -> WorkVerdict {
+    pub fn take(&mut self, limits: &WorkLimits, displacement_m: f64, force_n: f64) -> WorkVerdict {
+        self.ended = None;
         let Some((x_m, f_n)) = self.last.replace((displacement_m, force_n)) else {
             self.slow_m = displacement_m;
             (self.low_m, self.high_m) = (displacement_m, displacement_m);
@@ -92,7 +112,7 @@ impl Work {
         let below = displacement_m < self.slow_m - LEAST_AMPLITUDE_M;
         let comes_up = x_m < self.slow_m && displacement_m >= self.slow_m;
         if comes_up && self.was_below {
-            self.end_cycle();
+            self.end_cycle(limits);
             self.was_below = false;
         } else {
             self.was_below |= below;
@@ -105,13 +125,23 @@ impl Work {
         self.verdict.unwrap_or(WorkVerdict::Passive)
     }
 
+    /// Whether a cycle of the motion that has just ended has the wrong sign.
+    pub(super) fn has_wrong_sign(&self) -> bool {
+        self.ended.is_some_and(|ended| ended.sign_is_wrong)
+    }
+
+    /// Whether ten cycles of the motion that have just ended give work back.
+    pub(super) fn has_wrong_phase(&self) -> bool {
+        self.ended.is_some_and(|ended| ended.phase_is_wrong)
+    }
+
     /// Work of the last whole cycle, J.
     pub fn last_cycle_j(&self) -> f64 {
         let last = (self.next + SUMMED - 1) % SUMMED;
         self.cycles_j.get(last).copied().unwrap_or(0.0)
     }
 
-    fn end_cycle(&mut self) {
+    fn end_cycle(&mut self, limits: &WorkLimits) {
         let range_m = self.high_m - self.low_m;
         let is_large =
             range_m >= 2.0 * LEAST_AMPLITUDE_M && self.most_j >= 2.0 * range_m * LEAST_FORCE_N;
@@ -127,13 +157,15 @@ impl Work {
             self.counted = self.counted.saturating_add(1);
             let (sum_j, most_j): (f64, f64) =
                 (self.cycles_j.iter().sum(), self.mosts_j.iter().sum());
-            let now = if self.taken_j < WRONG_SIGN * self.most_j {
-                WorkVerdict::WrongSign
-            } else if self.counted as usize >= SUMMED && sum_j < WRONG_PHASE * most_j {
-                WorkVerdict::GivesBack
-            } else {
-                WorkVerdict::Passive
+            let sign_is_wrong = self.taken_j < -limits.one_cycle * self.most_j;
+            let phase_is_wrong =
+                self.counted as usize >= SUMMED && sum_j < -limits.ten_cycles * most_j;
+            let now = match (sign_is_wrong, phase_is_wrong) {
+                (true, _) => WorkVerdict::WrongSign,
+                (false, true) => WorkVerdict::GivesBack,
+                (false, false) => WorkVerdict::Passive,
             };
+            self.ended = Some(Ended { sign_is_wrong, phase_is_wrong });
             self.verdict = Some(self.verdict().max(now));
         }
         self.begun = true;
@@ -157,7 +189,7 @@ mod tests {
         let phase = |n: u32| core::f64::consts::TAU * 3.5e-3 * f64::from(n);
         (0..20_000).find(|n| {
             let x = amplitude_m * libm::sin(phase(*n));
-            work.take(x, 16e3 * libm::sin(phase(*n) + lead_rad(*n))) == verdict
+            work.take(&WorkLimits::USUAL, x, 16e3 * libm::sin(phase(*n) + lead_rad(*n))) == verdict
         })
     }
 

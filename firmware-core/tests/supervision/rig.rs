@@ -1,6 +1,7 @@
 //! A rig that answers every command: a dashpot behind a clearance, with the noise of its sensors.
 
-use firmware_core::guard::{Command, ForceInput};
+use firmware_core::command::Command;
+use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{Arrival, Belief, Cause, Checks, Measured};
 
 pub(crate) const CYCLE_S: f64 = 1e-3;

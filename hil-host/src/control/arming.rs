@@ -9,7 +9,7 @@ use crate::bus::{Bus, WireFrame};
 use crate::rig::WATCHDOG_CYCLES;
 use can_protocol::arming::{Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience};
 use can_protocol::{ArmMessage, Pace, RunState, SessionHistory};
-use firmware_core::guard::Command;
+use firmware_core::command::Command;
 use firmware_core::line::Slot;
 use firmware_core::supervision::{CommandLimits, Event};
 use firmware_core::vehicle::DAMPER_SLOTS;

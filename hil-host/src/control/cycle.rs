@@ -2,7 +2,6 @@
 
 use super::buses::Buses;
 use super::hash;
-use super::port::Port;
 use super::session::{Session, SessionState};
 use crate::bus::{Bus, Sent};
 use crate::clock::Tick;
@@ -57,8 +56,9 @@ impl Session<'_> {
         let woken = Instant::now();
         self.receive(state, buses);
         let inputs = self.decode(state);
-        self.judge(state);
+        self.judge(state, &inputs);
         let compute = self.guard_step_and_compensate(state, &inputs);
+        self.judge_commands(state);
         self.watch_growth(state);
         let commands = self.encode(state);
         self.send(state, buses, &commands);
@@ -95,14 +95,6 @@ impl Session<'_> {
             inputs.kind[port.slot] = force.into();
             inputs.frame[port.slot] = frame;
         }
-        if state.line.cycle == 0 {
-            // The first answer comes after the first command.
-            for (force, slot) in inputs.force.iter_mut().zip(&self.line.slots) {
-                if matches!(slot, Slot::Rig(_)) && *force == ForceInput::Missing {
-                    *force = ForceInput::Fresh(0.0);
-                }
-            }
-        }
         let modelled = inputs.kind.iter().zip(&self.line.slots);
         debug_assert!(
             modelled.into_iter().all(|(kind, slot)| {
@@ -114,7 +106,13 @@ impl Session<'_> {
     }
 
     /// Ends the run on the causes that the rigs have given, and on another host.
-    fn judge(&self, state: &mut SessionState) {
+    fn judge(&self, state: &mut SessionState, inputs: &Inputs) {
+        if state.line.state == State::Run {
+            for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+                let model_n = state.line.slots[port.slot].damper.force_n();
+                port.judge_residual(memory, inputs.force[port.slot], model_n);
+            }
+        }
         for bus in 0..state.overheard.len() {
             if let Some(id) = state.overheard[bus].judge() {
                 let (signal, action) = (Signal::SecondSender, Action::Stop);
@@ -141,12 +139,18 @@ impl Session<'_> {
         self.line.step(&mut state.line, &inputs.force);
         debug_assert_eq!(state.line.cycle, cycle + 1, "a step is one cycle");
         if state.line.is_safe() && state.stop.is_none() {
-            let tripped = |port: &&Port| state.line.slots[port.slot].guard.tripped;
-            let silent = self.ports.iter().find(tripped).map(|port| port.node.number());
-            let signal = if silent.is_some() { Signal::SilentRig } else { Signal::Vehicle };
-            self.stop(state, silent, Self::fact(signal), Action::Stop);
+            self.stop(state, None, Self::fact(Signal::Vehicle), Action::Stop);
         }
         begin.elapsed()
+    }
+
+    /// Stops where a limit has changed a command, if that is chosen.
+    fn judge_commands(&self, state: &mut SessionState) {
+        for port in &self.ports {
+            if let Some(cause) = port.beyond_limits(state.line.slots[port.slot].limited) {
+                self.stop(state, Some(port.node.number()), cause, cause.action);
+            }
+        }
     }
 
     /// Ramps out where hunting will reach the end of a stroke.

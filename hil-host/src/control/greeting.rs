@@ -6,7 +6,9 @@ use super::requests::Requests;
 use super::session::{Session, SessionState};
 use crate::bus::{Bus, WireFrame};
 use can_protocol::arming::{Listener, Quiet};
-use can_protocol::{Error, Heartbeat, MessageId, PROTOCOL_VERSION, RunState, Sender};
+use can_protocol::{
+    Error, Fault, FaultCode, Heartbeat, MessageId, PROTOCOL_VERSION, RunState, Sender,
+};
 use firmware_core::supervision::Event;
 use std::time::{Duration, Instant};
 
@@ -48,6 +50,7 @@ impl Session<'_> {
         debug_assert_eq!(state.quiet.len(), buses.len(), "more buses than damper slots");
         let until = Instant::now() + patience;
         let mut silent: Vec<&Port> = self.ports.iter().collect();
+        let mut refusing: Option<&Port> = None;
         let mut is_waiting = false;
         loop {
             if requests.is_ending() {
@@ -67,7 +70,13 @@ impl Session<'_> {
                 bus.send(&sync);
                 bus.send(&heartbeat);
             }
-            self.hear(state, &mut silent, buses)?;
+            // A heartbeat says more than a fault: it has one more round to come.
+            let refused = refusing;
+            self.hear(state, &mut silent, &mut refusing, buses)?;
+            if let Some(port) = refused.filter(|port| silent.contains(port)) {
+                let node = port.node.number();
+                return Err(NoAnswer::RefusedSync { node, session: self.sync_message(state) });
+            }
             if late && !silent.is_empty() {
                 let nodes = silent.iter().map(|port| port.node.number()).collect();
                 return Err(NoAnswer::Silent(nodes));
@@ -78,11 +87,12 @@ impl Session<'_> {
     }
 
     /// Listens for one round, or until the last rig has answered; ports whose rigs have answered
-    /// leave the list.
-    fn hear<B: Bus>(
-        &self,
+    /// leave the list. `refusing` is the last whose rig has refused the session.
+    fn hear<'a, B: Bus>(
+        &'a self,
         state: &mut SessionState,
         silent: &mut Vec<&Port>,
+        refusing: &mut Option<&'a Port>,
         buses: &mut [B],
     ) -> Result<(), NoAnswer> {
         let (round, is_waiting) = (Instant::now(), silent.is_empty());
@@ -93,6 +103,9 @@ impl Session<'_> {
                         quiet.hear(frame.id(), frame.data());
                     }
                     for port in self.ports.iter().filter(|port| port.bus == number) {
+                        if has_refused(port, &frame) {
+                            *refusing = Some(port);
+                        }
                         if has_agreed(port, &frame)? {
                             silent.retain(|known| known.node != port.node || known.bus != number);
                         }
@@ -109,6 +122,14 @@ impl Session<'_> {
         }
         Ok(())
     }
+}
+
+/// Whether a frame is a fault with which a rig refuses an announced session.
+fn has_refused(port: &Port, frame: &WireFrame) -> bool {
+    let fault = Fault::decode(frame.id(), frame.data());
+    fault.is_ok_and(|fault| {
+        fault.sender == Sender::Rig(port.node) && fault.code == FaultCode::ConfigurationMismatch
+    })
 }
 
 /// Whether a frame is a heartbeat of a rig that has agreed to the session.

@@ -33,10 +33,11 @@ pub use buses::Buses;
 pub use no_answer::NoAnswer;
 pub(crate) use pacing::Ending;
 pub use pacing::{End, Pace, SILENCE, STOP_CYCLES};
+pub(crate) use port::MOST_FORCE_N;
 pub use port::{Port, PortState};
 pub use requests::Requests;
 pub use session::{Session, SessionState};
-pub use stop::{Stop, StopSummary};
+pub use stop::{NotedSummary, Stop, StopSummary};
 pub use terms::Arming;
 pub use watch::{View, Watch, WatchState};
 

@@ -2,8 +2,8 @@
 
 use crate::BenchError;
 use crate::bus::BusChoice;
-use can_protocol::RunState;
 use can_protocol::arming::Refusal;
+use can_protocol::{RunState, Sync};
 
 /// Why a session cannot begin.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,13 @@ pub enum NoAnswer {
         node: u8,
         /// Its version; none where its heartbeat cannot be read.
         version: Option<u8>,
+    },
+    /// A rig refuses the announced session, by FAULT CONFIGURATION_MISMATCH.
+    RefusedSync {
+        /// Its node.
+        node: u8,
+        /// The session that it cannot follow.
+        session: Sync,
     },
     /// A rig is latched in SAFE or FAULT.
     Latched {
@@ -51,6 +58,7 @@ impl NoAnswer {
         match self {
             Self::Silent(nodes) => BenchError::SilentRigs { nodes, bus },
             Self::Version { node, version } => BenchError::ForeignVersion { node, bus, version },
+            Self::RefusedSync { node, session } => BenchError::RefusedSync { node, bus, session },
             Self::Latched { node, state } => BenchError::LatchedRig { node, bus, state },
             Self::Refused { node, refusal } => BenchError::UnarmedRig { node, bus, refusal },
             Self::NoDisplacement(nodes) => BenchError::BlindRigs { nodes, bus },

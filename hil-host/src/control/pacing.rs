@@ -165,7 +165,10 @@ impl Session<'_> {
                     let mut ports = self.ports.iter().zip(&state.ports);
                     let silent = ports.find(|(port, memory)| !port.has_echo(memory));
                     let node = silent.map(|(port, _)| port.node.number());
-                    self.stop(state, node, Self::fact(Signal::SilentRig), Action::Stop);
+                    // Frames do come, and none of them is one of this session.
+                    let is_foreign = silent.is_some_and(|(_, memory)| memory.hears_only_bad());
+                    let signal = if is_foreign { Signal::WrongSeal } else { Signal::SilentRig };
+                    self.stop(state, node, Self::fact(signal), Action::Stop);
                 }
                 Tick::default()
             }

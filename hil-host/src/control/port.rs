@@ -9,12 +9,13 @@ use can_protocol::{
     Command, Counts, Frame, Measurement, MeasurementFlags, MessageId, Mode, Node, Profile,
     Receiver, ReceiverState, Residual, RunState, Seal, SessionCode, Status,
 };
-use firmware_core::guard::{self, ForceInput, Guard};
+use firmware_core::command;
+use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{
     Action, Arrival, Belief, Cause, Checks, Frames, Growth, Measured, Rule, SecondSender, Signal,
 };
 use firmware_core::vehicle::DAMPER_SLOTS;
-use scenario::run::CYCLE_S;
+use scenario::run::{BEYOND_STROKE_M, BeyondLimits, CYCLE_S};
 
 /// Parameters of a port.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +29,7 @@ pub struct Port {
     profile: Profile,
     receiver: Receiver<Measurement>,
     checks: Checks,
+    beyond_limits: BeyondLimits,
     watch: Option<Box<Watch>>,
 }
 
@@ -80,7 +82,7 @@ struct Armed {
     agreement: Agreement,
     /// The code that seals commands and measurements.
     code: SessionCode,
-    /// The checks, with the force limit that the rig has agreed to.
+    /// The checks, within the limits that the rig has agreed to.
     checks: Checks,
 }
 
@@ -93,8 +95,11 @@ struct Kept {
 /// Lost frames in a row that a measurement may stand for; below half the 4-bit counter.
 const MAX_DELTA: u8 = 5;
 
+/// The largest force that is believed of any rig (N): a frame has little more.
+pub(crate) const MOST_FORCE_N: f64 = 100e3;
+
 impl Port {
-    /// A port.
+    /// A port with the usual checks.
     ///
     /// # Errors
     /// Never with the constants used here; the receiver checks them.
@@ -106,16 +111,17 @@ impl Port {
     ) -> Result<Self, can_protocol::Error> {
         debug_assert!(slot < DAMPER_SLOTS, "a vehicle has no damper slot {slot}");
         let receiver = Receiver::new(profile, node, MAX_DELTA)?;
-        let force_n = Guard::default().force_limit_n;
-        let checks = Checks::usual(profile.counter_modulus(), CYCLE_S, force_n);
-        Ok(Self { node, bus, slot, profile, receiver, checks, watch: None })
+        let checks = Checks::usual(profile.counter_modulus(), CYCLE_S, MOST_FORCE_N);
+        let beyond_limits = BeyondLimits::Saturate;
+        Ok(Self { node, bus, slot, profile, receiver, checks, beyond_limits, watch: None })
     }
 
-    /// The same port with another largest believed force (N).
+    /// The same port with other checks of what its rig measures, and of what it is sent.
     #[must_use]
-    pub fn believing(mut self, force_n: f64) -> Self {
-        self.checks.force.limit = force_n.min(Guard::default().force_limit_n);
-        self
+    pub fn checked(self, checks: Checks, beyond_limits: BeyondLimits) -> Self {
+        debug_assert!(checks.force.limit <= MOST_FORCE_N, "{} N", checks.force.limit);
+        debug_assert_eq!(checks.counter_modulus, self.profile.counter_modulus());
+        Self { checks, beyond_limits, ..self }
     }
 
     /// The same port with a watch over the rig's damper.
@@ -190,6 +196,9 @@ impl Port {
             state.news = state.news.or(Some(cause));
         }
         let checks = state.armed.as_ref().map_or(&self.checks, |armed| &armed.checks);
+        if let Some(temperature_degc) = state.temperature_degc {
+            state.belief.temperature(checks, temperature_degc);
+        }
         let Some(kept) = state.newest.take() else {
             self.receiver.no_frame(&mut state.receiver);
             let arrival = if frames.bad { Arrival::Damaged } else { Arrival::Nothing };
@@ -212,6 +221,21 @@ impl Port {
         (input, kept.bytes)
     }
 
+    /// Judges the force of a cycle against that of the slot's model after the last step (N).
+    pub(super) fn judge_residual(&self, state: &mut PortState, input: ForceInput, model_n: f64) {
+        let checks = state.armed.as_ref().map_or(&self.checks, |armed| &armed.checks);
+        if let ForceInput::Fresh(force_n) = input {
+            state.belief.residual(checks, force_n - model_n);
+        }
+    }
+
+    /// The cause in a command that its limits have changed, where that ends a run.
+    pub(super) fn beyond_limits(&self, limited: u64) -> Option<Cause> {
+        let (signal, action) = (Signal::CommandLimit, Action::Stop);
+        let cause = Cause { signal, value: 1.0, limit: f64::INFINITY, action };
+        (limited > 0 && self.beyond_limits == BeyondLimits::Stop).then_some(cause)
+    }
+
     /// The first cause to end the run that this rig has given, and the strongest action that it has
     /// asked for.
     pub fn cause(&self, state: &PortState) -> Option<(Cause, Action)> {
@@ -228,9 +252,14 @@ impl Port {
 
     /// Begins the sealed session of a rig that is armed: both sides count from cycle 0.
     pub fn arm(&self, state: &mut PortState, agreement: Agreement) {
-        let agreed_n = f64::from(agreement.configuration.limits.force_n);
-        let force = Rule { limit: self.checks.force.limit.min(agreed_n), ..self.checks.force };
-        let checks = Checks { force, ..self.checks };
+        let agreed = agreement.configuration.limits;
+        let tighter = |rule: Rule, limit: f64| Rule { limit: rule.limit.min(limit), ..rule };
+        let stroke_m = f64::from(agreed.stroke_um) * 1e-6;
+        let checks = Checks {
+            force: tighter(self.checks.force, f64::from(agreed.force_n)),
+            displacement: tighter(self.checks.displacement, stroke_m + BEYOND_STROKE_M),
+            ..self.checks
+        };
         state.armed = Some(Armed { agreement, code: agreement.code(), checks });
         (state.receiver, state.before) = (ReceiverState::default(), Counts::default());
         (state.cycle, state.sent, state.stands_m) = (0, None, None);
@@ -243,7 +272,7 @@ impl Port {
 
     /// Begins to command a ram that stands still: what came before belongs to no cycle, and frames
     /// are counted from here on.
-    pub fn begin(&self, state: &mut PortState, ram: guard::Command) {
+    pub fn begin(&self, state: &mut PortState, ram: command::Command) {
         (state.newest, state.frames) = (None, Frames::default());
         state.before = *state.receiver.counts();
         state.belief.begin(ram);
@@ -271,7 +300,7 @@ impl Port {
     pub fn command(
         &self,
         state: &mut PortState,
-        command: &guard::Command,
+        command: &command::Command,
         run: RunState,
         time_us: u32,
     ) -> Frame {
@@ -331,6 +360,11 @@ impl PortState {
     /// Whether the rig is armed.
     pub fn is_armed(&self) -> bool {
         self.armed.is_some()
+    }
+
+    /// Whether measurements came since the last cycle, and all of them failed their check.
+    pub(super) fn hears_only_bad(&self) -> bool {
+        self.frames.bad && !self.frames.good
     }
 
     /// Whether no command was sent since arming.
@@ -400,7 +434,7 @@ mod tests {
     fn of_several_measurements_the_newest_counts() {
         let (port, mut state) = armed();
         for counter in 0..3 {
-            port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
+            port.command(&mut state, &command::Command::default(), RunState::Run, 0);
             assert!(port.take_frame(&mut state, &measurement(counter, f64::from(counter) * 10.0)));
         }
         assert_eq!(port.take_input(&mut state).0, ForceInput::Fresh(20.0));
@@ -411,7 +445,7 @@ mod tests {
     #[test]
     fn a_rig_that_is_not_running_gives_no_force() {
         let (port, mut state) = armed();
-        port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
+        port.command(&mut state, &command::Command::default(), RunState::Run, 0);
         let (frame, _) = Measurement {
             state: RunState::Safe,
             ..Measurement::decode_sealed(0x201, measurement(0, 5.0).data(), seal(0)).unwrap()
@@ -427,7 +461,7 @@ mod tests {
     fn a_measurement_in_fault_was_forgotten_after_its_cycle() {
         let (port, mut state) = armed();
         for (counter, run) in [(0, RunState::Fault), (1, RunState::Run)] {
-            port.command(&mut state, &guard::Command::default(), RunState::Run, 0);
+            port.command(&mut state, &command::Command::default(), RunState::Run, 0);
             let (whole, seal) = (measurement(counter, 5.0), seal(counter));
             let sound = Measurement::decode_sealed(0x201, whole.data(), seal).unwrap();
             let (frame, _) =
@@ -442,7 +476,7 @@ mod tests {
     fn the_echo_of_the_last_command_is_recognised() {
         let (port, mut state) = armed();
         assert!(!port.has_echo(&state));
-        let command = guard::Command::default();
+        let command = command::Command::default();
         port.command(&mut state, &command, RunState::Run, 0);
         port.take_frame(&mut state, &measurement(0, 1.0));
         assert!(port.has_echo(&state));

@@ -3,7 +3,7 @@
 use super::hash;
 use super::overheard::Overheard;
 use super::port::{Port, PortState};
-use super::stop::{PressureRequest, Stop};
+use super::stop::{NotedSummary, PressureRequest, Stop};
 use super::terms::Arming;
 use crate::wire_state::wire_state;
 use can_protocol::arming::Quiet;
@@ -103,6 +103,20 @@ impl Session<'_> {
         state.stop.get_or_insert(stop);
     }
 
+    /// What was beyond a limit of a rig and ended nothing.
+    pub fn noted(&self, state: &SessionState) -> std::vec::Vec<NotedSummary> {
+        let time_s = |cycle: u64| {
+            let since = cycle as i64 - i64::from(state.line.ramp_in_cycles) - 1;
+            since as f64 * self.line.cycle_s
+        };
+        let ports = self.ports.iter().zip(&state.ports);
+        let noted = ports.flat_map(|(port, memory)| {
+            let node = port.node.number();
+            memory.belief.noted().map(move |noted| NotedSummary::of(node, &noted, time_s))
+        });
+        noted.collect()
+    }
+
     /// Whether there is anything to fade in and out.
     pub(super) fn has_ramps(&self, state: &SessionState) -> bool {
         !self.ports.is_empty() && state.line.fade != Fade::default()
@@ -123,6 +137,10 @@ impl Session<'_> {
 
     /// The announcement to all rigs.
     pub fn sync(&self, state: &SessionState) -> Frame {
+        self.sync_message(state).encode()
+    }
+
+    pub(super) fn sync_message(&self, state: &SessionState) -> Sync {
         Sync {
             version: can_protocol::PROTOCOL_VERSION,
             profile: self.profile,
@@ -131,7 +149,6 @@ impl Session<'_> {
             slow_down: self.slow_down,
             time_us: self.time_us(state),
         }
-        .encode()
     }
 
     /// The next heartbeat.

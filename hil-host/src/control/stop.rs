@@ -1,7 +1,7 @@
 //! What stopped a session: one cause, with its time, its cycle and its node.
 
 use can_protocol::{Fault, FaultCode, Frame, Node, PressureOff, RunState, Sender};
-use firmware_core::supervision::{Cause, Signal};
+use firmware_core::supervision::{Cause, Noted, Signal};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -69,6 +69,27 @@ pub struct StopSummary {
     pub action: String,
 }
 
+/// Something beyond a limit that ended nothing, in `summary.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NotedSummary {
+    /// The first time.
+    #[serde(flatten)]
+    pub first: StopSummary,
+    /// How often it was found: once in each cycle, or cycle of the motion.
+    pub times: u64,
+    /// Value of the largest magnitude.
+    pub largest: f64,
+}
+
+impl NotedSummary {
+    /// What was noted of a rig; `time_s` is the time of a cycle.
+    pub(super) fn of(node: u8, noted: &Noted, time_s: impl Fn(u64) -> f64) -> Self {
+        let cycle = noted.first_cycle;
+        let stop = Stop { cycle, time_s: time_s(cycle), node: Some(node), cause: noted.first };
+        Self { first: stop.summary(), times: noted.times, largest: noted.largest }
+    }
+}
+
 impl Stop {
     /// For `summary.json`.
     pub fn summary(&self) -> StopSummary {
@@ -108,8 +129,13 @@ impl Stop {
             | Signal::OldMeasurements
             | Signal::SilentRig => (FaultCode::PeerSilent, value),
             Signal::InvalidForce | Signal::StuckForce => (FaultCode::Sensor, 1.0),
-            Signal::InvalidDisplacement | Signal::StuckDisplacement => (FaultCode::Sensor, 2.0),
-            Signal::Force | Signal::ForceRate => (FaultCode::ForceLimit, per_mille),
+            Signal::InvalidDisplacement | Signal::StuckDisplacement | Signal::Acceleration => {
+                (FaultCode::Sensor, 2.0)
+            }
+            Signal::Temperature => (FaultCode::TemperatureLimit, per_mille),
+            Signal::Force | Signal::ForceRate | Signal::Residual => {
+                (FaultCode::ForceLimit, per_mille)
+            }
             Signal::Velocity => (FaultCode::VelocityLimit, per_mille),
             Signal::Tracking => (FaultCode::Tracking, value * 1e6),
             Signal::Work => (FaultCode::Energy, value),
@@ -118,8 +144,9 @@ impl Stop {
             Signal::RigTrip => (FaultCode::Actuator, value),
             Signal::BusQueue => (FaultCode::Overrun, value),
             Signal::BusDown => (FaultCode::BusOff, 0.0),
-            Signal::Growth => (FaultCode::StrokeLimit, per_mille),
-            Signal::SecondSender => (FaultCode::Protection, value),
+            Signal::Growth | Signal::Displacement => (FaultCode::StrokeLimit, per_mille),
+            Signal::CommandLimit => (FaultCode::StrokeLimit, 1000.0),
+            Signal::WrongSeal | Signal::SecondSender => (FaultCode::Protection, value),
             Signal::Vehicle => (FaultCode::Internal, 0.0),
             Signal::Operator => (FaultCode::EmergencyStop, 0.0),
         }

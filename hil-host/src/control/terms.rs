@@ -2,6 +2,7 @@
 
 use crate::draw::Draw;
 use can_protocol::arming::Requirements;
+use scenario::run::Readiness;
 use std::time::Duration;
 
 /// What a host brings into the exchange.
@@ -20,13 +21,18 @@ pub struct Arming {
 impl Arming {
     /// With rigs in memory: always the same numbers, no key switch, no time.
     pub fn in_memory() -> Self {
-        let requirements = Requirements { enabled: false, ..REQUIRED };
-        Self::with(Draw::seeded(0, 0), requirements, Duration::ZERO)
+        Self::with(Draw::seeded(0, 0), required(&Readiness::default(), false), Duration::ZERO)
     }
 
     /// With rigs on a real bus: numbers that nobody can foresee, and a key switch.
     pub fn on_a_bus(draw: Draw, cycle: Duration) -> Self {
-        Self::with(draw, REQUIRED, cycle)
+        Self::with(draw, required(&Readiness::default(), true), cycle)
+    }
+
+    /// The same, with the readiness that a scenario asks for.
+    #[must_use]
+    pub fn requiring(self, readiness: &Readiness) -> Self {
+        Self { requirements: required(readiness, self.requirements.enabled), ..self }
     }
 
     fn with(mut draw: Draw, requirements: Requirements, cycle: Duration) -> Self {
@@ -34,12 +40,13 @@ impl Arming {
     }
 }
 
-/// Readiness that a host requires of every rig: a zero of this shift, a force at rest that a gas
-/// preload explains, and way to move.
-const REQUIRED: Requirements = Requirements {
-    enabled: true,
-    zero_age_s: 8 * 3600,
-    shunt_passed: true,
-    force_at_rest_n: 2000,
-    stroke_um: 5000,
-};
+/// Readiness in the units of the exchange.
+fn required(readiness: &Readiness, enabled: bool) -> Requirements {
+    Requirements {
+        enabled,
+        zero_age_s: readiness.zero_age_s as u32,
+        shunt_passed: readiness.shunt_check,
+        force_at_rest_n: readiness.force_at_rest_n as u32,
+        stroke_um: (readiness.stroke_left_m * 1e6).round() as u32,
+    }
+}

@@ -98,7 +98,8 @@ pub(super) fn print_statuses(mut statuses: Consumer<'_, Status>, done: &AtomicBo
                     + frames.wrong_sequence
                     + frames.repeated
                     + frames.conflicts
-                    + frames.unarmed,
+                    + frames.unarmed
+                    + frames.too_far,
                 displacement_m * 1e3,
                 bus.send_dropped,
             );
@@ -122,7 +123,7 @@ pub fn summary_text(summary: &RigSummary) -> String {
     ));
     lines.push(format!(
         "commands received {} lost {} wrong checksum {} repeated {} out of sequence {} in conflict \
-         {} unarmed {}; sent {}, dropped {} out and {} in",
+         {} unarmed {} too far {}; sent {}, dropped {} out and {} in",
         frames.received,
         frames.lost,
         frames.crc_errors,
@@ -130,6 +131,7 @@ pub fn summary_text(summary: &RigSummary) -> String {
         frames.wrong_sequence,
         frames.conflicts,
         frames.unarmed,
+        frames.too_far,
         summary.sent,
         summary.send_dropped,
         summary.receive_dropped

@@ -17,8 +17,9 @@
 //!
 //! It goes to SAFE by itself when it was commanded and accepts nothing valid for
 //! [`WATCHDOG_CYCLES`] cycles, when there is evidence that somebody else sends under the id of its
-//! commands ([`firmware_core::supervision::SecondSender`]), and when its key switch no longer
-//! enables motion. A pressure-off request leads from any state to FAULT. SAFE and FAULT are left
+//! commands ([`firmware_core::supervision::SecondSender`]), when two commands in a row step further
+//! than the agreed speed allows, neither of which it follows (`rig/net.rs`), and when its key switch
+//! no longer enables motion. A pressure-off request leads from any state to FAULT. SAFE and FAULT are left
 //! by a reset alone: by key at the rig ([`RigNode::reset`]) or by the exchange of
 //! `yawbench rig-reset`. A command STANDBY ends the session; the plant (ram, fixture, damper)
 //! stays as it is.
@@ -41,6 +42,7 @@ mod account;
 mod actuator;
 mod condition;
 mod emulator;
+mod net;
 mod noise;
 mod outbox;
 pub mod process;
@@ -61,6 +63,7 @@ use can_protocol::{
     PROTOCOL_VERSION, Pace, Pressure, PressureOff, Profile, RunState, SessionHistory, Sync, Trips,
 };
 use firmware_core::supervision::{Event, Outcome, State};
+use net::StepNet;
 use outbox::{Outbox, Says};
 use scenario::rig::RigSetup;
 use session::Session;
@@ -87,6 +90,7 @@ pub struct RigNode {
     state: EmulatorState,
     machine: State,
     target: Target,
+    net: StepNet,
     silent_cycles: u32,
     cycles: u64,
     runs: u64,
@@ -118,6 +122,7 @@ impl RigNode {
             draw,
             machine: State::Init,
             target: Target::Hold,
+            net: StepNet::default(),
             silent_cycles: 0,
             cycles: 0,
             runs: 0,
@@ -197,9 +202,7 @@ impl RigNode {
         } else {
             self.silent_cycles = self.silent_cycles.saturating_add(1);
             self.session.note_no_frame();
-            if let Target::Follow(reference) = &mut self.target {
-                *reference = reference.after(self.emulator.period_s());
-            }
+            self.run_on();
         }
         if self.is_watched() && self.silent_cycles >= WATCHDOG_CYCLES {
             self.lose_host(self.silent_cycles);
@@ -281,6 +284,33 @@ impl RigNode {
         reading
     }
 
+    /// The reference runs on at its last velocity, as in a cycle without a command.
+    fn run_on(&mut self) {
+        if let Target::Follow(reference) = &mut self.target {
+            *reference = reference.after(self.emulator.period_s());
+        }
+    }
+
+    /// Whether a command to follow steps further than the ram may go; then it is not followed, and
+    /// a second one in a row leads to SAFE.
+    fn is_too_far(&mut self, command: &Command) -> bool {
+        let follows = matches!(command.mode, Mode::Follow | Mode::FollowWithVelocity);
+        let (true, Some(x_m), Some(cycle)) =
+            (follows, command.displacement_m, self.session.commanded_cycle())
+        else {
+            return false;
+        };
+        let Some(times) = self.net.refuses(cycle, x_m, self.state.eyes_m()) else { return false };
+        self.session.note_too_far();
+        self.run_on();
+        if self.net.is_torn() && self.enter(Event::Stop) {
+            self.trips |= Trips::VELOCITY_LIMIT;
+            let per_mille = (1000.0 * times).min(f64::from(u16::MAX)) as u16;
+            self.report(FaultCode::VelocityLimit, per_mille);
+        }
+        true
+    }
+
     /// Whether a command was obeyed: it has the values that its mode needs, and a state that can
     /// follow from the rig's.
     fn obey(&mut self, command: &Command) -> bool {
@@ -288,7 +318,7 @@ impl RigNode {
         if self.is_latched() {
             return true;
         }
-        if !has_value(command) {
+        if !has_value(command) || (next.moves() && self.is_too_far(command)) {
             return false;
         }
         if next.moves() && !self.machine.moves() {
@@ -331,6 +361,7 @@ impl RigNode {
             RigEvent::Armed(agreement) => {
                 self.enter(Event::Arm);
                 self.session.arm(self.timing.profile, agreement.code());
+                self.net = StepNet::new(agreement.configuration.limits, self.timing.period_s());
                 (self.silent_cycles, self.target) = (0, Target::Hold);
             }
             RigEvent::Lapsed => {

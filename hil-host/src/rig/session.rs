@@ -88,6 +88,8 @@ pub struct FrameCounts {
     pub conflicts: u64,
     /// Commands that came while the rig was not armed.
     pub unarmed: u64,
+    /// Commands that stepped further than the agreed speed allows, and were not followed.
+    pub too_far: u64,
 }
 
 impl FrameCounts {
@@ -100,6 +102,7 @@ impl FrameCounts {
             wrong_sequence: self.wrong_sequence + counts.wrong_sequence,
             conflicts: self.conflicts + counts.conflict,
             unarmed: self.unarmed,
+            too_far: self.too_far,
         }
     }
 }
@@ -181,6 +184,16 @@ impl Session {
     pub(super) fn has_second_sender(&mut self) -> bool {
         let Some(armed) = &mut self.armed else { return false };
         armed.second_sender.take(core::mem::take(&mut armed.frames))
+    }
+
+    /// Notes a command that steps too far.
+    pub(super) fn note_too_far(&mut self) {
+        self.earlier.too_far += 1;
+    }
+
+    /// The host's number of the last accepted command.
+    pub(super) fn commanded_cycle(&self) -> Option<u32> {
+        self.armed.as_ref().and_then(|armed| armed.state.cycle())
     }
 
     /// The newest command that was not taken yet.

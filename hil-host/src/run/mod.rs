@@ -244,6 +244,7 @@ fn summary(
         record_fault: recording.failure.as_ref().map(BenchError::to_string),
         bus_load: load.most,
         watched: session.watched,
+        noted: session.noted(state),
     };
     Summary::of(&outcome, &recording.columns)
 }

@@ -1,7 +1,7 @@
 //! The largest force that a damper on a rig is believed, from a run of the vehicle with models.
 //!
 //! ```text
-//! F_max = max(1.5 |F_model|_max, 5 kN)
+//! F_max = max(1.5 |F_model|_max, 5 kN)          1.5: limit_ratio of the force in [plausibility]
 //! ```
 //! The vehicle runs with the model of every rig's slot over the beginning of its own track, as fast
 //! as possible. A damper that is half as strong again as its model is still a possible damper; a
@@ -10,10 +10,7 @@
 use firmware_core::guard::ForceInput;
 use firmware_core::line::{Line, Slot};
 use firmware_core::vehicle::DAMPER_SLOTS;
-use scenario::run::Run;
-
-/// Room above the largest force of the model.
-const MARGIN: f64 = 1.5;
+use scenario::run::{ForceLimit, Run};
 
 /// The least limit (N): on a perfect track the model does nothing.
 const LEAST_N: f64 = 5e3;
@@ -23,9 +20,10 @@ const CYCLES_MAX: u64 = 120_000;
 
 /// The largest believed force of every slot (N).
 pub(super) fn believed_forces_n(run: &Run, mut line: Line<'_>) -> [f64; DAMPER_SLOTS] {
-    if let Some(force_n) = run.motion.force_n {
-        return [force_n; DAMPER_SLOTS];
-    }
+    let ratio = match run.plausibility.force {
+        ForceLimit::Ratio(ratio) => ratio,
+        ForceLimit::Force(force_n) => return [force_n; DAMPER_SLOTS],
+    };
     for slot in &mut line.slots {
         if let Slot::Rig(rig) = slot {
             *slot = Slot::Modelled(rig.model.clone());
@@ -44,7 +42,7 @@ pub(super) fn believed_forces_n(run: &Run, mut line: Line<'_>) -> [f64; DAMPER_S
             break;
         }
     }
-    most_n.map(|most| (MARGIN * most).max(LEAST_N))
+    most_n.map(|most| (ratio * most).max(LEAST_N))
 }
 
 #[cfg(test)]
@@ -63,7 +61,7 @@ mod tests {
         let believed_n = believed_forces_n(&run, line(&run, &track));
         // The model reaches 20 kN.
         assert!((25e3..35e3).contains(&believed_n[0]), "{believed_n:?}");
-        run.motion.force_n = Some(12e3);
+        run.plausibility.force = ForceLimit::Force(12e3);
         let track = run.track.view();
         assert_eq!(believed_forces_n(&run, line(&run, &track)), [12e3; DAMPER_SLOTS]);
     }

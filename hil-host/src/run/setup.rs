@@ -5,13 +5,12 @@ use super::plan::{Plan, RigPlace};
 use crate::BenchError;
 use crate::bus::{AnyBus, BusChoice, MemoryBus, SocketCanBus};
 use crate::clock::Pacer;
-use crate::control::{Arming, Pace, Port, Session, Watch};
+use crate::control::{Arming, MOST_FORCE_N, Pace, Port, Session, Watch};
 use crate::draw::Draw;
 use crate::options::{PaceChoice, RunOptions};
 use crate::rig::RigNode;
 use can_protocol::{MessageId, Node, Pace as WirePace, Profile, Sender};
 use firmware_core::compensation::VirtualWear;
-use firmware_core::guard::Guard;
 use firmware_core::line::{Fade, Line, RigSlot, Slot};
 use firmware_core::supervision::CommandLimits;
 use firmware_core::track::Track;
@@ -52,7 +51,10 @@ pub(crate) fn session<'a>(
         believed_forces_n(run, line(run, track))
     };
     let port = |rig: &RigPlace| {
-        let port = Port::new(rig.node, rig.bus, rig.slot, profile)?.believing(forces_n[rig.slot]);
+        let force_n = forces_n[rig.slot].min(MOST_FORCE_N);
+        let checks = run.plausibility.checks(profile.counter_modulus(), force_n);
+        let port = Port::new(rig.node, rig.bus, rig.slot, profile)?
+            .checked(checks, run.motion.beyond_limits);
         Ok(match watch_of(run, rig.slot) {
             Some(watch) => port.watched(watch),
             None => port,
@@ -65,7 +67,7 @@ pub(crate) fn session<'a>(
         profile,
         pace,
         slow_down,
-        arming,
+        arming: arming.requiring(&run.readiness),
         watched: [body("carbody"), body("bogie_front"), body("wheelset_1")],
         rear_bogie: body("bogie_rear"),
     })
@@ -101,7 +103,6 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
         cycle_s: CYCLE_S,
         substeps: run.substeps,
         slots,
-        guard: Guard::default(),
         fade: Fade {
             motion_cycles: run.motion.ramp_cycles,
             coupling_cycles: run.motion.ramp_cycles,

@@ -3,7 +3,7 @@
 use super::{ArmedSession, Frames, Summary, accelerations, dampers, percentiles, step_percentiles};
 use crate::bus::BusCounters;
 use crate::columns::Columns;
-use crate::control::{End, HASH_ALGORITHM, StopSummary};
+use crate::control::{End, HASH_ALGORITHM, NotedSummary, StopSummary};
 use crate::options::PaceChoice;
 use scenario::run::{CYCLE_S, Run};
 use serde::Deserialize;
@@ -18,6 +18,9 @@ pub(crate) struct KeptSummary {
     pub(crate) state: End,
     pub(crate) not_held: Vec<String>,
     pub(crate) cause: Option<StopSummary>,
+    /// Empty in a file of an earlier version.
+    #[serde(default)]
+    pub(crate) noted: Vec<NotedSummary>,
     pub(crate) record_fault: Option<String>,
     pub(crate) trajectory_hash: String,
     pub(crate) record_dropped: u64,
@@ -87,6 +90,7 @@ impl Summary {
             state: kept.map_or(End::Stopped, |kept| kept.state),
             not_held: kept.map_or_else(Vec::new, |kept| kept.not_held.clone()),
             cause: kept.and_then(|kept| kept.cause.clone()),
+            noted: kept.map_or_else(Vec::new, |kept| kept.noted.clone()),
             record_fault: kept.and_then(|kept| kept.record_fault.clone()),
             trajectory_hash: kept
                 .map_or_else(|| format!("{hash:016x}"), |kept| kept.trajectory_hash.clone()),

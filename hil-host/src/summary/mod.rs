@@ -23,7 +23,7 @@ pub(crate) use times::microseconds;
 
 use crate::columns::Columns;
 use crate::comparison::Comparison;
-use crate::control::{End, HASH_ALGORITHM, StopSummary};
+use crate::control::{End, HASH_ALGORITHM, NotedSummary, StopSummary};
 use crate::options::PaceChoice;
 use frames::frames;
 use held::Counted;
@@ -85,6 +85,8 @@ pub struct Summary {
     pub not_held: Vec<String>,
     /// What stopped it; null unless it ended in the safe state.
     pub cause: Option<StopSummary>,
+    /// What was beyond a limit of `[plausibility]` and ended nothing.
+    pub noted: Vec<NotedSummary>,
     /// Why the record could not be kept and the run was ended; null otherwise.
     pub record_fault: Option<String>,
     /// 16 hex digits over host state and received forces of every cycle.
@@ -153,6 +155,7 @@ impl Summary {
             state: outcome.end,
             not_held,
             cause: state.stop.map(|stop| stop.summary()),
+            noted: outcome.noted.clone(),
             record_fault: outcome.record_fault.clone(),
             trajectory_hash: format!("{:016x}", state.hash),
             trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),

@@ -1,7 +1,7 @@
 //! What is known of a run in addition to its columns.
 
 use crate::bus::BusCounters;
-use crate::control::{End, Port, SessionState};
+use crate::control::{End, NotedSummary, Port, SessionState};
 use crate::options::PaceChoice;
 use scenario::run::Run;
 
@@ -21,4 +21,6 @@ pub(crate) struct Outcome<'a> {
     pub(crate) record_fault: Option<String>,
     pub(crate) bus_load: f64,
     pub(crate) watched: [Option<usize>; 3],
+    /// What was beyond a limit and ended nothing.
+    pub(crate) noted: Vec<NotedSummary>,
 }

@@ -4,6 +4,7 @@
 mod control_loop;
 mod fault_table;
 mod faults;
+mod plausibility;
 mod ramps;
 mod rig_answers;
 mod rig_physics;

@@ -2,7 +2,7 @@
 
 use crate::support::locomotive::{NODE, scenario, session};
 use can_protocol::{Pace as WirePace, Profile};
-use firmware_core::guard::Command;
+use firmware_core::command::Command;
 use firmware_core::supervision::{Action, Cause, Event, Signal, State};
 use hil_host::bus::MemoryBus;
 use hil_host::clock::{Pacer, Tick};

@@ -29,6 +29,8 @@ fn run(switch: Option<usize>) -> u64 {
             let sync = host.sync_message(Pace::LockStep);
             give(&mut rig, &sync.encode());
             arm(&mut rig, &mut host, &sync);
+            // The ram stands about where the motion was then.
+            host.cycle = 1500;
         }
         let frame = match cycle {
             700..=720 => host.say(RunState::Run, Mode::Hold, None, None),

@@ -96,6 +96,58 @@ fn four_silent_cycles_in_a_row_are_forgiven_any_number_of_times() {
 }
 
 #[test]
+fn a_command_that_steps_too_far_is_not_followed_and_two_in_a_row_are_safe() {
+    let (mut rig, mut host) = running();
+    // 76 um in a cycle; the agreed speed allows 500 um.
+    let jump =
+        |host: &mut Host| host.say(RunState::Run, Mode::FollowWithVelocity, Some(20e-3), Some(0.0));
+    let before_m = rig.physics().ram().displacement_m;
+    give(&mut rig, &jump(&mut host));
+    rig.cycle();
+    assert_eq!(measured(&mut rig).state, RunState::Run);
+    let moved_m = rig.physics().ram().displacement_m - before_m;
+    assert!((0.0..80e-6).contains(&moved_m), "it runs on: {moved_m}");
+    // The host goes on where it was; one such command alone does nothing, however often.
+    for _ in 0..10 {
+        give(&mut rig, &host.run());
+        rig.cycle();
+        assert_eq!(measured(&mut rig).state, RunState::Run);
+        give(&mut rig, &jump(&mut host));
+        rig.cycle();
+        assert_eq!(measured(&mut rig).state, RunState::Run);
+    }
+    assert_eq!(rig.frames().too_far, 11);
+    give(&mut rig, &jump(&mut host));
+    rig.cycle();
+    let second = answers(&mut rig);
+    let [(FaultCode::VelocityLimit, per_mille, RunState::Safe)] = faults(&second)[..] else {
+        panic!("{second:?}")
+    };
+    assert!(per_mille > 5000, "{per_mille}");
+    assert_eq!(states(&second), [RunState::Safe]);
+    assert_eq!((rig.frames().too_far, rig.safe_events()), (12, 1));
+    assert!(rig.physics().ram().displacement_m.abs() < 5e-3);
+}
+
+#[test]
+fn a_first_command_far_from_the_ram_does_not_move_it() {
+    let mut host = Host::new(Profile::Classical);
+    let mut rig = armed(&quiet(), &mut host, Pace::Clock);
+    for expected in [RunState::Armed, RunState::Safe] {
+        give(&mut rig, &host.say(RunState::Run, Mode::Follow, Some(20e-3), None));
+        rig.cycle();
+        assert_eq!(measured_state(&mut rig), expected);
+    }
+    assert_eq!(rig.physics().ram().displacement_m, 0.0);
+}
+
+/// The state in the one measurement among the rig's answers.
+fn measured_state(rig: &mut FedRig) -> RunState {
+    let [state] = states(&answers(rig))[..] else { panic!("one measurement") };
+    state
+}
+
+#[test]
 fn safe_is_latched_until_it_is_reset_at_the_rig() {
     let (mut rig, mut host) = running();
     for _ in 0..WATCHDOG_CYCLES {

@@ -19,7 +19,7 @@ pub mod track;
 
 use crate::error::StudyError;
 use firmware_core::damper::{Damper, DamperError};
-use firmware_core::guard::{ForceInput, Guard};
+use firmware_core::guard::ForceInput;
 use firmware_core::line::{Fade, Line, LineState, Slot};
 use firmware_core::track::Track;
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Vehicle};
@@ -175,7 +175,6 @@ impl<'a> Trip<'a> {
             cycle_s: CYCLE_S,
             substeps,
             slots,
-            guard: Guard::default(),
             fade: Fade::default(),
         };
         Self { line, equipped }

@@ -1,5 +1,5 @@
 //! The text of `yawbench.dbc`, written from the crate's own constants.
-use super::rules::rules;
+use super::rules::{duties, rules};
 use can_protocol::signal::{Field, FixedPoint, Quantity};
 use can_protocol::{
     ArmItem, ArmMessage, ArmSide, Command, CommandLayout, Fault, FaultCode, Heartbeat,
@@ -419,8 +419,9 @@ fn comments() -> String {
         );
         writeln!(
             out,
-            "CM_ BO_ {} \"Little-endian. {check} {}Worked frame: {} ({}).\";",
+            "CM_ BO_ {} \"Little-endian. {check} {}{}Worked frame: {} ({}).\";",
             message.raw(),
+            duties(message),
             sealed(message),
             hex(data),
             worked(message)

@@ -1,6 +1,6 @@
 //! The rules of the bus, as the comment of `yawbench.dbc` states them.
 use can_protocol::arming::{DBC_HASH, Patience, Quiet, RigArming};
-use can_protocol::{ArmItem, FaultCode, SessionHistory};
+use can_protocol::{ArmItem, FaultCode, MessageId, SessionHistory};
 
 /// The comment on the bus, one sentence after the other; no double quotes in a DBC.
 pub(crate) fn rules() -> String {
@@ -108,6 +108,61 @@ fn sealed() -> String {
         SessionHistory::SESSIONS,
         RigArming::FIRST_COMMAND_CYCLES,
     )
+}
+
+/// What a rig does with a message, in the comment of that message.
+pub(crate) fn duties(message: MessageId) -> &'static str {
+    match message {
+        MessageId::PressureOff(_) => {
+            "A rig goes to FAULT from every state and sends FAULT PRESSURE_LOST. The counter is not \
+             judged. "
+        }
+        MessageId::Sync => {
+            "A rig in INIT or STANDBY that can do this goes to STANDBY and sends a HEARTBEAT at \
+             once. One that cannot sends FAULT CONFIGURATION_MISMATCH once and no HEARTBEAT for it, \
+             and is in INIT: the host takes a HEARTBEAT of any other state for consent. From ARMED \
+             on it refuses other values likewise and stays in its state; SAFE and FAULT take \
+             nothing from it and answer with a HEARTBEAT. "
+        }
+        MessageId::Command(..) => {
+            "The position is that of the damper's eyes where the cycle begins, counted from \
+             mid-stroke. With x and v the ram is at x + v T at the end of the period T in \
+             FOLLOW_WITH_VELOCITY, at x in FOLLOW. Before the first CMD of a session a cycle is \
+             period_us times slow_down of the rig's own time. A CMD that cannot be obeyed moves the \
+             echo, is answered and feeds no watchdog. A step of more than v_max T, with the agreed \
+             v_max, from the last CMD that was followed (n CMD later: n times that, at most 5) is \
+             not followed; after two in a row the rig goes SAFE and sends FAULT VELOCITY_LIMIT. \
+             Before a first one the step counts from where the ram stands, with n = 5. STANDBY ends \
+             the session. "
+        }
+        MessageId::Measurement(..) => {
+            "Sampled at the end of the cycle, after its CMD. One MEAS, the last sealed one, answers \
+             a STANDBY; in SAFE and FAULT each accepted CMD is answered as well. "
+        }
+        MessageId::Fault(_) => {
+            "Sent once when it changes. A rig need not hear that of the host. The counter is not \
+             judged. "
+        }
+        MessageId::Telemetry(_) | MessageId::Residual(_) => "The counter is not judged. ",
+        MessageId::ArmRequest(_) => {
+            "The counter is not judged: the host may have started again. ARM is repeated until it \
+             is answered; to the same ARM the rig answers ARMED again. REFUSED from the host ends \
+             the exchange, and an armed session without a first CMD; it has no answer. The watchdog \
+             of 5 cycles stands in the hash only: no item negotiates it. Before ARMED both sides \
+             count 300 quiet cycles; signs of a bus that is not quiet are a HEARTBEAT of the host \
+             with another boot number, a CMD to a rig that is not armed, another HOST_NUMBER within \
+             an exchange, and a frame under an own id. "
+        }
+        MessageId::ArmAnswer(_) => {
+            "The counter is not judged. A stroke counts from mid-stroke; the stroke left is the \
+             nearer of ram and damper. A rig in INIT, which has heard no SYNC that it can take, \
+             answers HOST_NUMBER with REFUSED and STATE. "
+        }
+        MessageId::Heartbeat(_) => {
+            "The counter is not judged. It goes on in every state, with flag_latched in SAFE and \
+             FAULT. "
+        }
+    }
 }
 
 /// Counters, echo and pace.

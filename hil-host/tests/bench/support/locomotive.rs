@@ -3,7 +3,8 @@
 use can_protocol::{Node, Pace, Profile};
 use firmware_core::track::Track;
 use hil_host::control::{Arming, Port, Session};
-use scenario::run::{Overrides, Run};
+use scenario::run::{ForceLimit, Overrides, Run};
+use scenario::source::Source;
 use std::num::NonZeroU8;
 use std::path::Path;
 
@@ -12,21 +13,34 @@ pub(crate) const NODE: Node = Node::ALL[0];
 
 /// Five seconds of it.
 pub(crate) fn scenario() -> Run {
+    scenario_with("")
+}
+
+/// The same with further tables in its file.
+pub(crate) fn scenario_with(tables: &str) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let source = Source::from_text(&path, &format!("{text}\n{tables}"));
     let overrides = Overrides { duration_s: Some(5.0), speed_kmh: None };
-    Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"))
+    Run::from_source(&source, overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Its control session.
 pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>, pace: Pace) -> Session<'a> {
+    let force_n = match run.plausibility.force {
+        ForceLimit::Force(force_n) => force_n,
+        ForceLimit::Ratio(_) => 100e3,
+    };
+    let checks = run.plausibility.checks(Profile::Classical.counter_modulus(), force_n);
     let port = Port::new(NODE, 0, 0, Profile::Classical).unwrap();
+    let port = port.checked(checks, run.motion.beyond_limits);
     Session {
         line: hil_host::run::line(run, track),
         ports: heapless::Vec::from_slice(&[port]).unwrap(),
         profile: Profile::Classical,
         pace,
         slow_down: NonZeroU8::MIN,
-        arming: Arming::in_memory(),
+        arming: Arming::in_memory().requiring(&run.readiness),
         watched: [Some(0), Some(1), Some(3)],
         rear_bogie: Some(2),
     }
