@@ -4,9 +4,8 @@
 //! read from the record when the run has ended ([`Columns::read`]).
 
 use crate::BenchError;
-use crate::record::{InputKind, Row, each_row};
+use crate::record::{InputKind, Row, each_row, open_parts};
 use can_protocol::{RunState, Watch};
-use files::{Limit, input};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use hdrhistogram::Histogram;
 use std::path::Path;
@@ -179,12 +178,7 @@ impl Columns {
     /// # Errors
     /// The record cannot be read.
     pub(crate) fn read(&mut self, record: &Path) -> Result<(), BenchError> {
-        let all = read(record, |row| {
-            self.keep(row);
-            self.time_s.len() < ROWS_MAX
-        })?;
-        self.left_out = all.saturating_sub(self.time_s.len() as u64 + self.outside_run);
-        Ok(())
+        read(record, |row| self.keep(row))
     }
 
     /// The columns of a record.
@@ -193,10 +187,7 @@ impl Columns {
     /// The record cannot be read.
     pub(crate) fn of_record(record: &Path) -> Result<Self, BenchError> {
         let mut columns = Self::default();
-        read(record, |row| {
-            columns.push(row);
-            true
-        })?;
+        read(record, |row| columns.push(row))?;
         Ok(columns)
     }
 
@@ -249,15 +240,20 @@ impl Columns {
     }
 }
 
-/// Hands the rows of a record to `take`, until it returns false; gives the number of rows.
-fn read(record: &Path, take: impl FnMut(&Row) -> bool) -> Result<u64, BenchError> {
-    let file = input::open(record, Limit::Stream)?;
+/// Hands the rows of a record to `take`.
+fn read(record: &Path, mut take: impl FnMut(&Row)) -> Result<(), BenchError> {
     let failed = |why| BenchError::File { file: record.to_owned(), why };
-    let expected = "a record of this version";
-    each_row(file, take).map_err(failed)?.ok_or_else(|| BenchError::Kept {
+    let is_known = each_row(open_parts(record)?, |row| {
+        take(row);
+        true
+    });
+    if is_known.map_err(failed)? {
+        return Ok(());
+    }
+    Err(BenchError::Kept {
         file: record.to_owned(),
         found: "another layout".to_owned(),
-        expected,
+        expected: "a record of this version",
     })
 }
 

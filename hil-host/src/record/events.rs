@@ -1,13 +1,15 @@
 //! `events.jsonl`: what happened in a run, one line of JSON per event, written when it happens.
 
+use super::durable::{Appender, Durable};
 use super::input_kind::InputKind;
 use super::row::Row;
-use super::storage::{Appender, Storage};
+use super::storage::Storage;
 use can_protocol::{RunState, Watch};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use serde::Serialize;
 use std::fs::File;
 use std::io;
+use std::sync::Arc;
 
 /// Something that happened.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -54,6 +56,19 @@ impl<S: Storage> EventLog<S> {
             stale: [0; DAMPER_SLOTS],
             skipped: (0, 0.0),
         }
+    }
+
+    /// The file, for the thread that has the disk hold it.
+    pub(crate) fn file(&self) -> Arc<Durable<S>> {
+        self.file.file()
+    }
+
+    /// Waits until the disk holds the events.
+    ///
+    /// # Errors
+    /// The disk is full, or gone.
+    pub(crate) fn finish(&self) -> io::Result<()> {
+        self.file.finish()
     }
 
     /// Writes an event.
