@@ -5,6 +5,7 @@
 //! cargo xtask ci         the same
 //! cargo xtask firmware   the no_std crates for a Cortex-M7, and that they cannot panic there
 //! cargo xtask vcan       the tests over SocketCAN
+//! cargo xtask power-cut  kills an emulated machine that records, and reads what is on its disk
 //! cargo xtask bench      the benchmarks; what follows goes to criterion
 //! ```
 //!
@@ -12,13 +13,14 @@
 //! as root, Python packages in a folder of their own. Whatever only has to be read is unpacked
 //! under the target folder and leaves the machine as it was. What could not be had is said in one
 //! line and skipped, unless the environment asks for it: `REQUIRE_VCAN`, `REQUIRE_THUMB`,
-//! `REQUIRE_CANTOOLS` and `REQUIRE_BROWSER`, each `=1`.
+//! `REQUIRE_CANTOOLS`, `REQUIRE_BROWSER` and `REQUIRE_POWER_CUT`, each `=1`.
 
 mod debian;
 mod equipment;
 mod machine;
 mod modules;
 mod no_panic;
+mod power_cut;
 mod qemu;
 mod release;
 mod run;
@@ -49,16 +51,22 @@ fn main() -> ExitCode {
             run.step("vcan", |run| vcan::test(run, vcan::Place::Qemu, rest));
         }
         ["vcan", rest @ ..] => run.step("vcan", |run| vcan::test(run, vcan::Place::Any, rest)),
-        ["bench", rest @ ..] => run.step("bench", |run| bench(run, rest)),
-        _ => {
-            eprintln!(
-                "usage: cargo xtask test | ci | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
-                 | bench [BENCHMARK]"
-            );
-            return ExitCode::from(2);
+        ["power-cut", rest @ ..] => {
+            let Some(cuts) = power_cut::Cuts::parse(rest) else { return usage() };
+            run.step("power-cut", |run| power_cut::test(run, cuts));
         }
+        ["bench", rest @ ..] => run.step("bench", |run| bench(run, rest)),
+        _ => return usage(),
     }
     run.finish()
+}
+
+fn usage() -> ExitCode {
+    eprintln!(
+        "usage: cargo xtask test | ci | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
+         | power-cut [--kills N] [--seed S] | bench [BENCHMARK]"
+    );
+    ExitCode::from(2)
 }
 
 /// Every check, cheapest first; one that fails does not keep the others from running.

@@ -22,12 +22,13 @@ mod storage;
 
 pub use bus_log::{BusEvent, BusLog, Direction};
 pub(crate) use durable::OpenFiles;
-pub(crate) use events::{Event, EventLog};
+pub use events::RunEvent;
+pub(crate) use events::{EventLog, read_events};
 pub use input_kind::InputKind;
 pub(crate) use loss::Loss;
 pub use npy::NpyWriter;
-pub(crate) use npy::{each_row, rows_of};
-pub(crate) use parts::{InParts, PART_CYCLES, open_parts, part_name, part_of};
+pub(crate) use npy::{RowReader, each_row, rows_of};
+pub(crate) use parts::{InParts, PART_CYCLES, open_parts, part_name, part_of, parts};
 pub use queues::{Drain, LoggedFrame, Outlet, Queues, ROWS, Recorder};
 pub(crate) use reference::column_reference;
 pub use row::{FrameBytes, Row};

@@ -73,7 +73,7 @@ fn count_place(header: &[u8]) -> Option<usize> {
 
 /// Reads the rows of a record one by one, part after part.
 #[derive(Debug)]
-pub(super) struct RowReader {
+pub(crate) struct RowReader {
     /// Parts that are read after this one, the next one last.
     next: Vec<(PathBuf, File)>,
     now: Part,
@@ -127,7 +127,7 @@ impl Part {
 
 impl RowReader {
     /// Reads the header; `None` for files of another layout.
-    pub(super) fn begin(mut parts: Vec<(PathBuf, File)>) -> io::Result<Option<Self>> {
+    pub(crate) fn begin(mut parts: Vec<(PathBuf, File)>) -> io::Result<Option<Self>> {
         parts.reverse();
         let Some((path, first)) = parts.pop() else { return Ok(None) };
         let now = Part::begin(path, first, false)?;
@@ -146,6 +146,11 @@ impl RowReader {
         Ok(Some(&self.row))
     }
 
+    /// The next row, decoded.
+    pub(crate) fn next(&mut self) -> io::Result<Option<Row>> {
+        Ok(self.next_row()?.map(Row::get))
+    }
+
     /// Goes back to the first row.
     pub(super) fn rewind(self) -> io::Result<Option<Self>> {
         let mut parts = self.done;
@@ -161,8 +166,8 @@ pub(crate) fn each_row(
     mut take: impl FnMut(&Row) -> bool,
 ) -> io::Result<bool> {
     let Some(mut rows) = RowReader::begin(parts)? else { return Ok(false) };
-    while let Some(bytes) = rows.next_row()? {
-        if !take(&Row::get(bytes)) {
+    while let Some(row) = rows.next()? {
+        if !take(&row) {
             break;
         }
     }

@@ -28,8 +28,10 @@ use crate::options::{PaceChoice, RunOptions};
 use crate::page::{Ending, SHOWN_CYCLES, page};
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
-    self, BusEvent, PART_CYCLES, Row, column_reference, open_parts, part_name, part_of,
+    self, BusEvent, PART_CYCLES, Row, RunEvent, column_reference, open_parts, part_name, part_of,
+    read_events,
 };
+use crate::statistics::Statistics;
 use crate::summary::{Outcome, Summary};
 use about::RunAbout;
 use files::{FolderError, ResultFolder};
@@ -144,15 +146,16 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         // Nothing but the files of a run that has not begun. One that stays does no harm.
         let _stays = std::fs::remove_dir_all(folder.path());
     }
-    let mut recording = recorded?;
-    recording.columns.read(&folder.file(RECORD))?;
+    let recording = recorded?;
+    let (statistics, _) = Statistics::of(&folder.file(RECORD), run.run_in_s)?;
 
-    let mut summary = summary(run, options, &session, &state, &buses, &load, &recording);
+    let known = (&recording, &statistics, read_events(&folder.file(EVENTS)));
+    let mut summary = summary(run, options, &session, &state, &buses, &load, known);
     let write = |summary: &Summary, compared: Option<Section>| -> Result<(), BenchError> {
         let json = serde_json::to_string_pretty(summary)?;
         folder.write(SUMMARY, &format!("{json}\n"))?;
         let rows = around_stop(&folder.file(RECORD), summary)?;
-        let seen = (&recording.columns, &*rows);
+        let seen = (&recording.counts, &statistics, &*rows);
         let page = page(run, summary, seen, &load.lines, compared, Ending::Known);
         Ok(folder.write(REPORT, &page.to_html()?)?)
     };
@@ -164,17 +167,18 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     written?;
     let mut interrupted = recording.end == End::Stopped;
     if let (Some(setup), Some(other), false) = (&run.compare, &other, interrupted) {
-        let record = (folder.file(COMPARED), folder.create_file(COMPARED)?);
+        let in_folder = InFolder(&folder);
+        let record = (folder.file(COMPARED), |part| in_folder.part(COMPARED, part));
         // One that left its track shows the other damper for as long as it took to stop.
         let is_safe = summary.state == End::Safe;
         let asked = if is_safe { state.line.run_cycles() } else { summary.steps };
         let cycles = Cycles { ramp_in: state.line.ramp_in_cycles, run: asked };
         match SecondRun::through(other, options.profile, cycles, record, requests.end_flag())? {
             Some(second) => {
-                let main = (run, &summary, &recording.columns);
+                let main = (run, &summary, &statistics);
                 let found = comparison::compare(setup, main, (other, &second));
-                let section =
-                    comparison::section(run, summary.state, &recording.columns, &found, &second);
+                let records = [folder.file(RECORD), folder.file(COMPARED)];
+                let section = comparison::section(run, summary.state, &found, &records)?;
                 summary.comparison = Some(found);
                 write(&summary, Some(section))?;
             }
@@ -199,17 +203,23 @@ fn file_names(cycles: u64) -> Vec<String> {
 #[derive(Debug)]
 struct InFolder<'a>(&'a ResultFolder);
 
-impl Place for InFolder<'_> {
-    type File = File;
-
-    fn make(&self, file: RunFile, part: u64) -> io::Result<File> {
-        let made = self.0.create_file(&part_name(name_of(file), part));
-        let made = made.map_err(|why| match why {
+impl InFolder<'_> {
+    /// Makes a part, from one, of the file `first`.
+    fn part(&self, first: &str, part: u64) -> io::Result<File> {
+        let made = self.0.create_file(&part_name(first, part)).map_err(|why| match why {
             FolderError::Disk(_, why) => why,
             other => io::Error::other(other.to_string()),
         })?;
         self.0.settle_names()?;
         Ok(made)
+    }
+}
+
+impl Place for InFolder<'_> {
+    type File = File;
+
+    fn make(&self, file: RunFile, part: u64) -> io::Result<File> {
+        self.part(name_of(file), part)
     }
 
     fn path(&self, file: RunFile) -> PathBuf {
@@ -270,7 +280,7 @@ fn summary(
     state: &SessionState,
     buses: &[AnyBus],
     load: &BusLoad,
-    recording: &Recording,
+    (recording, statistics, events): (&Recording, &Statistics, Vec<RunEvent>),
 ) -> Summary {
     let outcome = Outcome {
         run,
@@ -286,8 +296,9 @@ fn summary(
         record_dropped: recording.dropped,
         wall_s: recording.wall_s,
         record_fault: recording.failure.as_ref().map(BenchError::to_string),
+        events,
         bus_load: load.most,
         watched: session.watched,
     };
-    Summary::of(&outcome, &recording.columns)
+    Summary::of(&outcome, &recording.counts, statistics)
 }

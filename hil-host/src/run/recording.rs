@@ -4,12 +4,12 @@ use super::handshake::{Epoch, Heard};
 use super::progress::{self, Progress};
 use crate::BenchError;
 use crate::bus::{Bus, BusChoice};
-use crate::columns::Columns;
 use crate::control::{Buses, End, Pace, Requests, Session, SessionState};
+use crate::counts::Counts;
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
-    BusEvent, BusLog, Drain, Event, EventLog, InParts, LoggedFrame, Loss, NpyWriter, OpenFiles,
-    Outlet, Queues, Row, Storage, part_of,
+    BusEvent, BusLog, Drain, EventLog, InParts, LoggedFrame, Loss, NpyWriter, OpenFiles, Outlet,
+    Queues, Row, RunEvent, Storage, part_of,
 };
 use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
 use std::fmt;
@@ -67,7 +67,7 @@ pub(super) struct Output<P> {
 #[derive(Debug)]
 pub(super) struct Recording {
     pub(super) end: End,
-    pub(super) columns: Columns,
+    pub(super) counts: Counts,
     /// Rows and frames that the recorder had no room for, or the disk.
     pub(super) dropped: u64,
     pub(super) wall_s: f64,
@@ -162,9 +162,12 @@ pub(super) fn record<B: Bus, P: Place>(
         let wall_s = begin.elapsed().as_secs_f64();
         done.store(true, Ordering::Release);
         drop(running);
-        let (record, columns, mut happened) = joined(record)?;
+        let (record, counts, mut happened) = joined(record)?;
         let (cycle, time_s) = (state.line.cycle, state.line.time_s(session.line.cycle_s));
         // A disk that does not take it is named below or has taken all rows.
+        if let Some(stop) = &state.stop {
+            let _ = happened.write(&RunEvent::cause(&stop.summary()));
+        }
         let _ = happened.write(&of_run(cycle, time_s, ended_as(end)));
         let (log, [record_held, log_held]) = (joined(log)?, joined(sync)?);
         let dropped = recorder.dropped_rows + recorder.dropped_events + record.count + log.count;
@@ -195,7 +198,7 @@ pub(super) fn record<B: Bus, P: Place>(
             };
             failure = Some(BenchError::Unrecorded { file: place.path(file), why, dropped });
         }
-        Ok(Recording { end, columns, dropped, wall_s, failure })
+        Ok(Recording { end, counts, dropped, wall_s, failure })
     })
 }
 
@@ -210,8 +213,8 @@ struct RowOutput<'a, S> {
 }
 
 /// An event of the whole run.
-const fn of_run(cycle: u64, time_s: f64, what: &'static str) -> Event {
-    Event { time_s, cycle, what, slot: None, value: None, limit: None }
+fn of_run(cycle: u64, time_s: f64, what: &'static str) -> RunEvent {
+    RunEvent { time_s, cycle, what: what.into(), ..RunEvent::default() }
 }
 
 /// How a run ended, as an event.
@@ -230,9 +233,9 @@ fn write_rows<S: Storage>(
     rows: &Outlet<'_, Row>,
     done: &AtomicBool,
     requests: &Requests,
-) -> (Loss, Columns, EventLog<S>) {
+) -> (Loss, Counts, EventLog<S>) {
     let RowOutput { mut record, part_cycles, mut happened, mut progress, cycle_ns } = to;
-    let (mut loss, mut columns) = (Loss::default(), Columns::default());
+    let (mut loss, mut counts) = (Loss::default(), Counts::default());
     let part = |row: &Row| part_of(row.cycle, part_cycles);
     rows.run(done, |rows| {
         for rows in rows.chunk_by(|one, next| part(one) == part(next)) {
@@ -242,15 +245,15 @@ fn write_rows<S: Storage>(
                 requests.end();
             }
             for row in rows {
-                columns.count(row);
+                counts.take(row);
                 // An event that finds no room is also in the rows.
                 let _ = happened.take(row);
             }
-            progress.take(last, &columns);
+            progress.take(last, &counts);
         }
     });
     finish(&mut loss, record.into_last().finish().map(|_| ()));
-    (loss, columns, happened)
+    (loss, counts, happened)
 }
 
 fn write_frames<S: Storage>(
@@ -324,6 +327,7 @@ mod tests {
     use crate::record::{PART_CYCLES, part_name};
     use crate::rig::RigNode;
     use crate::run::{Plan, Terms, session};
+    use crate::statistics::Statistics;
     use can_protocol::{Node, Profile};
     use scenario::run::{Overrides, Run};
     use std::fs::File;
@@ -389,8 +393,7 @@ mod tests {
             cycles: run.cycles(),
         };
         let recording = record(task, &RealtimeOptions::NONE, &output, &stop).unwrap();
-        // Nothing that grows is kept while a run goes on.
-        assert_eq!((recording.columns.rows(), recording.columns.last.0), (0, state.line.cycle));
+        assert_eq!(recording.counts.last.0, state.line.cycle);
         (recording, state.line.cycle)
     }
 
@@ -522,12 +525,12 @@ mod tests {
             assert_eq!(series.lines.len(), 5000);
             let node = Node::new(1).unwrap();
             let log = read_bus_log(&folder.file(RunFile::Log, 1), node, None).unwrap();
-            let columns = Columns::of_record(&record).unwrap();
-            assert_eq!((columns.rows(), columns.run_cycles), (5000, 3000));
+            let (statistics, counts) = Statistics::of(&record, 0.5).unwrap();
+            assert_eq!((counts.rows(), statistics.shown.rows), (5000, 2500));
             read.push((
                 (series.time_s, series.force_n),
                 (log.time_s, log.force_n),
-                columns.force_n,
+                statistics.traces.force.map(|force| force.value),
             ));
         }
         assert!(read[0] == read[1], "parts are read differently");
