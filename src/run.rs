@@ -132,6 +132,7 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
             files += ", record-compared.npy";
         }
         lines.push(format!("files in {}: {files}", finished.folder.display()));
+        lines.push(last_line(&finished.summary));
         print(&lines.join("\n"))?;
     }
     let cause = finished.summary.cause.as_ref().map_or("", |cause| cause.message.as_str());
@@ -177,6 +178,22 @@ fn damper_table(dampers: &[DamperSummary]) -> Table {
             damper.work_per_s_j.into(),
         ]
     }))
+}
+
+/// The last line: frames and trajectory, and every counter that is not zero.
+fn last_line(summary: &Summary) -> String {
+    let frames = &summary.frames;
+    let mut parts = vec![
+        format!("frames sent {} received {}", frames.sent, frames.received),
+        format!("trajectory {}", summary.trajectory_hash),
+    ];
+    let counters = summary.counters();
+    parts.push(if counters.is_empty() {
+        "no faults counted".to_owned()
+    } else {
+        counters.join(", ")
+    });
+    parts.join(" | ")
 }
 
 fn summary_lines(summary: &Summary) -> Vec<String> {
@@ -238,9 +255,5 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
             ));
         }
     }
-    lines.push(format!(
-        "frames sent {} received {} lost {} | trajectory {}",
-        summary.frames.sent, summary.frames.received, summary.frames.lost, summary.trajectory_hash
-    ));
     lines
 }

@@ -267,6 +267,39 @@ impl ResultFolder {
             .map_err(|why| FolderError::Disk(path.clone(), why))
     }
 
+    /// Waits until the disk holds the files that the manifest lists, as they are now, and their
+    /// names.
+    ///
+    /// # Errors
+    /// [`FolderError::Disk`].
+    pub fn settle(&self) -> Result<(), FolderError> {
+        let held = Manifest::of(&self.path)?;
+        let names = held.iter().flat_map(|held| &held.files).map(String::as_str);
+        for name in names.chain([manifest::NAME]) {
+            let path = self.file(name);
+            match File::open(&path).and_then(|file| file.sync_all()) {
+                // Listed before it is made.
+                Err(why) if why.kind() == io::ErrorKind::NotFound => {}
+                settled => settled.map_err(|why| FolderError::Disk(path, why))?,
+            }
+        }
+        self.settle_names().map_err(|why| FolderError::Disk(self.path.clone(), why))
+    }
+
+    /// Waits until the disk holds the names in the folder, and the folder's own where it can.
+    ///
+    /// # Errors
+    /// What the disk says.
+    pub fn settle_names(&self) -> io::Result<()> {
+        let parent = self.path.parent().filter(|parent| *parent != Path::new(""));
+        let _ = File::open(parent.unwrap_or(Path::new("."))).and_then(|folder| folder.sync_all());
+        match File::open(&self.path)?.sync_all() {
+            // A file system that has no such request for folders.
+            Err(why) if why.kind() == io::ErrorKind::InvalidInput => Ok(()),
+            settled => settled,
+        }
+    }
+
     /// Makes room for a file that is appended to, such as the lines of a shard: it is listed as the
     /// program's own, and is there or can be made.
     ///

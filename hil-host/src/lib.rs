@@ -16,9 +16,9 @@
 //! 5. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
 //!    read back as a damper test.
 //! 6. [`faults`]: faults that are injected into a coupled run in virtual time.
-//! 7. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `columns` (the
-//!    record for statistics), `summary` (`summary.json`), `page` (`report.html`), `comparison` (the
-//!    same run with another damper).
+//! 7. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `counts` (while
+//!    it goes on), `statistics` (from the record), `summary` (`summary.json`), `page`
+//!    (`report.html`), `comparison` (the same run with another damper).
 //!
 //! Layers: `firmware-core` computes a cycle and `can-protocol` its frames; `scenario` reads the
 //! input, `files` guards it and the result folder, `signal` and `report` make the statistics and
@@ -27,9 +27,9 @@
 
 pub mod bus;
 pub mod clock;
-mod columns;
 mod comparison;
 pub mod control;
+mod counts;
 mod draw;
 mod error;
 pub mod faults;
@@ -40,6 +40,7 @@ pub mod record;
 mod reset;
 pub mod rig;
 pub mod run;
+mod statistics;
 mod summary;
 mod wire_state;
 

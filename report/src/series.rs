@@ -92,7 +92,7 @@ impl Trace {
 /// assert_eq!((edges, counts), (vec![0.0, 0.5, 1.0], vec![2.0, 2.0]));
 /// ```
 pub fn equal_bins(values: &[f64], bins: usize) -> (Vec<f64>, Vec<f64>) {
-    count_between(values, bins, |v| v, |v| v)
+    count_between(values.iter().map(|v| (*v, 1.0)), bins, |v| v, |v| v)
 }
 
 /// Counts positive values into `bins` bins of equal ratio, for times that spread over decades.
@@ -105,28 +105,39 @@ pub fn equal_bins(values: &[f64], bins: usize) -> (Vec<f64>, Vec<f64>) {
 /// assert!((edges[1] - 10.0).abs() < 1e-12);
 /// ```
 pub fn logarithmic_bins(values: &[f64], bins: usize) -> (Vec<f64>, Vec<f64>) {
+    count_between(values.iter().map(|v| (*v, 1.0)), bins, libm::log10, libm::exp10)
+}
+
+/// [`logarithmic_bins`] of values that occur so many times each.
+///
+/// ```
+/// let (_, counts) = report::logarithmic_bins_of_counts(&[(1.0, 5), (2.0, 2), (100.0, 1)], 2);
+/// assert_eq!(counts, [7.0, 1.0]);
+/// ```
+pub fn logarithmic_bins_of_counts(values: &[(f64, u64)], bins: usize) -> (Vec<f64>, Vec<f64>) {
+    let values = values.iter().map(|(value, count)| (*value, *count as f64));
     count_between(values, bins, libm::log10, libm::exp10)
 }
 
 fn count_between(
-    values: &[f64],
+    values: impl Iterator<Item = (f64, f64)>,
     bins: usize,
     to_axis: fn(f64) -> f64,
     from_axis: fn(f64) -> f64,
 ) -> (Vec<f64>, Vec<f64>) {
-    let places: Vec<f64> = values.iter().map(|&v| to_axis(v)).filter(|p| p.is_finite()).collect();
+    let places: Vec<(f64, f64)> =
+        values.map(|(v, count)| (to_axis(v), count)).filter(|(p, _)| p.is_finite()).collect();
     let bins = bins.max(1);
-    let (Some(low), Some(high)) =
-        (places.iter().copied().reduce(f64::min), places.iter().copied().reduce(f64::max))
-    else {
+    let place = || places.iter().map(|(place, _)| *place);
+    let (Some(low), Some(high)) = (place().reduce(f64::min), place().reduce(f64::max)) else {
         return (Vec::new(), Vec::new());
     };
     // All values equal: one bin's width around them, so that the bar has an area.
     let (low, high) = if low == high { (low - 0.5, high + 0.5) } else { (low, high) };
     let width = (high - low) / bins as f64;
     let mut counts = vec![0.0; bins];
-    for place in places {
-        counts[(((place - low) / width) as usize).min(bins - 1)] += 1.0;
+    for (place, count) in places {
+        counts[(((place - low) / width) as usize).min(bins - 1)] += count;
     }
     let edges = (0..=bins).map(|k| from_axis(low + width * k as f64)).collect();
     (edges, counts)

@@ -11,7 +11,10 @@
 //! the mean or smeared into the first lines.
 
 use crate::error::SignalError;
-use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
+use realfft::{RealFftPlanner, RealToComplex};
+use std::fmt;
+use std::sync::Arc;
 
 /// Fewest samples in a segment.
 const SEGMENT_MIN: usize = 8;
@@ -61,40 +64,11 @@ impl Spectrum {
         }
         let wanted = libm::round(segment_s * rate_hz) as usize;
         let length = wanted.clamp(SEGMENT_MIN, values.len());
-        let window = hann(length);
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
-        let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
-        let mut density = vec![0.0; output.len()];
-        let mut segments = 0;
+        let mut segments = Segments::new(length);
         for segment in values.windows(length).step_by((length / 2).max(1)) {
-            let mean = segment.iter().sum::<f64>() / length as f64;
-            for ((slot, value), weight) in input.iter_mut().zip(segment).zip(&window) {
-                *slot = (value - mean) * weight;
-            }
-            // Fails only for slices of other lengths than it made itself.
-            if transform.process(&mut input, &mut output).is_err() {
-                return Err(SignalError::TooShort(length, SEGMENT_MIN));
-            }
-            for (sum, line) in density.iter_mut().zip(&output) {
-                *sum += line.norm_sqr();
-            }
-            segments += 1;
+            segments.add(segment);
         }
-        let weight: f64 = window.iter().map(|w| w * w).sum();
-        let scale = 2.0 / (rate_hz * weight * segments as f64);
-        for value in &mut density {
-            *value *= scale;
-        }
-        // Zero and half the rate have no mirror image.
-        if let Some(first) = density.first_mut() {
-            *first *= 0.5;
-        }
-        if length.is_multiple_of(2)
-            && let Some(last) = density.last_mut()
-        {
-            *last *= 0.5;
-        }
-        Ok(Self { resolution_hz: rate_hz / length as f64, density, segments })
+        Ok(segments.spectrum(rate_hz))
     }
 
     /// Frequency of the highest density above zero (Hz), refined by a parabola through the
@@ -164,6 +138,140 @@ impl Spectrum {
     }
 }
 
+/// The spectrum of a signal that comes sample by sample: the same as [`Spectrum::welch`] of all of
+/// them, to the last bit, with the memory of one segment.
+///
+/// ```
+/// use signal::spectrum::{Spectrum, Welch};
+/// let tone: Vec<f64> = (0..9_999).map(|n| libm::sin(0.02 * f64::from(n))).collect();
+/// let mut welch = Welch::new(1000.0, 2.0);
+/// for value in &tone {
+///     welch.push(*value);
+/// }
+/// assert_eq!(welch.spectrum()?, Spectrum::welch(&tone, 1000.0, 2.0)?);
+/// # Ok::<(), signal::SignalError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Welch {
+    rate_hz: f64,
+    segment_s: f64,
+    length: usize,
+    /// Samples that are not yet, or not only, in a segment that was added.
+    recent: Vec<f64>,
+    samples: usize,
+    segments: Segments,
+    /// The first sample that is not finite.
+    not_finite: Option<usize>,
+}
+
+impl Welch {
+    /// No samples yet, taken at `rate_hz`, for segments of `segment_s` that overlap by half.
+    pub fn new(rate_hz: f64, segment_s: f64) -> Self {
+        let length = (libm::round(segment_s * rate_hz) as usize).max(SEGMENT_MIN);
+        Self {
+            rate_hz,
+            segment_s,
+            length,
+            recent: Vec::new(),
+            samples: 0,
+            segments: Segments::new(length),
+            not_finite: None,
+        }
+    }
+
+    /// Takes in the next sample.
+    pub fn push(&mut self, value: f64) {
+        if !value.is_finite() {
+            self.not_finite.get_or_insert(self.samples);
+        }
+        self.samples += 1;
+        if self.not_finite.is_some() {
+            return;
+        }
+        self.recent.push(value);
+        if self.recent.len() == self.length {
+            self.segments.add(&self.recent);
+            self.recent.drain(..(self.length / 2).max(1));
+        }
+    }
+
+    /// The density of all samples so far.
+    ///
+    /// # Errors
+    /// As [`Spectrum::welch`].
+    pub fn spectrum(&self) -> Result<Spectrum, SignalError> {
+        match self.not_finite {
+            Some(index) => Err(SignalError::NotFinite(index)),
+            None if self.segments.count > 0 => Ok(self.segments.clone().spectrum(self.rate_hz)),
+            None => Spectrum::welch(&self.recent, self.rate_hz, self.segment_s),
+        }
+    }
+}
+
+/// The segments of a signal, summed up.
+#[derive(Clone)]
+struct Segments {
+    transform: Arc<dyn RealToComplex<f64>>,
+    window: Vec<f64>,
+    input: Vec<f64>,
+    output: Vec<Complex<f64>>,
+    density: Vec<f64>,
+    count: usize,
+}
+
+impl Segments {
+    /// None yet, of so many samples each.
+    fn new(length: usize) -> Self {
+        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(length);
+        let (input, output) = (transform.make_input_vec(), transform.make_output_vec());
+        let density = vec![0.0; output.len()];
+        Self { transform, window: hann(length), input, output, density, count: 0 }
+    }
+
+    fn add(&mut self, segment: &[f64]) {
+        let length = self.window.len();
+        let mean = segment.iter().sum::<f64>() / length as f64;
+        for ((slot, value), weight) in self.input.iter_mut().zip(segment).zip(&self.window) {
+            *slot = (value - mean) * weight;
+        }
+        // Fails only for slices of other lengths than it made itself.
+        let done = self.transform.process(&mut self.input, &mut self.output);
+        debug_assert!(done.is_ok(), "{done:?}");
+        for (sum, line) in self.density.iter_mut().zip(&self.output) {
+            *sum += line.norm_sqr();
+        }
+        self.count += 1;
+    }
+
+    fn spectrum(self, rate_hz: f64) -> Spectrum {
+        let Self { window, mut density, count: segments, .. } = self;
+        let length = window.len();
+        let weight: f64 = window.iter().map(|w| w * w).sum();
+        let scale = 2.0 / (rate_hz * weight * segments as f64);
+        for value in &mut density {
+            *value *= scale;
+        }
+        // Zero and half the rate have no mirror image.
+        if let Some(first) = density.first_mut() {
+            *first *= 0.5;
+        }
+        if length.is_multiple_of(2)
+            && let Some(last) = density.last_mut()
+        {
+            *last *= 0.5;
+        }
+        Spectrum { resolution_hz: rate_hz / length as f64, density, segments }
+    }
+}
+
+impl fmt::Debug for Segments {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (length, count) = (self.window.len(), self.count);
+        let mut shown = f.debug_struct("Segments");
+        shown.field("length", &length).field("count", &count).finish_non_exhaustive()
+    }
+}
+
 /// Periodic Hann window.
 fn hann(length: usize) -> Vec<f64> {
     let turn = std::f64::consts::TAU / length as f64;
@@ -188,6 +296,25 @@ mod tests {
         assert!((spectrum.density[20] / expected - 1.0).abs() < 1e-12, "{}", spectrum.density[20]);
         assert!((spectrum.density[19] / expected - 0.25).abs() < 1e-9);
         assert_eq!(spectrum.segments, 19);
+    }
+
+    #[test]
+    fn a_signal_in_samples_has_the_spectrum_of_the_whole() {
+        for count in [0, 7, 8, 1999, 2000, 2001, 3000, 10_001] {
+            let values = tone(3.3, 1.0, 1000.0, count);
+            let mut welch = Welch::new(1000.0, 2.0);
+            for value in &values {
+                welch.push(*value);
+            }
+            let whole = Spectrum::welch(&values, 1000.0, 2.0);
+            assert_eq!(welch.spectrum().ok(), whole.ok(), "{count}");
+            assert!(welch.recent.len() < 2000);
+        }
+        let mut welch = Welch::new(1000.0, 2.0);
+        for value in [1.0, f64::NAN, 2.0] {
+            welch.push(value);
+        }
+        assert!(matches!(welch.spectrum(), Err(SignalError::NotFinite(1))));
     }
 
     #[test]

@@ -109,39 +109,69 @@ pub struct HalfCycle {
 
 /// All complete half cycles of a signal around its mean.
 pub fn half_cycles(values: &[f64], dead_band: f64) -> Vec<HalfCycle> {
-    let middle = mean(values);
-    let mut found = Vec::new();
-    // Side of the present half cycle, its start, its extreme so far.
-    let mut side = 0.0;
-    let mut start = None;
-    let mut extreme: f64 = 0.0;
-    let (mut crossing, mut before) = (0.0, 0.0);
-    // What has been seen since the last crossing of the mean belongs to the next half cycle.
-    let mut since: f64 = 0.0;
-    for (index, value) in values.iter().enumerate() {
-        let value = value - middle;
-        if index > 0 && (before < 0.0) != (value < 0.0) {
-            crossing = index as f64 - value / (value - before);
-            since = 0.0;
+    let mut found = HalfCycles::new(mean(values), dead_band);
+    values.iter().filter_map(|value| found.push(*value)).collect()
+}
+
+/// Finds the half cycles of a signal that comes sample by sample, around a mean that is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HalfCycles {
+    middle: f64,
+    dead_band: f64,
+    /// Samples so far.
+    samples: usize,
+    /// Side of the present half cycle, its start, its extreme so far.
+    side: f64,
+    start: Option<f64>,
+    extreme: f64,
+    /// Where the mean was crossed last.
+    crossing: f64,
+    before: f64,
+    /// What has been seen since the last crossing of the mean belongs to the next half cycle.
+    since: f64,
+}
+
+impl HalfCycles {
+    /// No samples yet.
+    pub const fn new(middle: f64, dead_band: f64) -> Self {
+        Self {
+            middle,
+            dead_band,
+            samples: 0,
+            side: 0.0,
+            start: None,
+            extreme: 0.0,
+            crossing: 0.0,
+            before: 0.0,
+            since: 0.0,
         }
-        if value.abs() > since.abs() {
-            since = value;
-        }
-        if value.abs() > dead_band && value * side <= 0.0 {
-            if let Some(from) = start {
-                found.push(HalfCycle { start: from, end: crossing, extreme });
-            }
-            // The first half cycle began before the record.
-            start = (side != 0.0).then_some(crossing);
-            side = libm::copysign(1.0, value);
-            extreme = since;
-        }
-        if value * side > extreme * side {
-            extreme = value;
-        }
-        before = value;
     }
-    found
+
+    /// Takes in the next sample; gives the half cycle that it completes.
+    pub fn push(&mut self, value: f64) -> Option<HalfCycle> {
+        let (value, mut found) = (value - self.middle, None);
+        if self.samples > 0 && (self.before < 0.0) != (value < 0.0) {
+            self.crossing = self.samples as f64 - value / (value - self.before);
+            self.since = 0.0;
+        }
+        if value.abs() > self.since.abs() {
+            self.since = value;
+        }
+        if value.abs() > self.dead_band && value * self.side <= 0.0 {
+            let (end, extreme) = (self.crossing, self.extreme);
+            found = self.start.map(|start| HalfCycle { start, end, extreme });
+            // The first half cycle began before the record.
+            self.start = (self.side != 0.0).then_some(self.crossing);
+            self.side = libm::copysign(1.0, value);
+            self.extreme = self.since;
+        }
+        if value * self.side > self.extreme * self.side {
+            self.extreme = value;
+        }
+        self.before = value;
+        self.samples += 1;
+        found
+    }
 }
 
 /// Mean of the greatest distances from the mean, one per half cycle: the amplitude that a reader

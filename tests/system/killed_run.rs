@@ -98,6 +98,12 @@ fn a_report_of_a_run_that_ended_is_made_again_and_other_folders_are_refused() {
     run.arg("run").arg(repository().join("scenarios/ss9-160kmh.toml"));
     let done = output(run.args(["--pace", "fast", "--duration", "3", "--out"]).arg(&out));
     assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    // Every counter that is not zero would be on the last line.
+    let text = String::from_utf8_lossy(&done.stdout);
+    let last = text.lines().last().unwrap();
+    assert!(last.starts_with("frames sent ") && last.ends_with(" | no faults counted"), "{last}");
+    let events = read(&out.join("summary.json"));
+    assert!(events.contains("\"event\": \"state RUN\""), "{events}");
     let first = read(&out.join("report.html"));
     std::fs::remove_file(out.join("report.html")).unwrap();
     let made = output(yawbench().arg("report").arg(&out));

@@ -125,6 +125,7 @@ fn first_process(machine: &Machine, job: &Job, root: &Path) -> String {
     text
 }
 
-fn quoted(word: &str) -> String {
+/// A word for a shell.
+pub(crate) fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', "'\\''"))
 }

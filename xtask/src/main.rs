@@ -5,6 +5,7 @@
 //! cargo xtask ci         the same
 //! cargo xtask firmware   the no_std crates for a Cortex-M7, and that they cannot panic there
 //! cargo xtask vcan       the tests over SocketCAN
+//! cargo xtask power-cut  kills an emulated machine that records, and reads what is on its disk
 //! cargo xtask bench      the benchmarks; what follows goes to criterion
 //! cargo xtask instructions   instructions of a cycle, against those that are committed
 //! cargo xtask fuzz       decoders and loaders, guided by coverage; a target and `--seconds N`
@@ -14,7 +15,7 @@
 //! as root, Python packages in a folder of their own. Whatever only has to be read is unpacked
 //! under the target folder and leaves the machine as it was. What could not be had is said in one
 //! line and skipped, unless the environment asks for it: `REQUIRE_VCAN`, `REQUIRE_THUMB`,
-//! `REQUIRE_CANTOOLS` and `REQUIRE_BROWSER`, each `=1`.
+//! `REQUIRE_CANTOOLS`, `REQUIRE_BROWSER` and `REQUIRE_POWER_CUT`, each `=1`.
 
 mod debian;
 mod equipment;
@@ -23,6 +24,7 @@ mod instructions;
 mod machine;
 mod modules;
 mod no_panic;
+mod power_cut;
 mod qemu;
 mod release;
 mod run;
@@ -53,18 +55,25 @@ fn main() -> ExitCode {
             run.step("vcan", |run| vcan::test(run, vcan::Place::Qemu, rest));
         }
         ["vcan", rest @ ..] => run.step("vcan", |run| vcan::test(run, vcan::Place::Any, rest)),
+        ["power-cut", rest @ ..] => {
+            let Some(cuts) = power_cut::Cuts::parse(rest) else { return usage() };
+            run.step("power-cut", |run| power_cut::test(run, cuts));
+        }
         ["bench", rest @ ..] => run.step("bench", |run| bench(run, rest)),
         ["instructions"] => run.step("instructions", instructions::count),
         ["fuzz", rest @ ..] => run.step("fuzz", |run| fuzz::fuzz(run, rest)),
-        _ => {
-            eprintln!(
-                "usage: cargo xtask test | ci | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
-                 | bench [BENCHMARK] | instructions | fuzz [TARGET] [--seconds N]"
-            );
-            return ExitCode::from(2);
-        }
+        _ => return usage(),
     }
     run.finish()
+}
+
+fn usage() -> ExitCode {
+    eprintln!(
+        "usage: cargo xtask test | ci | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
+         | power-cut [--kills N] [--seed S] | bench [BENCHMARK] | instructions \
+         | fuzz [TARGET] [--seconds N]"
+    );
+    ExitCode::from(2)
 }
 
 /// Every check, cheapest first; one that fails does not keep the others from running.

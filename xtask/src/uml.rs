@@ -21,14 +21,20 @@ const PACKAGES: [&str; 3] = ["user-mode-linux", "libc6", "libgcc-s1"];
 /// In its own mount and process namespaces: the kernel's C library from the unpacked folder, this
 /// machine's whole file system below `host`, where the kernel mounts its root from.
 const START: &str = r#"set -e
-mount -t proc proc "$1/proc"
-mount -t tmpfs -o exec tmpfs "$1/dev/shm"
-mount --rbind / "$1/host"
-exec chroot "$1" /usr/bin/linux.uml mem=2048M root=/dev/root rootfstype=hostfs rootflags=/host \
-  rw init="$2" con=null con0=fd:0,fd:1 seccomp=auto \
-  quiet loglevel=3"#;
+root=$1 init=$2
+shift 2
+mount -t proc proc "$root/proc"
+mount -t tmpfs -o exec tmpfs "$root/dev/shm"
+mount --rbind / "$root/host"
+exec chroot "$root" /usr/bin/linux.uml mem=2048M root=/dev/root rootfstype=hostfs rootflags=/host \
+  rw init="$init" con=null con0=fd:0,fd:1 seccomp=auto quiet loglevel=3 "$@""#;
 
-/// Fetches the kernel into `folder` unless it is there (about 50 MB).
+/// Where the kernel finds this machine's file system, and the number of its first disk's device.
+pub(crate) const HOST: &str = "/host";
+pub(crate) const DISK_MAJOR: u32 = 98;
+
+/// Fetches the kernel into `folder` unless it is there (about 50 MB). Further arguments of
+/// [`Machine::start`] go to the kernel.
 ///
 /// # Errors
 ///

@@ -198,7 +198,7 @@ fn job(run: &Run, built: Built, arguments: &[&str]) -> Result<Job, String> {
 }
 
 /// A static busybox: the machines insert modules and power off with it, and QEMU starts with it.
-fn busybox(run: &Run) -> Result<PathBuf, String> {
+pub(crate) fn busybox(run: &Run) -> Result<PathBuf, String> {
     let folder = run.target.join("vcan/busybox");
     let unpacked = || {
         let places = ["bin/busybox", "usr/bin/busybox"];

@@ -13,6 +13,7 @@
 //! A negative figure (a force in compression) that grows in size has a positive change.
 
 mod difference;
+mod pairs;
 mod second_run;
 mod section;
 
@@ -20,29 +21,26 @@ pub use difference::{ComparedDamper, ComparedEffect, Comparison, Quantity};
 pub(crate) use second_run::{Cycles, SecondRun};
 pub(crate) use section::section;
 
-use crate::columns::Columns;
+use crate::statistics::{Statistics, Sums};
 use crate::summary::{Accelerations, DamperSummary, Summary};
 use scenario::compare::CompareSetup;
 use scenario::run::{CYCLE_S, Run, SlotForce};
-use signal::statistics;
 
 /// Compares a run with its second one.
 pub(crate) fn compare(
     setup: &CompareSetup,
-    (run, summary, columns): (&Run, &Summary, &Columns),
+    (run, summary, statistics): (&Run, &Summary, &Statistics),
     (other, second): (&Run, &SecondRun),
 ) -> Comparison {
-    let first = second.columns.first_after(run.run_in_s);
-    let dampers = crate::summary::dampers(other, &second.columns, first);
-    let accelerations = crate::summary::accelerations(second.watched, &second.columns, first);
-    let before = figures(other, &dampers, &accelerations, &second.columns);
-    let after = figures(run, &summary.damper, &summary.accelerations, columns);
-    let known = |value: f64, columns: &Columns| {
-        let any = columns.first_after(run.run_in_s) < columns.time_s.len();
-        Some(value).filter(|value| any && value.is_finite())
-    };
+    let (sums, sums_before) = (statistics.after_run_in(), second.statistics.after_run_in());
+    let dampers = crate::summary::dampers(other, &second.counts, sums_before);
+    let accelerations = crate::summary::accelerations(second.watched, sums_before);
+    let before = figures(other, &dampers, &accelerations, sums_before);
+    let after = figures(run, &summary.damper, &summary.accelerations, sums);
+    let known =
+        |value: f64, sums: &Sums| Some(value).filter(|value| sums.rows > 0 && value.is_finite());
     let quantities = before.into_iter().zip(after).map(|(before, (quantity, unit, after))| {
-        let (before, after) = (known(before.2, &second.columns), known(after, columns));
+        let (before, after) = (known(before.2, sums_before), known(after, sums));
         let change_percent = before.zip(after).and_then(|(b, a)| change_percent(b, a));
         Quantity { quantity, unit, before, after, change_percent }
     });
@@ -53,7 +51,7 @@ pub(crate) fn compare(
         name: setup.name.clone(),
         damper: ComparedDamper::from(&setup.damper),
         state: second.end,
-        duration_s: second.run_cycles as f64 * CYCLE_S,
+        duration_s: second.counts.run_cycles as f64 * CYCLE_S,
         trajectory_hash: format!("{:016x}", second.hash),
         modelled_instead: instead.map(|(slot, _)| slot.place.clone()).collect(),
         quantities: quantities.collect(),
@@ -74,7 +72,7 @@ fn figures(
     run: &Run,
     dampers: &[DamperSummary],
     accelerations: &Accelerations,
-    columns: &Columns,
+    sums: &Sums,
 ) -> Vec<(String, &'static str, f64)> {
     let mut figures = Vec::new();
     let mut add = |of: &str, what: &str, unit, value| {
@@ -94,10 +92,8 @@ fn figures(
         add("carbody", "vertical acceleration rms", "m/s2", body.vertical_rms_m_per_s2);
     }
     if !run.vehicle.axles.is_empty() {
-        let moved = &columns.wheelset_lateral_m[columns.first_after(run.run_in_s)..];
-        let most = moved.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        add("wheelset 1", "lateral displacement rms", "m", statistics::rms(moved));
-        add("wheelset 1", "lateral displacement max", "m", most);
+        add("wheelset 1", "lateral displacement rms", "m", sums.wheelset_lateral.rms());
+        add("wheelset 1", "lateral displacement max", "m", sums.wheelset_lateral_max_m);
     }
     for damper in dampers {
         let name = format!("damper {}", damper.name);

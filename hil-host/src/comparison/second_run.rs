@@ -3,15 +3,19 @@
 use crate::BenchError;
 use crate::bus::{BusChoice, MemoryBus};
 use crate::clock::Tick;
-use crate::columns::{Columns, ROWS_MAX};
 use crate::control::{Buses, End, Ending, Requests};
-use crate::record::{NpyWriter, Queues, ROWS, Row};
+use crate::counts::Counts;
+use crate::record::{
+    InParts, NpyWriter, OpenFiles, PART_CYCLES, Queues, ROWS, Row, part_of, parts,
+};
 use crate::rig::RigNode;
 use crate::run::{Plan, Terms, bar, session};
-use can_protocol::Profile;
+use crate::statistics::Statistics;
+use can_protocol::{Profile, RunState};
 use indicatif::ProgressDrawTarget;
 use scenario::run::Run;
 use std::fs::File;
+use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -19,12 +23,12 @@ use std::time::{Duration, Instant};
 /// The second run, done.
 #[derive(Debug, Clone)]
 pub(crate) struct SecondRun {
-    /// What statistics and plots need.
-    pub(crate) columns: Columns,
+    /// Counts of its rows.
+    pub(crate) counts: Counts,
+    /// Its figures.
+    pub(crate) statistics: Statistics,
     /// Bodies whose accelerations were recorded: carbody, front bogie, first wheelset.
     pub(crate) watched: [Option<usize>; 3],
-    /// Cycles of RUN.
-    pub(crate) run_cycles: u64,
     /// The trajectory hash.
     pub(crate) hash: u64,
     /// How it ended: in the safe state where the model left its track.
@@ -44,9 +48,9 @@ pub(crate) struct Cycles {
 const SILENT: Duration = Duration::from_secs(2);
 
 impl SecondRun {
-    /// Runs through a scenario with as many cycles before and in RUN as the main run had, at most
-    /// as far as statistics reach, and writes its record; none, and no record, where it was
-    /// stopped.
+    /// Runs through a scenario with as many cycles before and in RUN as the main run had, and writes
+    /// its record; none, and no record, where it was stopped. `record` is the path of its first
+    /// part, and what makes a part.
     ///
     /// # Errors
     /// The record cannot be written.
@@ -54,13 +58,13 @@ impl SecondRun {
         run: &Run,
         profile: Profile,
         cycles: Cycles,
-        record: (PathBuf, File),
+        record: (PathBuf, impl Fn(u64) -> io::Result<File> + Send + Sync),
         stop: &AtomicBool,
     ) -> Result<Option<Self>, BenchError> {
         // The thread of a control loop has precedence over the rest of the machine; one that it
         // starts is an ordinary one again.
         std::thread::scope(|scope| {
-            let thread = scope.spawn(|| through(run, profile, cycles, record, stop));
+            let thread = scope.spawn(move || through(run, profile, cycles, record, stop));
             let name = "runs the comparison";
             thread.join().map_err(|_| BenchError::Thread { name })?
         })
@@ -71,11 +75,10 @@ fn through(
     run: &Run,
     profile: Profile,
     Cycles { ramp_in, run: cycles }: Cycles,
-    (path, file): (PathBuf, File),
+    (path, make): (PathBuf, impl Fn(u64) -> io::Result<File> + Send + Sync),
     stop: &AtomicBool,
 ) -> Result<Option<SecondRun>, BenchError> {
     let failed = |why| BenchError::File { file: path.clone(), why };
-    let cycles = cycles.min(ROWS_MAX as u64);
     let plan = Plan::new(run, &BusChoice::Memory)?;
     let track = run.track.view();
     let session = session(run, &track, &plan.rigs, Terms::in_memory(profile))?;
@@ -90,8 +93,21 @@ fn through(
     // The frames of this bus are not kept.
     let (mut recorder, _frames) = queues.split();
     let mut buses = Buses::new(&mut buses, &mut recorder);
-    let mut record = NpyWriter::begin(file).map_err(failed)?;
-    let mut columns = Columns::default();
+    let open = OpenFiles::default();
+    let record = InParts::new(|part| {
+        let writer = NpyWriter::begin(make(part)?)?;
+        open.add(writer.file());
+        Ok(writer)
+    });
+    let mut record = record.map_err(failed)?;
+    let mut write = |rows: &[Row]| -> io::Result<()> {
+        let part = |row: &Row| part_of(row.cycle, PART_CYCLES);
+        for rows in rows.chunk_by(|one, next| part(one) == part(next)) {
+            record.part(part(&rows[0]))?.write(rows)?;
+        }
+        Ok(())
+    };
+    let mut run_cycles = 0;
     let mut rows: Vec<Row> = Vec::with_capacity(ROWS);
     let bar = bar(cycles, ProgressDrawTarget::hidden());
     bar.set_message("the same with the other damper");
@@ -99,33 +115,29 @@ fn through(
     let mut ending = Ending::default();
     let end = loop {
         if stop.load(Ordering::Relaxed) {
-            drop(record);
-            std::fs::remove_file(&path).map_err(failed)?;
+            for part in parts(&path) {
+                std::fs::remove_file(part).map_err(failed)?;
+            }
             return Ok(None);
         }
         let row = session.cycle(&mut state, &mut buses, Tick::default());
-        columns.push(&row);
+        run_cycles += u64::from(row.state == RunState::Run);
         rows.push(row);
         if rows.len() == ROWS {
-            record.write(&rows).map_err(failed)?;
+            write(&rows).map_err(failed)?;
             rows.clear();
             if bar.is_hidden() && begin.elapsed() > SILENT {
                 bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(10));
             }
-            bar.set_position(columns.run_cycles);
+            bar.set_position(run_cycles);
         }
         if let Some(end) = ending.take(&session, &mut state, cycles, false) {
             break end;
         }
     };
-    record.write(&rows).map_err(failed)?;
-    record.finish().map_err(failed)?;
+    write(&rows).map_err(failed)?;
+    record.into_last().finish().and_then(|_| open.hold()).map_err(failed)?;
     bar.finish_and_clear();
-    Ok(Some(SecondRun {
-        watched: session.watched,
-        run_cycles: columns.run_cycles,
-        columns,
-        hash: state.hash,
-        end,
-    }))
+    let (statistics, counts) = Statistics::of(&path, run.run_in_s)?;
+    Ok(Some(SecondRun { counts, statistics, watched: session.watched, hash: state.hash, end }))
 }

@@ -1,31 +1,32 @@
 //! The section of the report: the table, and both runs over each other where they differ most.
 
-use super::{Comparison, SecondRun};
-use crate::columns::Columns;
+use super::Comparison;
+use super::pairs::each_pair;
+use crate::BenchError;
 use crate::control::End;
-use crate::page::{kilo, milli, most_in, spectrum};
+use crate::page::{kilo, milli, spectrum};
+use crate::record::Row;
+use crate::statistics::{Liveliest, SEGMENT_S};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use report::{Cell, Plot, Section, Table};
 use scenario::run::{CYCLE_S, Run};
-use std::ops::Range;
+use signal::spectrum::Welch;
+use std::path::PathBuf;
 
 /// What the time histories and loops show (s): some ten strokes of a yaw damper, few enough to see
 /// each.
 const SHOWN_S: f64 = 4.0;
 
-/// The section of a comparison.
+/// The section of a comparison; `records` are those of the run and of the one compared with.
+///
+/// # Errors
+/// A record cannot be read.
 pub(crate) fn section(
     run: &Run,
     run_state: End,
-    columns: &Columns,
     comparison: &Comparison,
-    second: &SecondRun,
-) -> Section {
-    let other = &second.columns;
-    let first = columns.first_after(run.run_in_s);
-    let end = columns.time_s.len().min(other.time_s.len());
-    let rows = first.min(end)..end;
-    let shown = most_different(columns, other, rows.clone());
+    records: &[PathBuf; 2],
+) -> Result<Section, BenchError> {
     let mut section = Section::new("Before and after").text(&format!(
         "What the difference of the dampers does to the vehicle. Before: the same run with “{}” in \
          every slot. After: the run of this report. Changes are relative to before; a force in \
@@ -37,17 +38,43 @@ pub(crate) fn section(
         section = section.warning(&warning);
     }
     section = section.table(table(comparison));
+    let (whole, shown) = both(run, records)?;
     if shown.is_empty() {
-        return section;
+        return Ok(section);
     }
-    section = section.plot(accelerations(columns, other, &shown));
+    section = section.plot(accelerations(&shown));
     let loops = run.slots.iter().enumerate().take(DAMPER_SLOTS);
-    let loops: Vec<Plot> = loops
-        .map(|(slot, place)| damper_loop(&place.place, slot, columns, other, &shown))
-        .collect();
-    let carbody = spectra("carbody", 0, columns, other, &rows);
-    let bogie = spectra("front bogie", 2, columns, other, &rows);
-    section.plots(loops).plots([carbody, bogie])
+    let loops = loops.map(|(slot, place)| damper_loop(&place.place, slot, &shown));
+    let spectra = [spectra("the carbody", &whole[0]), spectra("the front bogie", &whole[1])];
+    Ok(section.plots(loops.collect::<Vec<_>>()).plots(spectra))
+}
+
+/// A row of the run before, and the same one of the run after.
+type Pair = (Row, Row);
+
+/// The spectra of carbody and front bogie, each before and after, and the rows of [`SHOWN_S`] in
+/// which the front bogie's lateral acceleration differs most; all rows of a short run.
+fn both(run: &Run, records: &[PathBuf; 2]) -> Result<([[Welch; 2]; 2], Vec<Pair>), BenchError> {
+    let welch = || [(); 2].map(|()| Welch::new(1.0 / CYCLE_S, SEGMENT_S));
+    let mut whole = [welch(), welch()];
+    let mut most_different = Liveliest::new((SHOWN_S / CYCLE_S) as usize);
+    each_pair(records, run.run_in_s, |after, before| {
+        let [of_after, of_before] = [after, before].map(|row| row.acceleration_m_per_s2);
+        for (spectra, body) in whole.iter_mut().zip([0, 2]) {
+            spectra[0].push(of_before[body]);
+            spectra[1].push(of_after[body]);
+        }
+        most_different.take(after.time_s, of_after[2] - of_before[2]);
+    })?;
+    let from_s = most_different.begin_s();
+    let to_s = from_s.map_or(f64::INFINITY, |from_s| from_s + SHOWN_S - 0.5 * CYCLE_S);
+    let mut shown = Vec::new();
+    each_pair(records, from_s.unwrap_or(run.run_in_s), |after, before| {
+        if after.time_s < to_s {
+            shown.push((before.clone(), after.clone()));
+        }
+    })?;
+    Ok((whole, shown))
 }
 
 fn table(comparison: &Comparison) -> Table {
@@ -70,61 +97,40 @@ fn table(comparison: &Comparison) -> Table {
     table
 }
 
-/// The rows of [`SHOWN_S`] in which the front bogie's lateral acceleration differs most.
-fn most_different(columns: &Columns, other: &Columns, rows: Range<usize>) -> Range<usize> {
-    let window = (SHOWN_S / CYCLE_S) as usize;
-    let pairs =
-        columns.acceleration[2][rows.clone()].iter().zip(&other.acceleration[2][rows.clone()]);
-    let difference: Vec<f64> = pairs.map(|(after, before)| after - before).collect();
-    match most_in(&difference, window) {
-        Some(at) => rows.start + at..rows.start + at + window,
-        None => rows,
-    }
-}
-
 const BEFORE: &str = "before";
 const AFTER: &str = "after";
 
-fn accelerations(columns: &Columns, other: &Columns, shown: &Range<usize>) -> Plot {
-    let time = &columns.time_s[shown.clone()];
-    let trace = |of: &Columns, body: usize| of.acceleration[body][shown.clone()].to_vec();
+fn accelerations(shown: &[Pair]) -> Plot {
+    let time: Vec<f64> = shown.iter().map(|(_, after)| after.time_s).collect();
+    let of = |row: &Row, body: usize| row.acceleration_m_per_s2[body];
+    let before = |body| shown.iter().map(|(row, _)| of(row, body)).collect::<Vec<_>>();
+    let after = |body| shown.iter().map(|(_, row)| of(row, body)).collect::<Vec<_>>();
     Plot::new("Lateral acceleration of front bogie and carbody, before and after")
         .caption("The seconds in which the front bogie differs most.")
         .x("time", "s")
         .y("bogie, front", "m/s²")
-        .line(BEFORE, time, &trace(other, 2))
-        .line(AFTER, time, &trace(columns, 2))
+        .line(BEFORE, &time, &before(2))
+        .line(AFTER, &time, &after(2))
         .panel_below("carbody", "m/s²")
-        .line(BEFORE, time, &trace(other, 0))
-        .line(AFTER, time, &trace(columns, 0))
+        .line(BEFORE, &time, &before(0))
+        .line(AFTER, &time, &after(0))
 }
 
-fn damper_loop(
-    place: &str,
-    slot: usize,
-    columns: &Columns,
-    other: &Columns,
-    shown: &Range<usize>,
-) -> Plot {
-    let stroke = |of: &Columns| milli(&of.extension_m[slot][shown.clone()]);
-    let force = |of: &Columns| kilo(&of.force_n[slot][shown.clone()]);
+fn damper_loop(place: &str, slot: usize, shown: &[Pair]) -> Plot {
+    let of = |row: &Row| (row.extension_m[slot], row.force_n[slot]);
+    let (stroke_before, before): (Vec<f64>, Vec<f64>) =
+        shown.iter().map(|(row, _)| of(row)).unzip();
+    let (stroke_after, after): (Vec<f64>, Vec<f64>) = shown.iter().map(|(_, row)| of(row)).unzip();
     Plot::new(&format!("Force over displacement before and after, {place}"))
         .x("displacement", "mm")
         .y("force", "kN")
-        .line(BEFORE, &stroke(other), &force(other))
-        .line(AFTER, &stroke(columns), &force(columns))
+        .line(BEFORE, &milli(&stroke_before), &kilo(&before))
+        .line(AFTER, &milli(&stroke_after), &kilo(&after))
 }
 
-fn spectra(
-    name: &str,
-    index: usize,
-    columns: &Columns,
-    other: &Columns,
-    rows: &Range<usize>,
-) -> Plot {
-    let density = |of: &Columns| spectrum(&of.acceleration[index][rows.clone()]);
-    let (before, after) = (density(other), density(columns));
-    Plot::new(&format!("Lateral acceleration of the {name}, before and after"))
+fn spectra(name: &str, [before, after]: &[Welch; 2]) -> Plot {
+    let (before, after) = (spectrum(before), spectrum(after));
+    Plot::new(&format!("Lateral acceleration of {name}, before and after"))
         .x("frequency", "Hz")
         .y("power spectral density", "(m/s²)²/Hz")
         .log_x()

@@ -1,5 +1,6 @@
 //! `report.html`: what a person reads of a run.
 
+mod events;
 mod last_second;
 mod motion;
 mod overview;
@@ -9,11 +10,13 @@ mod timing;
 mod traces;
 mod watch;
 
-pub(crate) use traces::{kilo, milli, most_in, spectrum};
+pub(crate) use traces::{kilo, milli, spectrum};
 
-use crate::columns::Columns;
+use crate::counts::Counts;
 use crate::record::Row;
+use crate::statistics::Statistics;
 use crate::summary::Summary;
+use events::events;
 pub(crate) use last_second::SHOWN_CYCLES;
 use last_second::last_second;
 use motion::{accelerations, forces, loops};
@@ -42,14 +45,11 @@ pub(crate) enum Ending {
 pub(crate) fn page(
     run: &Run,
     summary: &Summary,
-    (columns, around_stop): (&Columns, &[Row]),
+    (counts, statistics, around_stop): (&Counts, &Statistics, &[Row]),
     bus_plan: &[String],
     compared: Option<Section>,
     ending: Ending,
 ) -> Report {
-    // A run that ended before its run-in was over is shown whole.
-    let after = columns.first_after(run.run_in_s);
-    let first = if after < columns.time_s.len() { after } else { 0 };
     let mut report = Report::new(&run.title)
         .subtitle(&format!(
             "{} at {:.0} km/h, {:.1} s, bus {}, pace {}",
@@ -63,21 +63,24 @@ pub(crate) fn page(
     if let Some(section) = last_second(run, summary, around_stop) {
         report = report.section(section);
     }
-    report = report.section(overview(run, summary, columns, ending));
+    report = report.section(overview(run, summary, counts, ending));
     if let Some(section) = compared {
         report = report.section(section);
     }
-    report = report.section(accelerations(columns, first));
-    for section in [forces(run, columns, first), loops(run, columns, first)] {
+    report = report.section(accelerations(&statistics.traces));
+    for section in [forces(run, &statistics.traces), loops(run, &statistics.traces)] {
         report = report.section(section);
     }
-    if let Some(section) = rigs(run, columns, first) {
+    if let Some(section) = rigs(run, statistics) {
         report = report.section(section);
     }
-    if let Some(section) = watch(run, columns) {
+    if let Some(section) = watch(run, counts, &statistics.traces) {
         report = report.section(section);
     }
-    report = report.section(spectra(run, columns, first)).section(timing(summary, columns));
+    report = report.section(spectra(run, &statistics.shown)).section(timing(summary, counts));
+    if let Some(section) = events(summary) {
+        report = report.section(section);
+    }
     if ending == Ending::Known {
         report = report.section(bus(summary, bus_plan));
     }

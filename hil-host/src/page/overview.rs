@@ -1,13 +1,13 @@
 //! The overview: tiles, dampers, accelerations, and where the rest is.
 
 use super::Ending;
-use crate::columns::Columns;
 use crate::control::End;
+use crate::counts::Counts;
 use crate::summary::{DamperSummary, Summary};
 use report::{Cell, Section, Table, Tile};
 use scenario::run::Run;
 
-pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns, ending: Ending) -> Section {
+pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: Ending) -> Section {
     let is_bad = matches!(summary.state, End::Safe | End::RampedOut) || summary.cause.is_some();
     let state = match ending {
         Ending::Known if is_bad => Tile::text("state", summary.state.name()).bad(),
@@ -24,7 +24,7 @@ pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns, ending: 
             "This run has no summary.json: its program was killed, or the power failed. The report \
              is made from record.npy, which holds {} cycles of the {asked_cycles} that were asked \
              for. How the run ended is not known; the frames on the bus are in bus.log.",
-            columns.rows()
+            counts.rows()
         ));
     }
     if let Some(cause) = &summary.cause {
@@ -52,13 +52,6 @@ pub(super) fn overview(run: &Run, summary: &Summary, columns: &Columns, ending: 
          the rate of its zero crossings.",
         run.run_in_s
     ));
-    if columns.left_out > 0 {
-        section = section.warning(&format!(
-            "The report shows the first {} cycles; {} more are in the record.",
-            columns.time_s.len(),
-            columns.left_out
-        ));
-    }
     if summary.record_dropped > 0 {
         section = section.warning(&format!(
             "The recorder or the disk had no room for {} entries.",

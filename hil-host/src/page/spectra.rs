@@ -1,20 +1,20 @@
 //! Spectra of accelerations and strokes.
 
 use super::traces::spectrum;
-use crate::columns::Columns;
-use crate::summary::SEGMENT_S;
+use crate::statistics::{SEGMENT_S, SPECTRA_OF, Sums};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use report::{Plot, Section};
 use scenario::run::Run;
 
-pub(super) fn spectra(run: &Run, columns: &Columns, first: usize) -> Section {
+pub(super) fn spectra(run: &Run, shown: &Sums) -> Section {
     let mut lateral = Plot::new("Lateral acceleration")
         .x("frequency", "Hz")
         .y("power spectral density", "(m/s²)²/Hz")
         .log_x()
         .log_y();
-    for (name, index) in [("wheelset 1", 4), ("bogie, front", 2), ("carbody", 0)] {
-        let (frequency, density) = spectrum(&columns.acceleration[index][first..]);
+    debug_assert_eq!(SPECTRA_OF, [4, 2, 0], "spectra of other bodies");
+    for (name, welch) in ["wheelset 1", "bogie, front", "carbody"].into_iter().zip(&shown.spectra) {
+        let (frequency, density) = spectrum(welch);
         lateral = lateral.line(name, &frequency, &density);
     }
     let mut strokes = Plot::new("Damper stroke")
@@ -23,7 +23,7 @@ pub(super) fn spectra(run: &Run, columns: &Columns, first: usize) -> Section {
         .log_x()
         .log_y();
     for (slot, place) in run.slots.iter().enumerate().take(DAMPER_SLOTS) {
-        let (frequency, density) = spectrum(&columns.extension_m[slot][first..]);
+        let (frequency, density) = spectrum(&shown.slots[slot].spectrum);
         strokes = strokes.line(&place.place, &frequency, &density);
     }
     Section::new("Spectra")

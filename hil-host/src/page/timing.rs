@@ -1,20 +1,17 @@
 //! How long cycles took, and which frames passed the bus.
 
-use crate::columns::Columns;
+use crate::counts::Counts;
 use crate::summary::Summary;
-use report::{Cell, Plot, Section, Table, logarithmic_bins};
+use hdrhistogram::iterators::IterationValue;
+use report::{Cell, Plot, Section, Table, logarithmic_bins_of_counts};
 
-pub(super) fn timing(summary: &Summary, columns: &Columns) -> Section {
-    let values = |histogram: &hdrhistogram::Histogram<u64>| -> Vec<f64> {
-        let mut values = Vec::new();
-        for bucket in histogram.iter_recorded() {
-            // A value of the histogram stands for all cycles in its bucket; a few hundred of each
-            // are enough for the shape, the table has the exact percentiles.
-            let micros = bucket.value_iterated_to() as f64 * 1e-3;
-            let count = bucket.count_since_last_iteration().min(2_000_000) as usize;
-            values.extend(std::iter::repeat_n(micros, count));
-        }
-        values
+pub(super) fn timing(summary: &Summary, counts: &Counts) -> Section {
+    let values = |histogram: &hdrhistogram::Histogram<u64>| -> Vec<(f64, u64)> {
+        // A value of the histogram stands for all cycles in its bucket.
+        let of_bucket = |bucket: IterationValue<u64>| {
+            (bucket.value_iterated_to() as f64 * 1e-3, bucket.count_since_last_iteration())
+        };
+        histogram.iter_recorded().map(of_bucket).collect()
     };
     let mut plot = Plot::new("Histogram of cycle and step times")
         .x("time", "µs")
@@ -22,9 +19,9 @@ pub(super) fn timing(summary: &Summary, columns: &Columns) -> Section {
         .log_x()
         .log_y();
     for (name, histogram) in
-        [("receive to send", &columns.cycle_ns), ("vehicle step", &columns.compute_ns)]
+        [("receive to send", &counts.cycle_ns), ("vehicle step", &counts.compute_ns)]
     {
-        let (edges, counts) = logarithmic_bins(&values(histogram), 60);
+        let (edges, counts) = logarithmic_bins_of_counts(&values(histogram), 60);
         if !counts.is_empty() {
             plot = plot.bars(name, &edges, &counts);
         }

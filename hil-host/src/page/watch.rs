@@ -1,13 +1,14 @@
 //! The residual of every watched rig.
 
-use crate::columns::Columns;
+use crate::counts::Counts;
+use crate::statistics::Traces;
 use can_protocol::Watch;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use report::{Cell, Plot, Section, Table};
 use scenario::run::Run;
 
 /// Measured less modelled force of every watched rig, from the start of the run.
-pub(super) fn watch(run: &Run, columns: &Columns) -> Option<Section> {
+pub(super) fn watch(run: &Run, counts: &Counts, traces: &Traces) -> Option<Section> {
     let mut section = Section::new("Watch over the rigs").text(
         "Force that a rig measured less the force of the model that the scenario names for it, \
          driven with the measured displacement. The usual residual is learnt first; drift is raised \
@@ -22,7 +23,7 @@ pub(super) fn watch(run: &Run, columns: &Columns) -> Option<Section> {
         .number("cycles with drift", "");
     let mut any = false;
     for (slot, place) in run.slots.iter().enumerate().take(DAMPER_SLOTS) {
-        let watched = &columns.watch[slot];
+        let watched = &counts.watch[slot];
         if watched.verdict == Watch::None {
             continue;
         }
@@ -35,17 +36,13 @@ pub(super) fn watch(run: &Run, columns: &Columns) -> Option<Section> {
             watched.drift_since_s.into(),
             watched.drift_cycles.into(),
         ]);
-        let known = columns.residual_limit_n[slot].iter().position(|limit| limit.is_finite());
-        let time = &columns.time_s[..columns.residual_rms_n[slot].len()];
-        let from = columns.residual_rms_n[slot].iter().position(|rms| rms.is_finite());
+        let (rms, limit) = (&traces.residual_rms[slot], &traces.residual_limit[slot]);
         let mut plot =
             Plot::new(&format!("Residual of {}", place.place)).x("time", "s").y("rms", "N");
-        if let Some(from) = from {
-            plot = plot.line("running rms", &time[from..], &columns.residual_rms_n[slot][from..]);
-        }
-        if let Some(known) = known {
-            let limit = &columns.residual_limit_n[slot][known..];
-            plot = plot.line("limit", &time[known..], limit);
+        for (name, trace) in [("running rms", rms), ("limit", limit)] {
+            if !trace.value.is_empty() {
+                plot = plot.line(name, &trace.time_s, &trace.value);
+            }
         }
         section = section.plot(plot);
         if let Some(since_s) = watched.drift_since_s {

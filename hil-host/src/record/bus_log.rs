@@ -1,11 +1,13 @@
 //! Every frame sent and received, in the format of `candump -L -x`: can-utils, python-can and
 //! SavvyCAN read it.
 
-use super::storage::{Appender, Storage};
+use super::durable::{Appender, Durable};
+use super::storage::Storage;
 use crate::bus::WireFrame;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io;
+use std::sync::Arc;
 
 /// A frame that passed the bus.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -55,11 +57,16 @@ impl<S: Storage> BusLog<S> {
         Self { file: Appender::new(file), start_ns, names, lines: String::new() }
     }
 
+    /// The file, for the thread that has the disk hold it.
+    pub(crate) fn file(&self) -> Arc<Durable<S>> {
+        self.file.file()
+    }
+
     /// Appends events: all of them or none.
     ///
     /// # Errors
     /// The disk is full, or gone.
-    pub fn write(&mut self, events: &[BusEvent]) -> io::Result<()> {
+    pub fn write<'a>(&mut self, events: impl IntoIterator<Item = &'a BusEvent>) -> io::Result<()> {
         self.lines.clear();
         for event in events {
             let time_us = (self.start_ns + event.time_ns) / 1000;
@@ -79,6 +86,6 @@ impl<S: Storage> BusLog<S> {
     /// # Errors
     /// The disk is full, or gone.
     pub fn finish(self) -> io::Result<()> {
-        self.file.sync()
+        self.file.finish()
     }
 }

@@ -1,30 +1,72 @@
 //! `events.jsonl`: what happened in a run, one line of JSON per event, written when it happens.
 
+use super::durable::{Appender, Durable};
 use super::input_kind::InputKind;
 use super::row::Row;
-use super::storage::{Appender, Storage};
+use super::storage::Storage;
+use crate::control::StopSummary;
 use can_protocol::{RunState, Watch};
+use files::{Limit, input};
 use firmware_core::vehicle::DAMPER_SLOTS;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::fs::File;
-use std::io;
+use std::io::{self, BufRead as _, BufReader};
+use std::path::Path;
+use std::sync::Arc;
 
-/// Something that happened.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Event {
+/// Something that happened in a run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct RunEvent {
     /// Model time (s).
-    pub(crate) time_s: f64,
+    pub time_s: f64,
     /// The control cycle; zero before the first one.
-    pub(crate) cycle: u64,
+    pub cycle: u64,
     /// What it is.
     #[serde(rename = "event")]
-    pub(crate) what: &'static str,
+    pub what: Cow<'static, str>,
     /// Number of the damper slot, from one; null for the whole run.
-    pub(crate) slot: Option<usize>,
+    pub slot: Option<usize>,
     /// The value, in the unit of the limit.
-    pub(crate) value: Option<f64>,
+    pub value: Option<f64>,
     /// The limit.
-    pub(crate) limit: Option<f64>,
+    pub limit: Option<f64>,
+    /// The rig that a cause is about.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub node: Option<u8>,
+    /// Key of the signal of a cause.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub signal: Option<String>,
+}
+
+impl RunEvent {
+    /// What stopped a run.
+    pub(crate) fn cause(stop: &StopSummary) -> Self {
+        Self {
+            time_s: stop.time_s,
+            cycle: stop.cycle,
+            what: format!("cause: {}", stop.message).into(),
+            slot: None,
+            value: Some(stop.value),
+            limit: stop.limit,
+            node: stop.node,
+            signal: Some(stop.signal.clone()),
+        }
+    }
+}
+
+/// Events that are read back: many more are in the file of a run that goes wrong all the time.
+const EVENTS_MAX: usize = 1000;
+
+/// The events of a run from its file, in the order of their cycles; a last line that is cut off is
+/// left out, and so is what cannot be read.
+pub(crate) fn read_events(file: &Path) -> Vec<RunEvent> {
+    let Ok(file) = input::open(file, Limit::Stream) else { return Vec::new() };
+    let lines = BufReader::new(file).lines().map_while(Result::ok);
+    let events = lines.filter_map(|line| serde_json::from_str(&line).ok());
+    let mut events: Vec<RunEvent> = events.take(EVENTS_MAX).collect();
+    events.sort_by_key(|event| event.cycle);
+    events
 }
 
 /// Cycles in a row without a force that are an event: the guard trips in the fifth.
@@ -56,11 +98,24 @@ impl<S: Storage> EventLog<S> {
         }
     }
 
+    /// The file, for the thread that has the disk hold it.
+    pub(crate) fn file(&self) -> Arc<Durable<S>> {
+        self.file.file()
+    }
+
+    /// Waits until the disk holds the events.
+    ///
+    /// # Errors
+    /// The disk is full, or gone.
+    pub(crate) fn finish(&self) -> io::Result<()> {
+        self.file.finish()
+    }
+
     /// Writes an event.
     ///
     /// # Errors
     /// The disk is full, or gone.
-    pub(crate) fn write(&mut self, event: &Event) -> io::Result<()> {
+    pub(crate) fn write(&mut self, event: &RunEvent) -> io::Result<()> {
         let line = serde_json::to_string(event)?;
         self.file.append(format!("{line}\n").as_bytes())
     }
@@ -79,7 +134,10 @@ impl<S: Storage> EventLog<S> {
         }
         self.skipped.0 += u64::from(row.skipped);
         if self.skipped.0 > 0 && row.time_s >= self.skipped.1 {
-            self.write(&Event { value: Some(self.skipped.0 as f64), ..of(row, "ticks skipped") })?;
+            self.write(&RunEvent {
+                value: Some(self.skipped.0 as f64),
+                ..of(row, "ticks skipped")
+            })?;
             self.skipped = (0, row.time_s + SKIPPED_S);
         }
         Ok(())
@@ -94,7 +152,7 @@ impl<S: Storage> EventLog<S> {
             _ => return Ok(()),
         };
         let (value, limit) = (row.residual_rms_n[slot], row.residual_limit_n[slot]);
-        self.write(&Event {
+        self.write(&RunEvent {
             slot: Some(slot + 1),
             value: Some(value),
             limit: Some(limit),
@@ -106,7 +164,7 @@ impl<S: Storage> EventLog<S> {
         let before = self.stale[slot];
         let is_stale = row.input[slot].is_stale() && row.cycle > 1;
         self.stale[slot] = if is_stale { before.saturating_add(1) } else { 0 };
-        let event = |what, cycles: u32| Event {
+        let event = |what, cycles: u32| RunEvent {
             slot: Some(slot + 1),
             value: Some(f64::from(cycles)),
             limit: Some(f64::from(STALE_CYCLES)),
@@ -139,9 +197,8 @@ const fn entered(state: RunState) -> &'static str {
     }
 }
 
-fn of(row: &Row, what: &'static str) -> Event {
-    let (time_s, cycle) = (row.time_s, row.cycle);
-    Event { time_s, cycle, what, slot: None, value: None, limit: None }
+fn of(row: &Row, what: &'static str) -> RunEvent {
+    RunEvent { time_s: row.time_s, cycle: row.cycle, what: what.into(), ..RunEvent::default() }
 }
 
 #[cfg(test)]
@@ -167,6 +224,12 @@ mod tests {
             log.take(&row).unwrap();
         }
         let text = std::fs::read_to_string(&path).unwrap();
+        let read = read_events(&path);
+        let lines: Vec<String> =
+            read.iter().map(|event| serde_json::to_string(event).unwrap()).collect();
+        assert_eq!(lines.join("\n") + "\n", text);
+        std::fs::write(&path, &text[..text.len() - 9]).unwrap();
+        assert_eq!(read_events(&path), read[..read.len() - 1]);
         std::fs::remove_file(path).unwrap();
         let expected = r#"{"time_s":0.0,"cycle":1,"event":"state RUN","slot":null,"value":null,"limit":null}
 {"time_s":0.204,"cycle":205,"event":"no valid force","slot":2,"value":5.0,"limit":5.0}

@@ -2,29 +2,34 @@
 //!
 //! The loop puts entries into two queues that hold four seconds. One ordinary thread per queue
 //! polls it and writes what it finds at once, so that a program that is killed leaves all but the
-//! last hundredths of a second; a third thread has the disk synchronised. A full queue drops and
+//! last hundredths of a second; a third thread has the disk hold it. A full queue drops and
 //! counts where a clock sets the pace; without a clock the loop waits for room. What the disk does
 //! not take is dropped and counted too. [`measured`] reads a record or a bus log back as a damper
 //! test.
 
 mod bus_log;
+mod durable;
 mod events;
 mod input_kind;
 mod loss;
 pub mod measured;
 mod npy;
+mod parts;
 mod queues;
 mod reference;
 mod row;
 mod storage;
 
 pub use bus_log::{BusEvent, BusLog, Direction};
-pub(crate) use events::{Event, EventLog};
+pub(crate) use durable::OpenFiles;
+pub use events::RunEvent;
+pub(crate) use events::{EventLog, read_events};
 pub use input_kind::InputKind;
 pub(crate) use loss::Loss;
 pub use npy::NpyWriter;
-pub(crate) use npy::{each_row, rows_of};
-pub use queues::{Drain, Outlet, Queues, ROWS, Recorder};
+pub(crate) use npy::{RowReader, each_row, rows_of};
+pub(crate) use parts::{InParts, PART_CYCLES, open_parts, part_name, part_of, parts};
+pub use queues::{Drain, LoggedFrame, Outlet, Queues, ROWS, Recorder};
 pub(crate) use reference::column_reference;
 pub use row::{FrameBytes, Row};
 pub use storage::Storage;

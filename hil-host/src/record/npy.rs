@@ -1,31 +1,29 @@
 //! The lossless record as a `NumPy` file: `numpy.load("record.npy")` gives a structured array.
 //!
 //! Format 1.0: magic, version, header length, a Python dictionary padded with spaces, then the
-//! rows. The number of rows stands in a field of fixed width and is replaced after every batch of
-//! rows. After a power cut it may be ahead of the rows: [`RowReader`] ignores it and goes by the
-//! size of the file.
+//! rows. The number of rows stands in a field of fixed width; it is replaced when the disk holds
+//! the rows, and is never ahead of them. [`RowReader`] ignores it and goes by the size of the
+//! file, which may hold more.
 
+use super::durable::{Appender, COUNT_WIDTH, Count, Durable};
 use super::row::Row;
-use super::storage::{Appender, Storage};
+use super::storage::Storage;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Writes rows to a file.
 ///
-/// Rows are written first, then their number. A program that is killed therefore leaves a file that
-/// `NumPy` reads up to the last batch.
+/// Rows are appended; their number follows when the disk holds them
+/// ([`finish`](NpyWriter::finish)).
 #[derive(Debug)]
 pub struct NpyWriter<S = File> {
     file: Appender<S>,
-    /// Where their number begins in the header.
-    count_at: u64,
-    rows: u64,
+    start: u64,
     bytes: Vec<u8>,
 }
-
-/// Width kept free for the number of rows.
-const COUNT_WIDTH: usize = 20;
 
 impl<S: Storage> NpyWriter<S> {
     /// Begins a new file with a header for zero rows.
@@ -33,10 +31,17 @@ impl<S: Storage> NpyWriter<S> {
     /// # Errors
     /// The file cannot be written.
     pub fn begin(file: S) -> io::Result<Self> {
-        let (mut file, header) = (Appender::new(file), header(0));
+        let header = header(0);
+        let (at, start) = (count_place(&header).unwrap_or(0) as u64, header.len() as u64);
+        let count = Count { at, start, size: Row::size() as u64 };
+        let mut file = Appender::with_count(file, Some(count));
         file.append(&header)?;
-        let count_at = count_place(&header).unwrap_or(0) as u64;
-        Ok(Self { file, count_at, rows: 0, bytes: Vec::new() })
+        Ok(Self { file, start, bytes: Vec::new() })
+    }
+
+    /// The file, for the thread that has the disk hold it.
+    pub(crate) fn file(&self) -> Arc<Durable<S>> {
+        self.file.file()
     }
 
     /// Appends rows: all of them or none.
@@ -48,24 +53,16 @@ impl<S: Storage> NpyWriter<S> {
         for row in rows {
             row.put(&mut self.bytes);
         }
-        self.file.append(&self.bytes)?;
-        self.rows += rows.len() as u64;
-        self.count()
+        self.file.append(&self.bytes)
     }
 
-    /// Puts the number of rows into the header.
-    fn count(&self) -> io::Result<()> {
-        self.file.replace(format!("{:<COUNT_WIDTH$}", self.rows).as_bytes(), self.count_at)
-    }
-
-    /// Waits until the disk holds the rows; gives their number.
+    /// Waits until the disk holds the rows and their number; gives it.
     ///
     /// # Errors
     /// The disk is full, or gone.
     pub fn finish(self) -> io::Result<u64> {
-        self.count()?;
-        self.file.sync()?;
-        Ok(self.rows)
+        self.file.finish()?;
+        Ok((self.file.length() - self.start) / Row::size() as u64)
     }
 }
 
@@ -74,80 +71,137 @@ fn count_place(header: &[u8]) -> Option<usize> {
     header.iter().rposition(|byte| *byte == b'(').map(|open| open + 1)
 }
 
-/// Reads the rows of a record one by one.
+/// Reads the rows of a record one by one, part after part.
 #[derive(Debug)]
-pub(super) struct RowReader {
-    file: BufReader<File>,
-    start: u64,
+pub(crate) struct RowReader {
+    /// Parts that are read after this one, the next one last.
+    next: Vec<(PathBuf, File)>,
+    now: Part,
+    /// Parts that have been read.
+    done: Vec<(PathBuf, File)>,
     row: Vec<u8>,
 }
 
-impl RowReader {
-    /// Reads the header; `None` for a file of another layout.
-    pub(super) fn begin(file: File) -> io::Result<Option<Self>> {
+/// A part that is read.
+#[derive(Debug)]
+struct Part {
+    path: PathBuf,
+    file: BufReader<File>,
+    start: u64,
+    /// Whole rows by the size of the file.
+    rows: u64,
+}
+
+impl Part {
+    /// Reads the header; none for a file of another layout. A part that its program had just made
+    /// when it was killed has none, and no rows.
+    fn begin(path: PathBuf, file: File, may_be_empty: bool) -> io::Result<Option<Self>> {
+        let length = file.metadata()?.len();
         let mut file = BufReader::with_capacity(1 << 20, file);
+        file.rewind()?;
         let ours = header(0);
         let mut found = Vec::with_capacity(ours.len());
         file.by_ref().take(ours.len() as u64).read_to_end(&mut found)?;
         let start = ours.len() as u64;
-        Ok(is_ours(&found, &ours).then(|| Self { file, start, row: Vec::new() }))
+        let is_empty = may_be_empty && found.len() < ours.len();
+        let rows = length.saturating_sub(start) / Row::size() as u64;
+        let is_known = is_empty || is_ours(&found, &ours);
+        Ok(is_known.then_some(Self { path, file, start, rows }))
     }
 
-    /// The next row. A row that was cut off is no row; nor is one of zeros, which some file systems
-    /// leave at the end after a power cut: every cycle has a number.
-    pub(super) fn next_row(&mut self) -> io::Result<Option<&[u8]>> {
+    fn go_to(&mut self, row: u64) -> io::Result<()> {
+        let at = self.start + row * Row::size() as u64;
+        self.file.seek(SeekFrom::Start(at)).map(|_| ())
+    }
+
+    /// Reads the next row into `row`; false where there is none. A row that was cut off is no row;
+    /// nor is one of zeros, which some file systems leave at the end after a power cut: every cycle
+    /// has a number.
+    fn read(&mut self, row: &mut Vec<u8>) -> io::Result<bool> {
         let size = Row::size();
-        self.row.clear();
-        self.file.by_ref().take(size as u64).read_to_end(&mut self.row)?;
-        let is_row = self.row.len() == size && self.row.iter().take(8).any(|byte| *byte != 0);
-        Ok(is_row.then_some(self.row.as_slice()))
+        row.clear();
+        self.file.by_ref().take(size as u64).read_to_end(row)?;
+        Ok(row.len() == size && row.iter().take(8).any(|byte| *byte != 0))
+    }
+}
+
+impl RowReader {
+    /// Reads the header; `None` for files of another layout.
+    pub(crate) fn begin(mut parts: Vec<(PathBuf, File)>) -> io::Result<Option<Self>> {
+        parts.reverse();
+        let Some((path, first)) = parts.pop() else { return Ok(None) };
+        let now = Part::begin(path, first, false)?;
+        Ok(now.map(|now| Self { next: parts, now, done: Vec::new(), row: Vec::new() }))
+    }
+
+    /// The next row.
+    pub(super) fn next_row(&mut self) -> io::Result<Option<&[u8]>> {
+        while !self.now.read(&mut self.row)? {
+            let Some((path, file)) = self.next.pop() else { return Ok(None) };
+            let other = || io::Error::other(format!("{}: another layout", path.display()));
+            let part = Part::begin(path.clone(), file, true)?.ok_or_else(other)?;
+            let Part { path, file, .. } = std::mem::replace(&mut self.now, part);
+            self.done.push((path, file.into_inner()));
+        }
+        Ok(Some(&self.row))
+    }
+
+    /// The next row, decoded.
+    pub(crate) fn next(&mut self) -> io::Result<Option<Row>> {
+        Ok(self.next_row()?.map(Row::get))
     }
 
     /// Goes back to the first row.
-    pub(super) fn rewind(&mut self) -> io::Result<()> {
-        self.file.seek(SeekFrom::Start(self.start)).map(|_| ())
+    pub(super) fn rewind(self) -> io::Result<Option<Self>> {
+        let mut parts = self.done;
+        parts.push((self.now.path, self.now.file.into_inner()));
+        parts.extend(self.next.into_iter().rev());
+        Self::begin(parts)
     }
 }
 
-/// Hands the rows of a record to `take`, until it returns false; gives the number of whole rows by
-/// the size of the file, or none for another layout.
-pub(crate) fn each_row(file: File, mut take: impl FnMut(&Row) -> bool) -> io::Result<Option<u64>> {
-    let length = file.metadata()?.len();
-    let Some(mut rows) = RowReader::begin(file)? else { return Ok(None) };
-    let all = length.saturating_sub(rows.start) / Row::size() as u64;
-    while let Some(bytes) = rows.next_row()? {
-        if !take(&Row::get(bytes)) {
+/// Hands the rows of a record to `take`, until it returns false; gives false for another layout.
+pub(crate) fn each_row(
+    parts: Vec<(PathBuf, File)>,
+    mut take: impl FnMut(&Row) -> bool,
+) -> io::Result<bool> {
+    let Some(mut rows) = RowReader::begin(parts)? else { return Ok(false) };
+    while let Some(row) = rows.next()? {
+        if !take(&row) {
             break;
         }
     }
-    Ok(Some(all))
+    Ok(true)
 }
 
 /// The rows of some cycles, found without reading those before them; none for another layout.
-pub(crate) fn rows_of(file: File, cycles: RangeInclusive<u64>) -> io::Result<Option<Vec<Row>>> {
-    let length = file.metadata()?.len();
-    let Some(mut rows) = RowReader::begin(file)? else { return Ok(None) };
-    let (start, size) = (rows.start, Row::size() as u64);
-    // Rows are in the order of their cycles, and some may be lost.
-    let (mut low, mut high) = (0, length.saturating_sub(start) / size);
-    while low < high {
-        let middle = low.midpoint(high);
-        rows.file.seek(SeekFrom::Start(start + middle * size))?;
-        let cycle = rows.next_row()?.map(|bytes| Row::get(bytes).cycle);
-        if cycle.is_some_and(|cycle| cycle < *cycles.start()) {
-            low = middle + 1;
-        } else {
-            high = middle;
+pub(crate) fn rows_of(
+    parts: Vec<(PathBuf, File)>,
+    cycles: RangeInclusive<u64>,
+) -> io::Result<Option<Vec<Row>>> {
+    let (mut found, mut bytes) = (Vec::new(), Vec::new());
+    for (number, (path, file)) in parts.into_iter().enumerate() {
+        let Some(mut part) = Part::begin(path, file, number > 0)? else { return Ok(None) };
+        // Rows are in the order of their cycles, and some may be lost.
+        let (mut low, mut high) = (0, part.rows);
+        while low < high {
+            let middle = low.midpoint(high);
+            part.go_to(middle)?;
+            let is_before = part.read(&mut bytes)? && Row::get(&bytes).cycle < *cycles.start();
+            if is_before {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
         }
-    }
-    rows.file.seek(SeekFrom::Start(start + low * size))?;
-    let mut found = Vec::new();
-    while let Some(bytes) = rows.next_row()? {
-        let row = Row::get(bytes);
-        if row.cycle > *cycles.end() {
-            break;
+        part.go_to(low)?;
+        while part.read(&mut bytes)? {
+            let row = Row::get(&bytes);
+            if row.cycle > *cycles.end() {
+                return Ok(Some(found));
+            }
+            found.push(row);
         }
-        found.push(row);
     }
     Ok(Some(found))
 }
@@ -191,7 +245,15 @@ fn header(rows: u64) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::open_parts;
     use std::sync::Mutex;
+
+    #[test]
+    fn the_number_of_rows_lies_within_one_sector() {
+        // A disk writes a sector whole or not at all: the number is never half an old one.
+        let place = count_place(&header(0)).unwrap();
+        assert_eq!(place / 512, (place + COUNT_WIDTH - 1) / 512, "{place}");
+    }
 
     #[test]
     fn the_header_keeps_its_length_and_alignment() {
@@ -242,7 +304,7 @@ mod tests {
         writer.write(&written).unwrap();
         writer.finish().unwrap();
         let found = |cycles| {
-            let rows = rows_of(File::open(&path).unwrap(), cycles).unwrap().unwrap();
+            let rows = rows_of(open_parts(&path).unwrap(), cycles).unwrap().unwrap();
             (rows.len(), rows.first().map(|row| row.cycle), rows.last().map(|row| row.cycle))
         };
         assert_eq!(found(1..=10), (10, Some(1), Some(10)));

@@ -28,11 +28,20 @@ const POLL: Duration = Duration::from_millis(10);
 /// Entries that are taken out together.
 const BATCH: usize = 1024;
 
+/// A frame with the cycle that it belongs to: that of the next row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LoggedFrame {
+    /// Number of the cycle, from one.
+    pub cycle: u64,
+    /// The frame.
+    pub event: BusEvent,
+}
+
 /// The queues between the loop and the recorder.
 #[derive(Debug)]
 pub struct Queues {
     rows: (Sender<Row>, Receiver<Row>),
-    events: (Sender<BusEvent>, Receiver<BusEvent>),
+    events: (Sender<LoggedFrame>, Receiver<LoggedFrame>),
 }
 
 impl Default for Queues {
@@ -54,6 +63,7 @@ impl Queues {
             Recorder {
                 rows: &self.rows.0,
                 events: &self.events.0,
+                cycle: 1,
                 may_wait: false,
                 rows_lost_at_most: u64::MAX,
                 dropped_rows: 0,
@@ -68,7 +78,9 @@ impl Queues {
 /// The loop's end: neither allocates nor locks.
 pub struct Recorder<'a> {
     rows: &'a Sender<Row>,
-    events: &'a Sender<BusEvent>,
+    events: &'a Sender<LoggedFrame>,
+    /// The cycle that frames belong to.
+    cycle: u64,
     /// Whether the loop may wait for room: there is no clock that it would miss.
     pub may_wait: bool,
     /// Rows that may be lost one after the other.
@@ -84,6 +96,7 @@ pub struct Recorder<'a> {
 impl Recorder<'_> {
     /// Hands over a row.
     pub fn row(&mut self, row: Row) {
+        self.cycle = row.cycle + 1;
         if put(self.rows, row, self.may_wait) {
             self.dropped_in_a_row = 0;
         } else {
@@ -94,7 +107,7 @@ impl Recorder<'_> {
 
     /// Hands over a frame.
     pub fn event(&mut self, event: BusEvent) {
-        if !put(self.events, event, self.may_wait) {
+        if !put(self.events, LoggedFrame { cycle: self.cycle, event }, self.may_wait) {
             self.dropped_events += 1;
         }
     }
@@ -124,7 +137,7 @@ pub struct Drain<'a> {
     /// Rows out of the loop.
     pub rows: Outlet<'a, Row>,
     /// Frames out of the loop.
-    pub events: Outlet<'a, BusEvent>,
+    pub events: Outlet<'a, LoggedFrame>,
 }
 
 impl Drain<'_> {

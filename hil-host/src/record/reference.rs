@@ -9,7 +9,9 @@ pub(crate) fn column_reference() -> String {
         "# Columns of record.npy\n\n\
          One row of {} bytes per control cycle, little-endian, without gaps, in the order of this \
          table.\n`numpy.load(\"record.npy\")` gives them by name. An array has one entry per \
-         damper slot, in the order\nof the scenario, unless its meaning states another order.\n\n\
+         damper slot, in the order\nof the scenario, unless its meaning states another order. \
+         Every further hour of a long run has a\nfile of its own with the same columns: \
+         `record.part02.npy`, `record.part03.npy` and so on.\n\n\
          | column | type | shape | unit | meaning |\n| --- | --- | --- | --- | --- |\n",
         Row::size()
     );

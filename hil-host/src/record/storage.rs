@@ -6,7 +6,7 @@ use std::os::unix::fs::FileExt as _;
 
 /// A file that is written at chosen places. A shared reference is enough, so that one thread
 /// writes while another waits for the disk.
-pub trait Storage: Sync {
+pub trait Storage: Send + Sync {
     /// Writes all bytes from the place `at` on.
     ///
     /// # Errors
@@ -36,7 +36,11 @@ impl Storage for File {
     }
 
     fn sync(&self) -> io::Result<()> {
-        self.sync_data()
+        match self.sync_data() {
+            // A device that keeps nothing.
+            Err(why) if why.kind() == io::ErrorKind::InvalidInput => Ok(()),
+            synchronised => synchronised,
+        }
     }
 }
 
@@ -51,39 +55,5 @@ impl<S: Storage> Storage for &S {
 
     fn sync(&self) -> io::Result<()> {
         (**self).sync()
-    }
-}
-
-/// A storage that is only ever appended to: what a failed write leaves behind is cut off again.
-#[derive(Debug)]
-pub(super) struct Appender<S> {
-    storage: S,
-    length: u64,
-}
-
-impl<S: Storage> Appender<S> {
-    pub(super) const fn new(storage: S) -> Self {
-        Self { storage, length: 0 }
-    }
-
-    /// Appends all bytes or none of them.
-    pub(super) fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
-        if let Err(why) = self.storage.write_at(bytes, self.length) {
-            // Where this fails too, the next bytes overwrite what is there.
-            let _ = self.storage.cut(self.length);
-            return Err(why);
-        }
-        self.length += bytes.len() as u64;
-        Ok(())
-    }
-
-    /// Replaces bytes that are there.
-    pub(super) fn replace(&self, bytes: &[u8], at: u64) -> io::Result<()> {
-        debug_assert!(at + bytes.len() as u64 <= self.length, "replaces what is not there");
-        self.storage.write_at(bytes, at)
-    }
-
-    pub(super) fn sync(&self) -> io::Result<()> {
-        self.storage.sync()
     }
 }

@@ -1,10 +1,11 @@
 //! `yawbench report`: the report of a run from the files in its folder, also of a killed one.
 
 use super::about::RunAbout;
-use super::{ABOUT, RECORD, REPORT, SCENARIO, SUMMARY, around_stop};
+use super::{ABOUT, EVENTS, RECORD, REPORT, SCENARIO, SUMMARY, around_stop};
 use crate::BenchError;
-use crate::columns::Columns;
 use crate::page::{Ending, page};
+use crate::record::read_events;
+use crate::statistics::Statistics;
 use crate::summary::{Asked, KeptSummary, Summary};
 use files::{Limit, ResultFolder, input};
 use scenario::run::{Overrides, Run};
@@ -33,7 +34,7 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
     let folder = ResultFolder::existing(folder, "run")?;
     let about: RunAbout = read_json(&folder.file(ABOUT), "the run.json of a run")?;
     let run = Run::load(&folder.file(SCENARIO), Overrides::default())?;
-    let columns = Columns::of_record(&folder.file(RECORD))?;
+    let (statistics, counts) = Statistics::of(&folder.file(RECORD), run.run_in_s)?;
     let summary = folder.file(SUMMARY);
     let kept: Option<KeptSummary> = match summary.symlink_metadata() {
         Ok(_) => Some(read_json(&summary, "the summary.json of a run")?),
@@ -45,14 +46,16 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
         bus_load: about.bus_load,
         watched: about.watched,
         rigs: about.rig_slots.len(),
+        events: read_events(&folder.file(EVENTS)),
     };
-    let summary = Summary::of_record(&run, &asked, &columns, kept.as_ref());
+    let summary = Summary::of_record(&run, &asked, (&counts, &statistics), kept.as_ref());
     let compared = kept.as_ref().is_some_and(|kept| kept.comparison.is_some());
     let name = if compared { ALONE } else { REPORT };
     let ending =
         if kept.is_some() { Ending::Known } else { Ending::Unknown { asked_cycles: about.cycles } };
     let rows = around_stop(&folder.file(RECORD), &summary)?;
-    let page = page(&run, &summary, (&columns, &rows), &about.bus_lines, None, ending);
+    let seen = (&counts, &statistics, &*rows);
+    let page = page(&run, &summary, seen, &about.bus_lines, None, ending);
     folder.write(name, &page.to_html()?)?;
     Ok(LateReport { path: folder.file(name), summary, has_ended: kept.is_some() })
 }

@@ -27,16 +27,22 @@ use crate::control::{End, Requests, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
 use crate::page::{Ending, SHOWN_CYCLES, page};
 use crate::realtime::{self, RealtimeOptions};
-use crate::record::{self, BusEvent, Row, column_reference};
+use crate::record::{
+    self, BusEvent, PART_CYCLES, Row, RunEvent, column_reference, open_parts, part_name, part_of,
+    read_events,
+};
+use crate::statistics::Statistics;
 use crate::summary::{Outcome, Summary};
 use about::RunAbout;
-use files::{Limit, ResultFolder, input};
+use files::{FolderError, ResultFolder};
 use handshake::{Epoch, Heard};
 use plan::BusLoad;
-use recording::{Output, Recording, Task};
+use recording::{Output, Place, Recording, RunFile, Task};
 use report::Section;
 use scenario::run::Run;
 use setup::{arming, open_buses, pace};
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -82,7 +88,8 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     let load = plan.load(options)?;
     let mut folder =
         ResultFolder::fresh(options.out.as_deref(), &options.name, "run", options.overwrite)?;
-    folder.check(&FILES)?;
+    let names = file_names(run.cycles());
+    folder.check(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
     folder.refuse_inputs(options.inputs.iter().map(PathBuf::as_path))?;
     let needed = space::needed_bytes(run, &plan, options.profile);
     space::check(folder.path(), folder.free_bytes(), needed, run.cycles())?;
@@ -116,10 +123,11 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     let about = RunAbout::new(run, options, &session, &plan, &load, epoch.unix_ns);
     folder.write(ABOUT, &format!("{}\n", serde_json::to_string_pretty(&about)?))?;
     folder.write(COLUMNS, &column_reference())?;
+    // A power cut leaves them too: without them a record says little.
+    folder.settle()?;
     let output = Output {
-        record: (folder.file(RECORD), folder.create_file(RECORD)?),
-        log: (folder.file(LOG), folder.create_file(LOG)?),
-        events: (folder.file(EVENTS), folder.create_file(EVENTS)?),
+        place: InFolder(&folder),
+        part_cycles: PART_CYCLES,
         bus_names: plan.buses.iter().map(|bus| bus.interface().to_owned()).collect(),
         epoch,
         handshake,
@@ -138,15 +146,16 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         // Nothing but the files of a run that has not begun. One that stays does no harm.
         let _stays = std::fs::remove_dir_all(folder.path());
     }
-    let mut recording = recorded?;
-    recording.columns.read(&folder.file(RECORD))?;
+    let recording = recorded?;
+    let (statistics, _) = Statistics::of(&folder.file(RECORD), run.run_in_s)?;
 
-    let mut summary = summary(run, options, &session, &state, &buses, &load, &recording);
+    let known = (&recording, &statistics, read_events(&folder.file(EVENTS)));
+    let mut summary = summary(run, options, &session, &state, &buses, &load, known);
     let write = |summary: &Summary, compared: Option<Section>| -> Result<(), BenchError> {
         let json = serde_json::to_string_pretty(summary)?;
         folder.write(SUMMARY, &format!("{json}\n"))?;
         let rows = around_stop(&folder.file(RECORD), summary)?;
-        let seen = (&recording.columns, &*rows);
+        let seen = (&recording.counts, &statistics, &*rows);
         let page = page(run, summary, seen, &load.lines, compared, Ending::Known);
         Ok(folder.write(REPORT, &page.to_html()?)?)
     };
@@ -158,17 +167,18 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     written?;
     let mut interrupted = recording.end == End::Stopped;
     if let (Some(setup), Some(other), false) = (&run.compare, &other, interrupted) {
-        let record = (folder.file(COMPARED), folder.create_file(COMPARED)?);
+        let in_folder = InFolder(&folder);
+        let record = (folder.file(COMPARED), |part| in_folder.part(COMPARED, part));
         // One that left its track shows the other damper for as long as it took to stop.
         let is_safe = summary.state == End::Safe;
         let asked = if is_safe { state.line.run_cycles() } else { summary.steps };
         let cycles = Cycles { ramp_in: state.line.ramp_in_cycles, run: asked };
         match SecondRun::through(other, options.profile, cycles, record, requests.end_flag())? {
             Some(second) => {
-                let main = (run, &summary, &recording.columns);
+                let main = (run, &summary, &statistics);
                 let found = comparison::compare(setup, main, (other, &second));
-                let section =
-                    comparison::section(run, summary.state, &recording.columns, &found, &second);
+                let records = [folder.file(RECORD), folder.file(COMPARED)];
+                let section = comparison::section(run, summary.state, &found, &records)?;
                 summary.comparison = Some(found);
                 write(&summary, Some(section))?;
             }
@@ -181,13 +191,57 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     Ok(Finished { summary, folder: folder.path().to_owned(), interrupted })
 }
 
+/// Names of the files that a run of so many cycles may write.
+fn file_names(cycles: u64) -> Vec<String> {
+    // The cycles before and after RUN are few.
+    let parts = part_of(cycles, PART_CYCLES) + 1;
+    let parts = (2..=parts).flat_map(|part| [RECORD, LOG, COMPARED].map(|n| part_name(n, part)));
+    FILES.into_iter().map(str::to_owned).chain(parts).collect()
+}
+
+/// The folder of a run, in which its parts are made.
+#[derive(Debug)]
+struct InFolder<'a>(&'a ResultFolder);
+
+impl InFolder<'_> {
+    /// Makes a part, from one, of the file `first`.
+    fn part(&self, first: &str, part: u64) -> io::Result<File> {
+        let made = self.0.create_file(&part_name(first, part)).map_err(|why| match why {
+            FolderError::Disk(_, why) => why,
+            other => io::Error::other(other.to_string()),
+        })?;
+        self.0.settle_names()?;
+        Ok(made)
+    }
+}
+
+impl Place for InFolder<'_> {
+    type File = File;
+
+    fn make(&self, file: RunFile, part: u64) -> io::Result<File> {
+        self.part(name_of(file), part)
+    }
+
+    fn path(&self, file: RunFile) -> PathBuf {
+        self.0.file(name_of(file))
+    }
+}
+
+const fn name_of(file: RunFile) -> &'static str {
+    match file {
+        RunFile::Record => RECORD,
+        RunFile::Log => LOG,
+        RunFile::Events => EVENTS,
+    }
+}
+
 /// The rows around the cycle that stopped a run; none of a run that was not stopped.
 fn around_stop(record: &Path, summary: &Summary) -> Result<Vec<Row>, BenchError> {
     let Some(cause) = &summary.cause else { return Ok(Vec::new()) };
     let (before, behind) = SHOWN_CYCLES;
     let cycles = cause.cycle.saturating_sub(before)..=cause.cycle + behind;
     let failed = |why| BenchError::File { file: record.to_owned(), why };
-    let rows = record::rows_of(input::open(record, Limit::Stream)?, cycles).map_err(failed)?;
+    let rows = record::rows_of(open_parts(record)?, cycles).map_err(failed)?;
     Ok(rows.unwrap_or_default())
 }
 
@@ -226,7 +280,7 @@ fn summary(
     state: &SessionState,
     buses: &[AnyBus],
     load: &BusLoad,
-    recording: &Recording,
+    (recording, statistics, events): (&Recording, &Statistics, Vec<RunEvent>),
 ) -> Summary {
     let outcome = Outcome {
         run,
@@ -242,9 +296,10 @@ fn summary(
         record_dropped: recording.dropped,
         wall_s: recording.wall_s,
         record_fault: recording.failure.as_ref().map(BenchError::to_string),
+        events,
         bus_load: load.most,
         watched: session.watched,
         noted: session.noted(state),
     };
-    Summary::of(&outcome, &recording.columns)
+    Summary::of(&outcome, &recording.counts, statistics)
 }

@@ -1,7 +1,7 @@
 //! The line of progress. It is drawn by a thread of its own: a terminal that takes nothing must not
 //! hold up the record.
 
-use crate::columns::{Columns, Watched};
+use crate::counts::{Counts, Watched};
 use crate::record::Row;
 use crate::summary::microseconds;
 use can_protocol::Watch;
@@ -36,12 +36,12 @@ impl Progress {
     }
 
     /// Takes in the last row.
-    pub(super) fn take(&mut self, row: &Row, columns: &Columns) {
+    pub(super) fn take(&mut self, row: &Row, counts: &Counts) {
         if self.shown.elapsed() <= REFRESH || self.lines.is_full() {
             return;
         }
         self.shown = Instant::now();
-        let (speed_kmh, stale): (f64, u64) = (self.speed_kmh, columns.stale.iter().sum());
+        let (speed_kmh, stale): (f64, u64) = (self.speed_kmh, counts.stale.iter().sum());
         let text = format!(
             "{:6.1} s {speed_kmh:3.0} km/h {:7.0} m  stroke {:6.2} mm  force {:6.1} kN  \
              cycle p50 {:.0} p99 {:.0} µs  lost {stale}{}",
@@ -49,9 +49,9 @@ impl Progress {
             row.distance_m,
             row.extension_m[0] * 1e3,
             row.force_n[0] * 1e-3,
-            microseconds(&columns.cycle_ns, 0.5),
-            microseconds(&columns.cycle_ns, 0.99),
-            watch_text(&columns.watch),
+            microseconds(&counts.cycle_ns, 0.5),
+            microseconds(&counts.cycle_ns, 0.99),
+            watch_text(&counts.watch),
         );
         // A line that finds no room is outdated.
         let _ = self.lines.try_send(Line { cycle: row.cycle, text });

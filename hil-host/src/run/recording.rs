@@ -4,11 +4,12 @@ use super::handshake::{Epoch, Heard};
 use super::progress::{self, Progress};
 use crate::BenchError;
 use crate::bus::{Bus, BusChoice};
-use crate::columns::Columns;
 use crate::control::{Buses, End, Pace, Requests, Session, SessionState};
+use crate::counts::Counts;
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
-    BusEvent, BusLog, Drain, Event, EventLog, Loss, NpyWriter, Outlet, Queues, Row, Storage,
+    BusEvent, BusLog, Drain, EventLog, InParts, LoggedFrame, Loss, NpyWriter, OpenFiles, Outlet,
+    Queues, Row, RunEvent, Storage, part_of,
 };
 use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
 use std::fmt;
@@ -29,12 +30,31 @@ pub(super) struct Task<'a, 's, B> {
     pub(super) cycles: u64,
 }
 
-/// What the loop writes while it runs: opened files and their names for messages.
+/// Files that a run writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum RunFile {
+    Record,
+    Log,
+    Events,
+}
+
+/// Where the files of a run are made.
+pub(super) trait Place: Sync {
+    type File: Storage + fmt::Debug;
+
+    /// Makes a part, from one, of a file.
+    fn make(&self, file: RunFile, part: u64) -> io::Result<Self::File>;
+
+    /// The path of its first part, for messages.
+    fn path(&self, file: RunFile) -> PathBuf;
+}
+
+/// What the loop writes while it runs.
 #[derive(Debug)]
-pub(super) struct Output<S> {
-    pub(super) record: (PathBuf, S),
-    pub(super) log: (PathBuf, S),
-    pub(super) events: (PathBuf, S),
+pub(super) struct Output<P> {
+    pub(super) place: P,
+    /// Cycles in a part of the record and of the log.
+    pub(super) part_cycles: u64,
     /// Names of the buses in the log.
     pub(super) bus_names: Vec<String>,
     /// Time zero of the log.
@@ -47,7 +67,7 @@ pub(super) struct Output<S> {
 #[derive(Debug)]
 pub(super) struct Recording {
     pub(super) end: End,
-    pub(super) columns: Columns,
+    pub(super) counts: Counts,
     /// Rows and frames that the recorder had no room for, or the disk.
     pub(super) dropped: u64,
     pub(super) wall_s: f64,
@@ -55,33 +75,54 @@ pub(super) struct Recording {
     pub(super) failure: Option<BenchError>,
 }
 
-/// Time between two synchronisations of the disk: with the write of a batch, a power cut loses at
-/// most two seconds.
-const SYNC: Duration = Duration::from_secs(1);
+/// Time after which the disk is asked again to hold the rows: their number in the header follows,
+/// and a program that is killed leaves a header that is hardly older.
+const HOLD_RECORD: Duration = Duration::from_millis(50);
+
+/// The same for bus log and events, which have no number: with the write of a batch, a power cut
+/// loses well below two seconds.
+const HOLD_LOG: Duration = Duration::from_millis(500);
 
 /// Arms the rigs, runs the loop on this thread and records it.
 ///
 /// # Errors
 /// A rig that cannot be armed, with nothing recorded; a file that cannot be written.
-pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
+pub(super) fn record<B: Bus, P: Place>(
     task: Task<'_, '_, B>,
     realtime_options: &RealtimeOptions,
-    output: &Output<S>,
+    output: &Output<P>,
     requests: &Requests,
 ) -> Result<Recording, BenchError> {
     let Task { session, state, buses, bus, pace, cycles } = task;
     let cycle_ns = session.line.cycle_s * 1e9 * f64::from(session.slow_down.get());
     let cycle_ns = (cycle_ns as u64).max(1);
-    let (files, epoch) = ([&output.record, &output.log], output.epoch);
-    let [record, log] = files.map(|(_, storage)| storage);
-    let failed = |(path, _): &(PathBuf, S), why| BenchError::File { file: path.clone(), why };
-    let begun = NpyWriter::begin(record).map_err(|why| failed(&output.record, why))?;
-    let mut lines = BusLog::begin(log, epoch.unix_ns, output.bus_names.clone());
-    lines.write(&output.handshake).map_err(|why| failed(&output.log, why))?;
-    let mut happened = EventLog::begin(&output.events.1);
+    let Output { place, part_cycles, epoch, .. } = output;
+    let (epoch, part_cycles) = (*epoch, *part_cycles);
+    let open: [OpenFiles<P::File>; 3] = Default::default();
+    let failed = |file| move |why| BenchError::File { file: place.path(file), why };
+    let record = InParts::new(|part| {
+        let writer = NpyWriter::begin(place.make(RunFile::Record, part)?)?;
+        open[0].add(writer.file());
+        Ok(writer)
+    });
+    let record = record.map_err(failed(RunFile::Record))?;
+    let lines = InParts::new(|part| {
+        let file = place.make(RunFile::Log, part)?;
+        let log = BusLog::begin(file, epoch.unix_ns, output.bus_names.clone());
+        open[1].add(log.file());
+        Ok(log)
+    });
+    let mut lines = lines.map_err(failed(RunFile::Log))?;
+    let first = lines.part(1).and_then(|log| log.write(&output.handshake));
+    first.map_err(failed(RunFile::Log))?;
+    let of_events = failed(RunFile::Events);
+    let mut happened = EventLog::begin(place.make(RunFile::Events, 1).map_err(&of_events)?);
+    open[2].add(happened.file());
     happened
         .write(&of_run(0, state.line.time_s(session.line.cycle_s), "run begun"))
-        .map_err(|why| failed(&output.events, why))?;
+        .map_err(&of_events)?;
+    // The headers, before anything moves.
+    open[0].hold().map_err(failed(RunFile::Record))?;
     let mut queues = Queues::for_rigs(session.ports.len());
     let (mut recorder, drain) = queues.split();
     recorder.rows_lost_at_most = 1_000_000_000 / cycle_ns;
@@ -89,14 +130,13 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
     let (progress, shown) = Progress::new(session.line.speed_m_per_s * 3.6);
     let (running, ended) = bounded::<()>(0);
     std::thread::scope(|scope| {
-        let (done, Drain { rows, events }) = (&done, drain);
+        let (done, open, Drain { rows, events }) = (&done, &open, drain);
         let record = scope.spawn(move || {
-            let to = RowOutput { record: begun, events: happened, progress, cycle_ns };
+            let to = RowOutput { record, part_cycles, happened, progress, cycle_ns };
             write_rows(to, &rows, done, requests)
         });
-        let log = scope.spawn(move || write_events(lines, &events, done, requests));
-        let storages = files.map(|(_, storage)| storage);
-        let sync = scope.spawn(move || synchronise(storages, &ended, requests));
+        let log = scope.spawn(move || write_frames(lines, part_cycles, &events, done, requests));
+        let sync = scope.spawn(move || hold_on(open, &ended, requests));
         scope.spawn(move || progress::show(&shown, cycles));
 
         // After the other threads have started: they must not inherit the loop's processor.
@@ -122,47 +162,59 @@ pub(super) fn record<B: Bus, S: Storage + fmt::Debug>(
         let wall_s = begin.elapsed().as_secs_f64();
         done.store(true, Ordering::Release);
         drop(running);
-        let (record, columns, mut happened) = joined(record)?;
+        let (record, counts, mut happened) = joined(record)?;
         let (cycle, time_s) = (state.line.cycle, state.line.time_s(session.line.cycle_s));
         // A disk that does not take it is named below or has taken all rows.
+        if let Some(stop) = &state.stop {
+            let _ = happened.write(&RunEvent::cause(&stop.summary()));
+        }
         let _ = happened.write(&of_run(cycle, time_s, ended_as(end)));
-        let (log, [record_sync, log_sync]) = (joined(log)?, joined(sync)?);
+        let (log, [record_held, log_held]) = (joined(log)?, joined(sync)?);
         let dropped = recorder.dropped_rows + recorder.dropped_events + record.count + log.count;
         let mut slow = Loss::default();
         if recorder.is_overrun() {
             finish(&mut slow, Err(io::Error::other("the disk is too slow")));
         }
-        let [of_record, of_log] = files;
+        // What is not on the disk at the end is lost, however short.
+        let mut last = [Loss::default(), Loss::default()];
+        for (loss, open) in last.iter_mut().zip(open) {
+            finish(loss, open.hold());
+        }
+        let [record_last, log_last] = last;
+        let _ = happened.finish();
         let losses = [
-            (of_record, record),
-            (of_record, slow),
-            (of_record, record_sync),
-            (of_log, log),
-            (of_log, log_sync),
+            (RunFile::Record, record),
+            (RunFile::Record, slow),
+            (RunFile::Record, record_held),
+            (RunFile::Record, record_last),
+            (RunFile::Log, log),
+            (RunFile::Log, log_held),
+            (RunFile::Log, log_last),
         ];
         let mut failure = None;
-        for ((path, _), loss) in losses {
+        for (file, loss) in losses {
             let Some(why) = loss.why.filter(|_| loss.too_long && failure.is_none()) else {
                 continue;
             };
-            failure = Some(BenchError::Unrecorded { file: path.clone(), why, dropped });
+            failure = Some(BenchError::Unrecorded { file: place.path(file), why, dropped });
         }
-        Ok(Recording { end, columns, dropped, wall_s, failure })
+        Ok(Recording { end, counts, dropped, wall_s, failure })
     })
 }
 
 /// Where the rows go.
-struct RowOutput<S> {
-    record: NpyWriter<S>,
-    events: EventLog<S>,
+struct RowOutput<'a, S> {
+    record: InParts<'a, NpyWriter<S>>,
+    part_cycles: u64,
+    happened: EventLog<S>,
     progress: Progress,
     /// Wall time of a cycle.
     cycle_ns: u64,
 }
 
 /// An event of the whole run.
-const fn of_run(cycle: u64, time_s: f64, what: &'static str) -> Event {
-    Event { time_s, cycle, what, slot: None, value: None, limit: None }
+fn of_run(cycle: u64, time_s: f64, what: &'static str) -> RunEvent {
+    RunEvent { time_s, cycle, what: what.into(), ..RunEvent::default() }
 }
 
 /// How a run ended, as an event.
@@ -177,43 +229,53 @@ const fn ended_as(end: End) -> &'static str {
 
 /// Writes the rows, and counts what progress and summary need.
 fn write_rows<S: Storage>(
-    to: RowOutput<S>,
+    to: RowOutput<'_, S>,
     rows: &Outlet<'_, Row>,
     done: &AtomicBool,
     requests: &Requests,
-) -> (Loss, Columns, EventLog<S>) {
-    let RowOutput { mut record, mut events, mut progress, cycle_ns } = to;
-    let (mut loss, mut columns) = (Loss::default(), Columns::default());
+) -> (Loss, Counts, EventLog<S>) {
+    let RowOutput { mut record, part_cycles, mut happened, mut progress, cycle_ns } = to;
+    let (mut loss, mut counts) = (Loss::default(), Counts::default());
+    let part = |row: &Row| part_of(row.cycle, part_cycles);
     rows.run(done, |rows| {
-        let Some(last) = rows.last() else { return };
-        if loss.take(record.write(rows), rows.len() as u64, last.cycle * cycle_ns) {
-            requests.end();
+        for rows in rows.chunk_by(|one, next| part(one) == part(next)) {
+            let Some(last) = rows.last() else { continue };
+            let written = record.part(part(last)).and_then(|record| record.write(rows));
+            if loss.take(written, rows.len() as u64, last.cycle * cycle_ns) {
+                requests.end();
+            }
+            for row in rows {
+                counts.take(row);
+                // An event that finds no room is also in the rows.
+                let _ = happened.take(row);
+            }
+            progress.take(last, &counts);
         }
-        for row in rows {
-            columns.count(row);
-            // An event that finds no room is also in the rows.
-            let _ = events.take(row);
-        }
-        progress.take(last, &columns);
     });
-    finish(&mut loss, record.finish().map(|_| ()));
-    (loss, columns, events)
+    finish(&mut loss, record.into_last().finish().map(|_| ()));
+    (loss, counts, happened)
 }
 
-fn write_events<S: Storage>(
-    mut log: BusLog<S>,
-    events: &Outlet<'_, BusEvent>,
+fn write_frames<S: Storage>(
+    mut log: InParts<'_, BusLog<S>>,
+    part_cycles: u64,
+    frames: &Outlet<'_, LoggedFrame>,
     done: &AtomicBool,
     requests: &Requests,
 ) -> Loss {
     let mut loss = Loss::default();
-    events.run(done, |events| {
-        let Some(last) = events.last() else { return };
-        if loss.take(log.write(events), events.len() as u64, last.time_ns) {
-            requests.end();
+    let part = |frame: &LoggedFrame| part_of(frame.cycle, part_cycles);
+    frames.run(done, |frames| {
+        for frames in frames.chunk_by(|one, next| part(one) == part(next)) {
+            let Some(last) = frames.last() else { continue };
+            let events = frames.iter().map(|frame| &frame.event);
+            let written = log.part(part(last)).and_then(|log| log.write(events));
+            if loss.take(written, frames.len() as u64, last.event.time_ns) {
+                requests.end();
+            }
         }
     });
-    finish(&mut loss, log.finish());
+    finish(&mut loss, log.into_last().finish());
     loss
 }
 
@@ -225,16 +287,30 @@ fn finish(loss: &mut Loss, finished: io::Result<()>) {
     }
 }
 
-/// Has the disk synchronised from time to time, until the run has ended. The writing threads do not
-/// wait for it.
-fn synchronise<S: Storage>(files: [&S; 2], ended: &Receiver<()>, requests: &Requests) -> [Loss; 2] {
+/// Has the disk hold what has been written, again and again until the run has ended. The threads
+/// that write do not wait for it; a slow disk delays it by the time that it takes itself.
+fn hold_on<S: Storage>(
+    [record, log, events]: &[OpenFiles<S>; 3],
+    ended: &Receiver<()>,
+    requests: &Requests,
+) -> [Loss; 2] {
     let (begin, mut losses) = (Instant::now(), [Loss::default(), Loss::default()]);
-    while ended.recv_timeout(SYNC) == Err(RecvTimeoutError::Timeout) {
-        for (file, loss) in files.iter().zip(&mut losses) {
-            if loss.take(file.sync(), 0, begin.elapsed().as_nanos() as u64) {
-                requests.end();
-            }
+    let (mut next, mut next_log) = (begin + HOLD_RECORD, begin + HOLD_LOG);
+    while ended.recv_deadline(next) == Err(RecvTimeoutError::Timeout) {
+        let now = Instant::now();
+        let [of_record, of_log] = &mut losses;
+        let since_begin = |time: Instant| (time - begin).as_nanos() as u64;
+        let mut ends = of_record.take(record.hold(), 0, since_begin(now));
+        if now >= next_log {
+            next_log = now + HOLD_LOG;
+            // An event that is lost is also in the rows.
+            let _ = events.hold();
+            ends |= of_log.take(log.hold(), 0, since_begin(now));
         }
+        if ends {
+            requests.end();
+        }
+        next = (next + HOLD_RECORD).max(Instant::now());
     }
     losses
 }
@@ -247,22 +323,48 @@ fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> Result<T, BenchError> {
 mod tests {
     use super::*;
     use crate::bus::MemoryBus;
-    use crate::record::measured::read_record;
+    use crate::record::measured::{read_bus_log, read_record};
+    use crate::record::{PART_CYCLES, part_name};
     use crate::rig::RigNode;
     use crate::run::{Plan, Terms, session};
-    use can_protocol::Profile;
+    use crate::statistics::Statistics;
+    use can_protocol::{Node, Profile};
     use scenario::run::{Overrides, Run};
     use std::fs::File;
     use std::os::unix::fs::FileExt as _;
     use std::path::Path;
     use std::sync::atomic::AtomicU64;
 
+    /// Files that are there: record, log and events.
+    struct Given<'a, S>([S; 3], &'a Path);
+
+    impl<'a, S: Storage + fmt::Debug> Place for &'a Given<'_, S> {
+        type File = &'a S;
+
+        fn make(&self, file: RunFile, part: u64) -> io::Result<&'a S> {
+            assert_eq!(part, 1);
+            Ok(&self.0[file as usize])
+        }
+        fn path(&self, file: RunFile) -> PathBuf {
+            match file {
+                RunFile::Record => self.1.to_owned(),
+                RunFile::Log => PathBuf::from("bus.log"),
+                RunFile::Events => PathBuf::from("events.jsonl"),
+            }
+        }
+    }
+
     /// Records so many seconds of a scenario, as fast as possible; gives the cycles done too.
     fn recorded<S: Storage + fmt::Debug>(
         seconds: f64,
-        [record_file, log, events]: [S; 3],
+        files: [S; 3],
         path: &Path,
     ) -> (Recording, u64) {
+        recorded_in(seconds, &Given(files, path), PART_CYCLES)
+    }
+
+    /// The same with parts of so many cycles.
+    fn recorded_in<P: Place>(seconds: f64, place: P, part_cycles: u64) -> (Recording, u64) {
         let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
         let overrides = Overrides { duration_s: Some(seconds), speed_kmh: None };
         let run = Run::load(&scenario, overrides).unwrap();
@@ -276,9 +378,8 @@ mod tests {
         let stop = Requests::armed();
         session.meet(&mut state, &mut buses, Duration::from_secs(10), &stop).unwrap();
         let output = Output {
-            record: (path.to_owned(), record_file),
-            log: (PathBuf::from("bus.log"), log),
-            events: (PathBuf::from("events.jsonl"), events),
+            place,
+            part_cycles,
             bus_names: vec!["memory".to_owned()],
             epoch: Epoch::now(),
             handshake: Vec::new(),
@@ -292,8 +393,7 @@ mod tests {
             cycles: run.cycles(),
         };
         let recording = record(task, &RealtimeOptions::NONE, &output, &stop).unwrap();
-        // Nothing that grows is kept while a run goes on.
-        assert_eq!((recording.columns.rows(), recording.columns.last.0), (0, state.line.cycle));
+        assert_eq!(recording.counts.last.0, state.line.cycle);
         (recording, state.line.cycle)
     }
 
@@ -385,5 +485,65 @@ mod tests {
         assert!(text.contains("dead-disk.npy: no storage space: the run was ended"), "{text}");
         assert_eq!(read_record(&path, 1).unwrap().lines.len(), 0);
         std::fs::remove_file(path).unwrap();
+    }
+
+    /// A folder in which every part is a file.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn file(&self, file: RunFile, part: u64) -> PathBuf {
+            let name = match file {
+                RunFile::Record => "record.npy",
+                RunFile::Log => "bus.log",
+                RunFile::Events => "events.jsonl",
+            };
+            self.0.join(part_name(name, part))
+        }
+    }
+
+    impl Place for &Folder {
+        type File = File;
+
+        fn make(&self, file: RunFile, part: u64) -> io::Result<File> {
+            File::create(self.file(file, part))
+        }
+        fn path(&self, file: RunFile) -> PathBuf {
+            self.file(file, 1)
+        }
+    }
+
+    #[test]
+    fn a_run_in_parts_is_read_like_a_run_in_one_file() {
+        let folders = ["parts", "whole"].map(|name| Folder(place(name).with_extension("")));
+        let mut read = Vec::new();
+        for (folder, part_cycles) in folders.iter().zip([1500, PART_CYCLES]) {
+            std::fs::create_dir_all(&folder.0).unwrap();
+            let (recording, cycles) = recorded_in(3.0, folder, part_cycles);
+            assert!(recording.failure.is_none() && cycles == 5000, "{recording:?}");
+            let record = folder.file(RunFile::Record, 1);
+            let series = read_record(&record, 1).unwrap();
+            assert_eq!(series.lines.len(), 5000);
+            let node = Node::new(1).unwrap();
+            let log = read_bus_log(&folder.file(RunFile::Log, 1), node, None).unwrap();
+            let (statistics, counts) = Statistics::of(&record, 0.5).unwrap();
+            assert_eq!((counts.rows(), statistics.shown.rows), (5000, 2500));
+            read.push((
+                (series.time_s, series.force_n),
+                (log.time_s, log.force_n),
+                statistics.traces.force.map(|force| force.value),
+            ));
+        }
+        assert!(read[0] == read[1], "parts are read differently");
+        // Every file has its cycles, and a header of its own.
+        for (part, rows) in [(1, 1500), (2, 1500), (3, 1500), (4, 500)] {
+            let bytes = std::fs::read(folders[0].file(RunFile::Record, part)).unwrap();
+            let header = String::from_utf8_lossy(&bytes[..4096]);
+            assert!(header.contains(&format!("'shape': ({rows} ")), "part {part}");
+            assert!(folders[0].file(RunFile::Log, part).is_file());
+        }
+        assert!(!folders[0].file(RunFile::Record, 5).exists());
+        for folder in folders {
+            std::fs::remove_dir_all(folder.0).unwrap();
+        }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::plan::Plan;
 use crate::BenchError;
-use crate::columns::ROWS_MAX;
 use crate::record::Row;
 use can_protocol::Profile;
 use scenario::run::Run;
@@ -13,8 +12,8 @@ const REST_BYTES: u64 = 20_000_000;
 
 /// Bytes that a run writes.
 pub(super) fn needed_bytes(run: &Run, plan: &Plan, profile: Profile) -> u64 {
-    let compared = if run.compare.is_some() { run.cycles().min(ROWS_MAX as u64) } else { 0 };
-    let rows = (run.cycles() + compared) * Row::size() as u64;
+    let records = if run.compare.is_some() { 2 } else { 1 };
+    let rows = records * run.cycles() * Row::size() as u64;
     rows + run.cycles() * log_bytes_per_cycle(plan, profile) + REST_BYTES
 }
 

@@ -1,8 +1,7 @@
 //! Accelerations of three bodies.
 
-use crate::columns::Columns;
+use crate::statistics::Sums;
 use serde::Serialize;
-use signal::statistics;
 
 /// Accelerations of three bodies; null where the vehicle has none of that name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -21,13 +20,9 @@ pub struct Acceleration {
     pub vertical_rms_m_per_s2: f64,
 }
 
-/// Accelerations of the bodies that were watched, from the row `first` on.
-pub(crate) fn accelerations(
-    watched: [Option<usize>; 3],
-    columns: &Columns,
-    first: usize,
-) -> Accelerations {
-    let rms = |index: usize| statistics::rms(&columns.acceleration[index][first..]);
+/// Accelerations of the bodies that were watched.
+pub(crate) fn accelerations(watched: [Option<usize>; 3], sums: &Sums) -> Accelerations {
+    let rms = |index: usize| sums.acceleration[index].rms();
     let body = |index: usize| {
         watched[index].map(|_| Acceleration {
             lateral_rms_m_per_s2: rms(2 * index),

@@ -1,11 +1,11 @@
 //! Force, stroke, work and residual of every damper slot.
 
-use crate::columns::Columns;
+use crate::counts::Counts;
+use crate::statistics::{SlotSums, Sums};
 use can_protocol::Watch;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use serde::Serialize;
 use signal::spectrum::Spectrum;
-use signal::statistics;
 
 /// One damper slot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,45 +66,36 @@ pub struct Stroke {
 /// Frequencies below this are track, not damper (Hz).
 const LOWEST_PEAK_HZ: f64 = 0.5;
 
-/// Length of a spectrum's segments (s).
-pub(crate) const SEGMENT_S: f64 = 8.192;
-
-/// Every damper slot from the row `first` on.
-pub(crate) fn dampers(run: &Run, columns: &Columns, first: usize) -> Vec<DamperSummary> {
+/// Every damper slot.
+pub(crate) fn dampers(run: &Run, counts: &Counts, sums: &Sums) -> Vec<DamperSummary> {
     let slots = run.slots.iter().enumerate();
     let dampers = slots.map(|(slot, place)| {
         let rig = matches!(place.force, SlotForce::Rig { .. });
-        damper(&place.place, rig, slot, first, columns)
+        damper(&place.place, rig, slot, counts, sums)
     });
     dampers.collect()
 }
 
-fn damper(name: &str, rig: bool, slot: usize, first: usize, columns: &Columns) -> DamperSummary {
-    let rate_hz = 1.0 / CYCLE_S;
-    let force = &columns.force_n[slot][first..];
-    let stroke = &columns.extension_m[slot][first..];
-    let rate = &columns.rate_m_per_s[slot][first..];
-    let (min, max) = statistics::min_max(force).unwrap_or((0.0, 0.0));
-    let duration_s = (force.len() as f64 * CYCLE_S).max(CYCLE_S);
-    let work: f64 = force.iter().zip(rate).map(|(force, rate)| force * rate * CYCLE_S).sum();
-    // Small wiggles around the middle are no strokes: a hundredth of the rms.
-    let dead_band = 0.01 * statistics::rms(stroke);
-    let spectrum = Spectrum::welch(stroke, rate_hz, SEGMENT_S).ok();
-    let watch = &columns.watch[slot];
+fn damper(name: &str, rig: bool, slot: usize, counts: &Counts, sums: &Sums) -> DamperSummary {
+    let duration_s = (sums.rows as f64 * CYCLE_S).max(CYCLE_S);
+    let sums = &sums.slots[slot];
+    let (min, max) = sums.force_range.unwrap_or((0.0, 0.0));
+    let spectrum = sums.spectrum.spectrum().ok();
+    let watch = &counts.watch[slot];
     DamperSummary {
         name: name.to_owned(),
         place: if rig { "rig" } else { "modelled" }.to_owned(),
-        force_n: ForceRange { min, max, rms: statistics::rms(force) },
+        force_n: ForceRange { min, max, rms: sums.force.rms() },
         stroke_m: Stroke {
-            mean_peak: statistics::mean_peak(stroke, dead_band),
-            rms: statistics::rms(stroke),
-            max: stroke.iter().fold(0.0, |most: f64, x| most.max(x.abs())),
+            mean_peak: sums.mean_peak_m(),
+            rms: sums.stroke.rms(),
+            max: sums.stroke_max_m,
         },
         frequency_psd_peak_hz: spectrum.and_then(|s| peak_above(&s, LOWEST_PEAK_HZ)),
-        frequency_zero_crossing_hz: statistics::zero_crossing_hz(stroke, rate_hz, dead_band),
-        work_per_s_j: work / duration_s,
-        exchanged_energy_error: rig.then(|| energy_error(slot, first, columns)).flatten(),
-        stale_cycles: rig.then_some(columns.stale[slot]),
+        frequency_zero_crossing_hz: sums.zero_crossing_hz(),
+        work_per_s_j: sums.work_j / duration_s,
+        exchanged_energy_error: rig.then(|| energy_error(sums)).flatten(),
+        stale_cycles: rig.then_some(counts.stale[slot]),
         saturated_commands: None,
         flagged_measurements: None,
         limited_commands: None,
@@ -129,14 +120,8 @@ fn peak_above(spectrum: &Spectrum, lowest_hz: f64) -> Option<f64> {
 
 /// What the vehicle gave at its own displacement, against what the rig took at the displacement it
 /// measured: the latency of the loop makes or takes energy.
-fn energy_error(slot: usize, first: usize, columns: &Columns) -> Option<f64> {
-    let along = |force: &[f64], displacement: &[f64]| -> f64 {
-        let mean = force.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
-        let moved = displacement.windows(2).map(|pair| pair[1] - pair[0]);
-        mean.zip(moved).map(|(force, moved)| force * moved).sum()
-    };
-    let given = along(&columns.force_n[slot][first..], &columns.extension_m[slot][first..]);
-    let taken = along(&columns.measured_n[slot][first..], &columns.measured_m[slot][first..]);
+fn energy_error(sums: &SlotSums) -> Option<f64> {
+    let (given, taken) = (sums.given.sum(), sums.taken.sum());
     let error = (given - taken) / taken;
     error.is_finite().then_some(error)
 }

@@ -2,9 +2,11 @@
 
 use super::{ArmedSession, Frames, Summary, accelerations, dampers, percentiles, step_percentiles};
 use crate::bus::BusCounters;
-use crate::columns::Columns;
 use crate::control::{End, HASH_ALGORITHM, NotedSummary, StopSummary};
+use crate::counts::Counts;
 use crate::options::PaceChoice;
+use crate::record::RunEvent;
+use crate::statistics::Statistics;
 use scenario::run::{CYCLE_S, Run};
 use serde::Deserialize;
 
@@ -38,6 +40,8 @@ pub(crate) struct Asked {
     pub(crate) pace: PaceChoice,
     pub(crate) bus_load: f64,
     pub(crate) watched: [Option<usize>; 3],
+    /// What happened, from the file of the events.
+    pub(crate) events: Vec<RunEvent>,
     /// Damper slots on rigs.
     pub(crate) rigs: usize,
 }
@@ -48,15 +52,15 @@ impl Summary {
     pub(crate) fn of_record(
         run: &Run,
         asked: &Asked,
-        columns: &Columns,
+        (counts, statistics): (&Counts, &Statistics),
         kept: Option<&KeptSummary>,
     ) -> Self {
-        let first = columns.first_after(run.run_in_s);
-        let (cycles, hash) = columns.last;
+        let sums = statistics.after_run_in();
+        let (cycles, hash) = counts.last;
         let counted = Frames {
             sent: cycles * asked.rigs as u64,
-            received: columns.fresh.iter().sum(),
-            lost: columns.stale.iter().sum(),
+            received: counts.fresh.iter().sum(),
+            lost: counts.stale.iter().sum(),
             crc_errors: 0,
             repeated: 0,
             wrong_sequence: 0,
@@ -71,31 +75,33 @@ impl Summary {
             bus: asked.bus.clone(),
             pace: asked.pace,
             speed_kmh: run.speed_m_per_s * 3.6,
-            steps: columns.run_cycles,
+            steps: counts.run_cycles,
             cycles,
-            duration_s: columns.run_cycles as f64 * CYCLE_S,
+            duration_s: counts.run_cycles as f64 * CYCLE_S,
             run_in_s: run.run_in_s,
-            statistics_s: (columns.time_s.len() - first) as f64 * CYCLE_S,
+            statistics_s: sums.rows as f64 * CYCLE_S,
             wall_s: kept.map_or(0.0, |kept| kept.wall_s),
-            overruns: kept.map_or(columns.skipped, |kept| kept.overruns),
-            cycle_time_us: percentiles(&columns.cycle_ns),
-            step_compute_us: step_percentiles(&columns.compute_ns),
-            lateness_us: clocked.then(|| percentiles(&columns.lateness_ns)),
+            overruns: kept.map_or(counts.skipped, |kept| kept.overruns),
+            cycle_time_us: percentiles(&counts.cycle_ns),
+            step_compute_us: step_percentiles(&counts.compute_ns),
+            lateness_us: clocked.then(|| percentiles(&counts.lateness_ns)),
             frames: kept.map_or(counted, |kept| kept.frames),
             bus_counters: kept
                 .map_or_else(|| BusCounters::default().into(), |kept| kept.bus_counters),
-            damper: dampers(run, columns, first),
-            accelerations: accelerations(asked.watched, columns, first),
+            damper: dampers(run, counts, sums),
+            accelerations: accelerations(asked.watched, sums),
             comparison: None,
             state: kept.map_or(End::Stopped, |kept| kept.state),
             not_held: kept.map_or_else(Vec::new, |kept| kept.not_held.clone()),
             cause: kept.and_then(|kept| kept.cause.clone()),
             noted: kept.map_or_else(Vec::new, |kept| kept.noted.clone()),
+            events: asked.events.clone(),
             record_fault: kept.and_then(|kept| kept.record_fault.clone()),
             trajectory_hash: kept
                 .map_or_else(|| format!("{hash:016x}"), |kept| kept.trajectory_hash.clone()),
             trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),
-            record_dropped: kept.map_or(cycles - columns.rows(), |kept| kept.record_dropped),
+            record_dropped: kept
+                .map_or(cycles.saturating_sub(counts.rows()), |kept| kept.record_dropped),
             bus_load: asked.bus_load,
             sessions: kept.map_or_else(Vec::new, |kept| kept.sessions.clone()),
         }

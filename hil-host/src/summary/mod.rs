@@ -1,6 +1,7 @@
 //! `summary.json`: what a machine reads of a run. The schema is `docs/schema/summary.schema.json`.
 
 mod accelerations;
+mod counters;
 mod dampers;
 mod frames;
 mod held;
@@ -16,15 +17,17 @@ pub use sessions::ArmedSession;
 pub use times::{Percentiles, StepPercentiles};
 
 pub(crate) use accelerations::accelerations;
-pub(crate) use dampers::{SEGMENT_S, dampers};
+pub(crate) use dampers::dampers;
 pub(crate) use late::{Asked, KeptSummary};
 pub(crate) use outcome::Outcome;
 pub(crate) use times::microseconds;
 
-use crate::columns::Columns;
 use crate::comparison::Comparison;
 use crate::control::{End, HASH_ALGORITHM, NotedSummary, StopSummary};
+use crate::counts::Counts;
 use crate::options::PaceChoice;
+use crate::record::RunEvent;
+use crate::statistics::Statistics;
 use frames::frames;
 use held::Counted;
 use scenario::run::CYCLE_S;
@@ -57,7 +60,7 @@ pub struct Summary {
     pub duration_s: f64,
     /// Time at the start that the statistics leave out (s).
     pub run_in_s: f64,
-    /// Time that the statistics of dampers and bodies cover: at most 20 minutes (s).
+    /// Time that the statistics of dampers and bodies cover (s).
     pub statistics_s: f64,
     /// Real time of the loop (s).
     pub wall_s: f64,
@@ -87,6 +90,8 @@ pub struct Summary {
     pub cause: Option<StopSummary>,
     /// What was beyond a limit of `[plausibility]` and ended nothing.
     pub noted: Vec<NotedSummary>,
+    /// What happened, in the order of the cycles: at most the first 1000 events.
+    pub events: Vec<RunEvent>,
     /// Why the record could not be kept and the run was ended; null otherwise.
     pub record_fault: Option<String>,
     /// 16 hex digits over host state and received forces of every cycle.
@@ -103,12 +108,12 @@ pub struct Summary {
 
 impl Summary {
     /// Sums up a run.
-    pub(crate) fn of(outcome: &Outcome<'_>, columns: &Columns) -> Self {
+    pub(crate) fn of(outcome: &Outcome<'_>, counts: &Counts, statistics: &Statistics) -> Self {
         let run = outcome.run;
         let state = outcome.state;
-        let first = columns.first_after(run.run_in_s);
+        let sums = statistics.after_run_in();
         let clocked = outcome.pace == PaceChoice::Realtime;
-        let mut dampers = dampers(run, columns, first);
+        let mut dampers = dampers(run, counts, sums);
         for (port, memory) in outcome.ports.iter().zip(&state.ports) {
             debug_assert!(port.slot < dampers.len(), "a rig without a damper slot");
             if let Some(damper) = dampers.get_mut(port.slot) {
@@ -137,25 +142,26 @@ impl Summary {
             bus: outcome.bus.clone(),
             pace: outcome.pace,
             speed_kmh: run.speed_m_per_s * 3.6,
-            steps: columns.run_cycles,
+            steps: counts.run_cycles,
             cycles: state.line.cycle,
-            duration_s: columns.run_cycles as f64 * CYCLE_S,
+            duration_s: counts.run_cycles as f64 * CYCLE_S,
             run_in_s: run.run_in_s,
-            statistics_s: (columns.time_s.len() - first) as f64 * CYCLE_S,
+            statistics_s: sums.rows as f64 * CYCLE_S,
             wall_s: outcome.wall_s,
             overruns: state.skipped,
-            cycle_time_us: percentiles(&columns.cycle_ns),
-            step_compute_us: step_percentiles(&columns.compute_ns),
-            lateness_us: clocked.then(|| percentiles(&columns.lateness_ns)),
+            cycle_time_us: percentiles(&counts.cycle_ns),
+            step_compute_us: step_percentiles(&counts.compute_ns),
+            lateness_us: clocked.then(|| percentiles(&counts.lateness_ns)),
             frames,
             bus_counters: outcome.counters.into(),
             damper: dampers,
-            accelerations: accelerations(outcome.watched, columns, first),
+            accelerations: accelerations(outcome.watched, sums),
             comparison: None,
             state: outcome.end,
             not_held,
             cause: state.stop.map(|stop| stop.summary()),
             noted: outcome.noted.clone(),
+            events: outcome.events.clone(),
             record_fault: outcome.record_fault.clone(),
             trajectory_hash: format!("{:016x}", state.hash),
             trajectory_hash_algorithm: HASH_ALGORITHM.to_owned(),

@@ -3,6 +3,7 @@
 use crate::bus::BusCounters;
 use crate::control::{End, NotedSummary, Port, SessionState};
 use crate::options::PaceChoice;
+use crate::record::RunEvent;
 use scenario::run::Run;
 
 /// What the summary needs in addition to the columns.
@@ -19,6 +20,7 @@ pub(crate) struct Outcome<'a> {
     pub(crate) wall_s: f64,
     /// Why a run ended that was to go on; none where the user ended it.
     pub(crate) record_fault: Option<String>,
+    pub(crate) events: Vec<RunEvent>,
     pub(crate) bus_load: f64,
     pub(crate) watched: [Option<usize>; 3],
     /// What was beyond a limit and ended nothing.

@@ -10,19 +10,20 @@
 //! one turn of the counter are placed by their time stamps where a clock sets the pace.
 
 use super::empty;
+use crate::record::parts::open_parts;
 use can_protocol::arming::FollowedExchange;
 use can_protocol::{
     ArmMessage, Measurement, MeasurementFlags, MessageId, Node, Pace, Profile, Receiver,
     ReceiverState, RunState, Status, Sync,
 };
-use files::{Limit, input, quoted};
+use files::quoted;
 use measurement::{MeasurementError, Series};
 use socketcan::dump::{ParseError, Reader};
 use socketcan::{CanAnyFrame, EmbeddedFrame, Frame as _};
 use std::fs::File;
 use std::io::{self, BufReader, Read as _};
 use std::os::unix::fs::FileExt as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Lost frames in a row that the receiver accepts; below half the 4-bit counter.
 const MAX_DELTA: u8 = 5;
@@ -42,38 +43,10 @@ pub fn read_bus_log(
         found: format!("no readable file ({why})"),
         expected: "a candump log".to_owned(),
     };
-    let file = input::open(path, Limit::Stream).map_err(|why| unreadable(why.reason()))?;
-    let whole = whole_lines(&file).map_err(|why| unreadable(why.to_string()))?;
-    let mut reader = Reader::from_reader(BufReader::new((&file).take(whole)));
     let mut seen = Seen::new(path, node)?;
-    seen.is_cut_off = file.metadata().is_ok_and(|about| about.len() > whole);
-    let mut line = 0;
-    loop {
-        line += 1;
-        let record = match reader.next_record() {
-            Ok(Some(record)) => record,
-            Ok(None) => break,
-            Err(ParseError::Io(error)) => return Err(unreadable(error.to_string())),
-            Err(error) => {
-                return Err(MeasurementError::Cell {
-                    file: path.to_owned(),
-                    row: line,
-                    column: "frame".to_owned(),
-                    found: quoted(&error.to_string()).to_string(),
-                    expected: "(time) bus id#data, as candump -L writes it".to_owned(),
-                });
-            }
-        };
-        if bus.is_some_and(|bus| bus != record.device) {
-            continue;
-        }
-        let (id, data) = match &record.frame {
-            CanAnyFrame::Normal(frame) if !frame.is_extended() => (frame.raw_id(), frame.data()),
-            CanAnyFrame::Fd(frame) if !frame.is_extended() => (frame.raw_id(), frame.data()),
-            _ => continue,
-        };
-        let Ok(id) = u16::try_from(id) else { continue };
-        seen.take(line, record.t_us, &record.device, id, data)?;
+    // An exchange in the first part opens the frames in all of them.
+    for (path, file) in open_parts(path).map_err(|why| unreadable(why.reason()))? {
+        seen.read(&path, &file, bus)?;
     }
     seen.series()
 }
@@ -97,6 +70,9 @@ fn whole_lines(file: &File) -> io::Result<u64> {
 /// What has been read of a log so far.
 struct Seen {
     series: Series,
+    /// The part that is read, and the lines of those before it.
+    file: PathBuf,
+    lines_before: usize,
     node: Node,
     bus: Option<String>,
     receivers: [(Receiver<Measurement>, ReceiverState); 2],
@@ -127,6 +103,8 @@ impl Seen {
         };
         Ok(Self {
             series: empty(path, &format!("node{node}")),
+            file: path.to_owned(),
+            lines_before: 0,
             node,
             bus: None,
             receivers: [receiver(Profile::Classical)?, receiver(Profile::Fd)?],
@@ -140,6 +118,56 @@ impl Seen {
             not_running: 0,
             invalid: 0,
         })
+    }
+
+    /// Reads a part of the log.
+    fn read(
+        &mut self,
+        path: &Path,
+        file: &File,
+        bus: Option<&str>,
+    ) -> Result<(), MeasurementError> {
+        let unreadable = |why: io::Error| MeasurementError::File {
+            file: path.to_owned(),
+            found: format!("no readable file ({why})"),
+            expected: "a candump log".to_owned(),
+        };
+        let whole = whole_lines(file).map_err(unreadable)?;
+        let mut reader = Reader::from_reader(BufReader::new(file.take(whole)));
+        self.is_cut_off |= file.metadata().is_ok_and(|about| about.len() > whole);
+        path.clone_into(&mut self.file);
+        let mut line = 0;
+        loop {
+            line += 1;
+            let record = match reader.next_record() {
+                Ok(Some(record)) => record,
+                Ok(None) => break,
+                Err(ParseError::Io(error)) => return Err(unreadable(error)),
+                Err(error) => {
+                    return Err(MeasurementError::Cell {
+                        file: path.to_owned(),
+                        row: line,
+                        column: "frame".to_owned(),
+                        found: quoted(&error.to_string()).to_string(),
+                        expected: "(time) bus id#data, as candump -L writes it".to_owned(),
+                    });
+                }
+            };
+            if bus.is_some_and(|bus| bus != record.device) {
+                continue;
+            }
+            let (id, data) = match &record.frame {
+                CanAnyFrame::Normal(frame) if !frame.is_extended() => {
+                    (frame.raw_id(), frame.data())
+                }
+                CanAnyFrame::Fd(frame) if !frame.is_extended() => (frame.raw_id(), frame.data()),
+                _ => continue,
+            };
+            let Ok(id) = u16::try_from(id) else { continue };
+            self.take(line, record.t_us, &record.device, id, data)?;
+        }
+        self.lines_before += line - 1;
+        Ok(())
     }
 
     fn take(
@@ -168,7 +196,7 @@ impl Seen {
         let known = self.bus.get_or_insert_with(|| bus.to_owned());
         if known != bus {
             return Err(MeasurementError::Cell {
-                file: self.series.file.clone(),
+                file: self.file.clone(),
                 row: line,
                 column: "bus".to_owned(),
                 found: format!("node {} on {} after {}", self.node, quoted(bus), quoted(known)),
@@ -199,7 +227,7 @@ impl Seen {
             {
                 self.numbers.push(number);
                 self.stamps_us.push(stamp_us);
-                self.series.lines.push(line);
+                self.series.lines.push(self.lines_before + line);
                 self.series.displacement_m.push(displacement_m);
                 self.series.force_n.push(force_n);
             }

@@ -3,8 +3,8 @@
 use super::empty;
 use crate::record::input_kind::InputKind;
 use crate::record::npy::RowReader;
+use crate::record::parts::open_parts;
 use crate::record::row::Row;
-use files::{Limit, input};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use measurement::{MeasurementError, Series};
 use std::io;
@@ -22,8 +22,8 @@ struct Sample {
 }
 
 /// One damper slot (0 to 3) of a run's `record.npy`: what the rig measured in the cycles that had a
-/// fresh answer, or motion and force of the model for a slot without a rig. The file is read as a
-/// stream.
+/// fresh answer, or motion and force of the model for a slot without a rig. The file and the parts
+/// that follow it are read as a stream.
 ///
 /// # Errors
 /// The file cannot be read, is no record of this version, or the slot has no such rows.
@@ -35,10 +35,9 @@ pub fn read_record(path: &Path, slot: usize) -> Result<Series, MeasurementError>
     };
     let unreadable = |why: String| fail(format!("no readable file ({why})"), "a record".to_owned());
     let failed = |why: io::Error| unreadable(why.to_string());
-    let file = input::open(path, Limit::Stream).map_err(|why| unreadable(why.reason()))?;
-    let mut rows = RowReader::begin(file).map_err(failed)?.ok_or_else(|| {
-        fail("another layout".to_owned(), "a record.npy of this version".to_owned())
-    })?;
+    let parts = open_parts(path).map_err(|why| unreadable(why.reason()))?;
+    let other = || fail("another layout".to_owned(), "a record.npy of this version".to_owned());
+    let mut rows = RowReader::begin(parts).map_err(failed)?.ok_or_else(other)?;
     if slot >= DAMPER_SLOTS {
         return Err(fail(format!("slot {slot}"), format!("0 to {}", DAMPER_SLOTS - 1)));
     }
@@ -57,7 +56,7 @@ pub fn read_record(path: &Path, slot: usize) -> Result<Series, MeasurementError>
         let sample = columns.sample(row).map_err(|code| no_kind(number, code))?;
         on_rig |= sample.input != InputKind::NoRig;
     }
-    rows.rewind().map_err(failed)?;
+    let mut rows = rows.rewind().map_err(failed)?.ok_or_else(other)?;
     let mut series = empty(path, &format!("slot{slot}"));
     let (mut number, mut stale) = (0, 0);
     while let Some(row) = rows.next_row().map_err(failed)? {

@@ -1,0 +1,76 @@
+//! How well a ram follows.
+//!
+//! ```text
+//! e = x_measured - x_command      tau = -<e v> / <v^2>      NRMSE = rms(e) / rms(x_command)
+//! ```
+//! `v` is the velocity of the command and `tau` the delay that a pure lag would have: the part of
+//! the error that goes with the velocity. A command carries the velocity, and a ram without any lag
+//! runs on with it: its measurement that arrives in a cycle is the command that leaves in it.
+
+use super::power::Power;
+use scenario::run::CYCLE_S;
+
+/// How well a ram follows, from commands and the measurements of the same cycles.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Tracking {
+    command: Power,
+    last_m: Option<f64>,
+    with_rate: f64,
+    rate2: f64,
+    error2: f64,
+    most_m: f64,
+    count: f64,
+}
+
+impl Tracking {
+    pub(crate) fn take(&mut self, command_m: f64, measured_m: f64) {
+        self.command.take(command_m);
+        let Some(before_m) = self.last_m.replace(command_m) else { return };
+        let (error, rate) = (measured_m - command_m, (command_m - before_m) / CYCLE_S);
+        if !error.is_finite() {
+            return;
+        }
+        self.with_rate += error * rate;
+        self.rate2 += rate * rate;
+        self.error2 += error * error;
+        self.most_m = self.most_m.max(error.abs());
+        self.count += 1.0;
+    }
+
+    /// The delay of a pure lag (s).
+    pub(crate) fn delay_s(&self) -> f64 {
+        -self.with_rate / self.rate2
+    }
+
+    /// Rms of the error (m).
+    pub(crate) fn rms_m(&self) -> f64 {
+        libm::sqrt(self.error2 / f64::max(self.count, 1.0))
+    }
+
+    /// The same over the rms of the command.
+    pub(crate) fn nrmse(&self) -> f64 {
+        self.rms_m() / self.command.rms()
+    }
+
+    /// The largest error (m).
+    pub(crate) const fn most_m(&self) -> f64 {
+        self.most_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sine_that_comes_two_milliseconds_late_has_that_delay() {
+        let at = |n: f64| 3.46e-3 * libm::sin(2.0 * core::f64::consts::PI * 3.5 * n * CYCLE_S);
+        let mut tracking = Tracking::default();
+        for n in (0..4000).map(f64::from) {
+            tracking.take(at(n), at(n - 2.0));
+        }
+        assert!((tracking.delay_s() - 2e-3).abs() < 3e-5, "{tracking:?}");
+        // w tau = 4.4 %.
+        assert!((tracking.nrmse() - 0.044).abs() < 1e-3, "{tracking:?}");
+    }
+}
