@@ -159,6 +159,12 @@ impl Belief {
         input
     }
 
+    /// Lets cycles pass that the host has missed, and in which its rig went on.
+    pub fn skip(&mut self, cycles: u32) {
+        self.age.skip(cycles);
+        self.since_displacement = self.since_displacement.saturating_add(cycles);
+    }
+
     /// Fills the memory of commands with the place where the ram stands when it is coupled.
     pub fn begin(&mut self, command: Command) {
         self.sent = [command; REMEMBERED];
