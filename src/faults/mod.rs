@@ -1,5 +1,6 @@
 //! `yawbench faults`: faults injected into a coupled run in virtual time, and what became of each.
 
+mod loss;
 mod random;
 mod rows;
 mod sound;
@@ -23,8 +24,12 @@ pub(crate) struct FaultsArgs {
     /// Cycles of random faults after the table; none by default.
     #[arg(long, value_name = "N", default_value_t = 0)]
     cycles: u64,
+    /// Lose 0.1 % of the measurements for so many seconds after the table, 1 % for a 24th of them,
+    /// and 10 % in either direction until the run ends.
+    #[arg(long, value_name = "SECONDS")]
+    loss: Option<f64>,
     /// Run sound rigs for so many seconds each instead of faults: every alarm is a false one.
-    #[arg(long, value_name = "SECONDS", conflicts_with = "cycles")]
+    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["cycles", "loss"])]
     sound: Option<f64>,
     /// How many of the 48 cases of sound rigs run, drawn by the seed; all by default.
     #[arg(long, value_name = "N", requires = "sound")]
@@ -32,7 +37,7 @@ pub(crate) struct FaultsArgs {
     /// The scenario of sound rigs in a curve.
     #[arg(long, value_name = "FILE", default_value = "scenarios/ss9-curve-400m.toml")]
     curve: PathBuf,
-    /// Seed of the random faults, and of track and noise of the sound rigs.
+    /// Seed of the random faults and losses, and of track and noise of the sound rigs.
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
@@ -48,7 +53,9 @@ pub(crate) fn command(args: &FaultsArgs) -> Result<ExitCode, CommandError> {
         let overrides = Overrides { duration_s: Some(10.0), speed_kmh: None };
         let run = Run::load(&args.scenario, overrides)?;
         let all_right = rows::inject(&run)?;
-        (args.cycles == 0 || random::inject(&run, args)?) && all_right
+        let random = args.cycles == 0 || random::inject(&run, args)?;
+        let losses = args.loss.map_or(Ok(true), |seconds| loss::inject(args, seconds))?;
+        all_right && random && losses
     };
     Ok(match holds {
         _ if stop::flag().load(Ordering::Relaxed) => ExitCode::from(INTERRUPTED),
