@@ -58,6 +58,13 @@ impl AgeJudge {
         }
     }
 
+    /// Notes cycles that the host has missed: the rig has gone on, and its counter with it.
+    pub fn skip(&mut self, cycles: u32) {
+        if let Some(last) = &mut self.last {
+            last.cycles = last.cycles.saturating_add(cycles);
+        }
+    }
+
     /// Judges a measurement: its counter, the counter that it echoes, and that of the last command.
     ///
     /// ```
@@ -147,6 +154,21 @@ mod tests {
             ages.iter().filter_map(|age| if let Age::New(n) = age { Some(*n) } else { None });
         assert_eq!(oldest.max(), Some(5));
         assert!(ages[1000..].iter().all(|age| *age == Age::Old));
+    }
+
+    #[test]
+    fn a_host_that_missed_three_cycles_found_its_rig_out_of_step_for_ever() {
+        for missed in 1..=4_u8 {
+            let mut judge = AgeJudge::default();
+            assert_eq!(judge.take(7, Some(7), 7, MODULUS), Age::New(0));
+            judge.cycle();
+            judge.skip(u32::from(missed));
+            // The rig has answered the last command once in every cycle.
+            let counter = (8 + missed) % MODULUS;
+            assert_eq!(judge.take(counter, Some(8), 8, MODULUS), Age::New(0), "{missed}");
+            judge.cycle();
+            assert_eq!(judge.take((counter + 1) % MODULUS, Some(9), 9, MODULUS), Age::New(0));
+        }
     }
 
     #[test]

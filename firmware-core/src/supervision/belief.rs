@@ -130,6 +130,12 @@ impl Belief {
         input
     }
 
+    /// Lets cycles pass that the host has missed, and in which its rig went on.
+    pub fn skip(&mut self, cycles: u32) {
+        self.age.skip(cycles);
+        self.since_displacement = self.since_displacement.saturating_add(cycles);
+    }
+
     /// Judges the temperature that the rig reports (degrees Celsius), before [`Belief::take`].
     pub fn temperature(&mut self, checks: &Checks, temperature_degc: f64) {
         self.found.on_rule(

@@ -54,6 +54,10 @@ impl Session<'_> {
         tick: Tick,
     ) -> Row {
         let woken = Instant::now();
+        if tick.skipped > 0 {
+            let cycles = u32::try_from(tick.skipped).unwrap_or(u32::MAX);
+            state.ports.iter_mut().for_each(|memory| memory.belief.skip(cycles));
+        }
         self.receive(state, buses);
         let inputs = self.decode(state);
         self.judge(state, &inputs);

@@ -1,6 +1,7 @@
 //! A bus around a bus: faults between the host and an emulated rig.
 
-use super::kind::{Fault, Memory};
+use super::change::Memory;
+use super::kind::Fault;
 use super::opener::Opener;
 use crate::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use crate::draw::Draw;
@@ -53,6 +54,10 @@ impl FaultyBus {
     pub fn mend(&mut self) {
         self.fault = None;
         self.pending.clear();
+        if self.bus.rigs().is_empty() {
+            let rig = RigNode::new(&self.setup, self.node, Profile::Classical);
+            self.bus = MemoryBus::new(Some(rig));
+        }
         // Its host is gone. The ram comes to rest and the damper relaxes before the key is turned.
         for rig in self.bus.rigs_mut() {
             rig.host_is_silent(WATCHDOG_CYCLES);
@@ -76,11 +81,21 @@ impl FaultyBus {
         Some((fault, since))
     }
 
+    /// Lets the rig go on without a command.
+    fn pass_slot(&mut self) {
+        self.bus.rigs_mut().iter_mut().for_each(RigNode::cycle);
+        // Collects its answers.
+        self.bus.wait(Duration::ZERO);
+    }
+
     /// What happens with the first and with every command of the host.
     fn on_command(&mut self, fault: Fault, since: u64) {
         if fault == Fault::Reboot && since == 0 {
             let rig = RigNode::new(&self.setup, self.node, Profile::Classical);
             self.bus = MemoryBus::new(Some(rig));
+        }
+        if fault == Fault::Gone && since == 0 {
+            self.bus = MemoryBus::default();
         }
         if let Some(foreign) = fault.foreign_command(self.node, since) {
             self.bus.inject(&foreign);
@@ -100,8 +115,13 @@ impl Bus for FaultyBus {
         }
         match fault {
             Fault::Down => Sent::Down,
+            Fault::SkipSlots(slots) if is_command && since == 0 => {
+                let sent = self.bus.send(frame);
+                (0..slots).for_each(|_| self.pass_slot());
+                sent
+            }
             Fault::NoRoom { full, of } if is_command && since % of < full => Sent::Dropped,
-            _ if is_command && fault.loses_command(since) => Sent::Away,
+            _ if is_command && fault.loses_command(since, &mut self.memory.draw) => Sent::Away,
             _ => self.bus.send(frame),
         }
     }

@@ -1,12 +1,11 @@
-//! The faults: what each does to a frame or to the bus.
+//! The faults: what each is, and what it does to commands, to the rig and to the bus.
 
 use crate::bus::WireFrame;
 use crate::draw::Draw;
 use can_protocol::{
-    Command, Fault as FaultFrame, FaultCode, Frame, Measurement, MeasurementFlags, Mode, Node,
-    Pressure, Profile, RunState, Seal, Sender, Telemetry, Trips,
+    Command, Fault as FaultFrame, FaultCode, Frame, Heartbeat, MeasurementFlags, Mode, Node,
+    Pressure, Profile, RunState, Sender, Telemetry, Trips,
 };
-use std::collections::VecDeque;
 
 /// A fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,34 +24,76 @@ pub enum Fault {
         /// Of so many.
         of: u64,
     },
+    /// Frames are lost at random, each by itself.
+    LoseAtRandom {
+        /// Share of the measurements.
+        measurements: f64,
+        /// Share of the commands.
+        commands: f64,
+    },
     /// Measurements arrive so many cycles late.
     Delay(usize),
+    /// Measurements arrive one cycle later after every so many cycles.
+    Creep(u64),
+    /// Every measurement arrives at random in its cycle or in the next.
+    Jitter,
     /// Every measurement comes twice.
     Duplicate,
-    /// A measurement of ten cycles ago comes before the new one, every tenth cycle.
-    OldFrame,
-    /// One bit of every so many measurements is flipped.
-    FlipBit(u64),
+    /// Nothing comes but copies of one measurement.
+    OnlyDuplicates,
+    /// Every two measurements arrive together, in the wrong order.
+    SwapPairs,
+    /// A measurement that is so many cycles old comes before the new one, once in a period.
+    OldFrame {
+        /// Its age in cycles.
+        age: usize,
+        /// The period in cycles.
+        every: u64,
+    },
+    /// Bits of one of every so many measurements are flipped.
+    FlipBits {
+        /// How many.
+        bits: u32,
+        /// Of so many measurements, one.
+        every: u64,
+    },
     /// All bits of the payload are random in every so many measurements.
     Garbage(u64),
+    /// A frame with a random payload comes with every measurement.
+    GarbageBeside,
     /// The counter stands still, the data go on.
     StuckCounter,
     /// The force sensor repeats one value (N).
     StuckForce(f64),
     /// The displacement sensor repeats one value (m).
     StuckDisplacement(f64),
+    /// Both sensors repeat their values.
+    StuckSensors,
     /// The force is not valid.
     InvalidForce,
     /// The displacement is missing.
     InvalidDisplacement,
     /// The force has a factor.
     ScaleForce(f64),
+    /// The force has an offset (N).
+    OffsetForce(f64),
+    /// The force has an offset that grows (N per cycle).
+    DriftForce(f64),
     /// The force is this every other cycle (N).
     SpikeForce(f64),
+    /// The displacement has a factor.
+    ScaleDisplacement(f64),
     /// The displacement has an offset (m).
     OffsetDisplacement(f64),
+    /// The displacement has an offset that grows (m per cycle).
+    DriftDisplacement(f64),
     /// Somebody else sends measurements with the plain CRC of the DBC.
     PlainSender,
+    /// Somebody else knows the session and sends the next measurement too early, with this force
+    /// (N).
+    SenderAhead(f64),
+    /// Another rig sends its measurements under the id of this one.
+    OtherRig,
     /// Somebody else commands the rig with the plain CRC of the DBC.
     PlainCommander,
     /// Sixty frames of others in every cycle.
@@ -68,120 +109,29 @@ pub enum Fault {
     Down,
     /// The rig starts anew.
     Reboot,
-    /// The rig reports its emergency stop.
-    EmergencyStop,
+    /// The rig is gone.
+    Gone,
+    /// The host misses so many slots, in which the rig goes on.
+    SkipSlots(u32),
+    /// The rig reports a guard or a limit in its telemetry.
+    Trips(Trips),
     /// The rig reports a fault.
     ReportFault,
-    /// The rig says in a measurement that it is safe.
-    SaysSafe,
-    /// The rig reports that it has reached a limit, for ever.
-    Flags,
-}
-
-/// What a fault remembers.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Memory {
-    queue: VecDeque<WireFrame>,
-    draw: Draw,
-    said: bool,
-}
-
-impl Memory {
-    pub(super) fn new(draw: Draw) -> Self {
-        Self { queue: VecDeque::new(), draw, said: false }
-    }
-
-    /// Forgets the fault before.
-    pub(super) fn begin(&mut self) {
-        self.queue.clear();
-        self.said = false;
-    }
+    /// The rig reports a state in its heartbeat.
+    Heartbeat(RunState),
+    /// The rig says in a measurement that it is in a state.
+    Says(RunState),
+    /// The rig reports flags in its measurements.
+    Flags(MeasurementFlags),
 }
 
 impl Fault {
     /// Whether a command is lost, `since` cycles after the fault began.
-    pub(super) const fn loses_command(self, since: u64) -> bool {
+    pub(super) fn loses_command(self, since: u64, draw: &mut Draw) -> bool {
         match self {
             Self::LoseCommands { lost, of } => since % of < lost,
+            Self::LoseAtRandom { commands, .. } => chance(draw, commands),
             _ => false,
-        }
-    }
-
-    /// What becomes of a measurement; `seal` is its own.
-    pub(super) fn change(
-        self,
-        since: u64,
-        frame: WireFrame,
-        seal: Seal,
-        node: Node,
-        memory: &mut Memory,
-    ) -> Vec<WireFrame> {
-        let lies = |change: &dyn Fn(&mut Measurement)| {
-            let opened = Measurement::decode_sealed(frame.id(), frame.data(), seal);
-            let Ok(mut measurement) = opened else { return vec![frame.clone()] };
-            change(&mut measurement);
-            vec![WireFrame::from(&measurement.encode_sealed(Profile::Classical, seal).0)]
-        };
-        match self {
-            Self::LoseMeasurements { lost, of } if since % of < lost => Vec::new(),
-            Self::Delay(cycles) => {
-                memory.queue.push_back(frame);
-                let is_due = memory.queue.len() > cycles;
-                is_due.then(|| memory.queue.pop_front()).flatten().into_iter().collect()
-            }
-            Self::Duplicate => vec![frame.clone(), frame],
-            Self::OldFrame => {
-                memory.queue.push_back(frame.clone());
-                let old = (memory.queue.len() > 10).then(|| memory.queue.pop_front()).flatten();
-                let old = old.filter(|_| since.is_multiple_of(10));
-                old.into_iter().chain([frame]).collect()
-            }
-            Self::FlipBit(every) if since.is_multiple_of(every) => {
-                let bit = memory.draw.number() as usize % (8 * frame.data().len().max(1));
-                vec![changed(&frame, |data| data[bit / 8] ^= 1 << (bit % 8))]
-            }
-            Self::Garbage(every) if since.is_multiple_of(every) => {
-                let draw = &mut memory.draw;
-                vec![changed(&frame, |data| {
-                    for byte in data.iter_mut() {
-                        *byte = draw.number() as u8;
-                    }
-                })]
-            }
-            Self::StuckCounter => {
-                let first = memory.queue.front().cloned().unwrap_or_else(|| frame.clone());
-                memory.queue.push_back(first.clone());
-                vec![first]
-            }
-            Self::StuckForce(force_n) => lies(&|measured| measured.force_n = Some(force_n)),
-            Self::StuckDisplacement(at_m) => lies(&|measured| measured.displacement_m = Some(at_m)),
-            Self::InvalidForce => lies(&|measured| {
-                measured.force_n = None;
-                measured.flags |= MeasurementFlags::SENSOR_INVALID;
-            }),
-            Self::InvalidDisplacement => lies(&|measured| measured.displacement_m = None),
-            Self::ScaleForce(factor) => lies(&|measured| {
-                measured.force_n = measured.force_n.map(|force_n| factor * force_n);
-            }),
-            Self::SpikeForce(force_n) if since.is_multiple_of(2) => {
-                lies(&|measured| measured.force_n = Some(force_n))
-            }
-            Self::OffsetDisplacement(by_m) => lies(&|measured| {
-                measured.displacement_m = measured.displacement_m.map(|at_m| at_m + by_m);
-            }),
-            Self::SaysSafe => lies(&|measured| measured.state = RunState::Safe),
-            Self::Flags => lies(&|measured| measured.flags |= MeasurementFlags::LIMIT_REACHED),
-            Self::PlainSender => {
-                let opened = Measurement::decode_sealed(frame.id(), frame.data(), seal);
-                let plain = opened.map(|own| own.encode(Profile::Classical).0);
-                let other = plain.ok().map(|plain| WireFrame::from(&plain));
-                [frame].into_iter().chain(other).collect()
-            }
-            Self::EmergencyStop | Self::ReportFault if !memory.said => {
-                memory.said = true;
-                vec![frame, WireFrame::from(&self.report(node))]
-            }
-            _ => vec![frame],
         }
     }
 
@@ -203,26 +153,23 @@ impl Fault {
     }
 
     /// A frame with which a rig reports trouble.
-    fn report(self, node: Node) -> Frame {
-        if self == Self::EmergencyStop {
-            let telemetry = Telemetry {
-                node,
-                counter: 3,
-                state: RunState::Run,
-                temperature_degc: None,
-                pressure: Pressure::Ready,
-                trips: Trips::EMERGENCY_STOP,
-            };
-            return telemetry.encode().0;
+    pub(super) fn report(self, node: Node) -> Option<Frame> {
+        let (counter, state, sender) = (3, RunState::Run, Sender::Rig(node));
+        match self {
+            Self::Trips(trips) => {
+                let (temperature_degc, pressure) = (None, Pressure::Ready);
+                let telemetry =
+                    Telemetry { node, counter, state, temperature_degc, pressure, trips };
+                Some(telemetry.encode().0)
+            }
+            Self::ReportFault => {
+                let code = FaultCode::PressureLost;
+                let fault = FaultFrame { sender, counter, state, code, detail: 0 };
+                Some(fault.encode().0)
+            }
+            Self::Heartbeat(state) => Some(Heartbeat::new(sender, counter, state, 0).encode().0),
+            _ => None,
         }
-        let fault = FaultFrame {
-            sender: Sender::Rig(node),
-            counter: 0,
-            state: RunState::Run,
-            code: FaultCode::PressureLost,
-            detail: 0,
-        };
-        fault.encode().0
     }
 
     /// Frames of others on the bus in a cycle.
@@ -236,9 +183,7 @@ impl Fault {
     }
 }
 
-/// A frame with other bytes.
-fn changed(frame: &WireFrame, change: impl FnOnce(&mut [u8])) -> WireFrame {
-    let mut data = frame.data().to_vec();
-    change(&mut data);
-    WireFrame::new(frame.id(), false, &data).unwrap_or_else(|| frame.clone())
+/// Whether something of a probability happens.
+pub(super) fn chance(draw: &mut Draw, probability: f64) -> bool {
+    f64::from(draw.number()) < probability * 2.0_f64.powi(32)
 }

@@ -1,12 +1,16 @@
-//! Random faults, session after session, on one rig whose plant stays as it is.
+//! Random faults, session after session, on rigs whose plants stay as they are.
+//!
+//! The cycles are divided into shards of a fixed size. Each has a rig and a seed of its own, so the
+//! result is the same whatever the number of cores.
 
 use super::faulty_bus::FaultyBus;
 use super::kind::Fault;
+use super::parallel::in_parallel;
 use super::session::{Injected, Injection, inject};
 use super::table::ROWS;
 use crate::BenchError;
 use crate::bus::BusChoice;
-use crate::control::{End, NoAnswer};
+use crate::control::{End, NoAnswer, Session};
 use crate::draw::Draw;
 use crate::run::{Plan, Terms, session};
 use can_protocol::{Node, Profile};
@@ -32,13 +36,17 @@ pub struct Survey {
     pub violations: Vec<(Fault, Injected)>,
 }
 
+/// Cycles of a shard.
+const SHARD_CYCLES: u64 = 100_000;
+
 /// Cycles before the earliest fault: the coupling is faded in within a thousand.
 const EARLIEST: u64 = 200;
 
 /// Cycles that a session goes on after its fault.
 const WATCHED: u64 = 1500;
 
-/// Injects random faults at random times until so many cycles are done. `done` hears of them.
+/// Injects random faults at random times until so many cycles are done, on all cores. `done` hears
+/// of cycles as they are done.
 ///
 /// # Errors
 /// The scenario has no rig.
@@ -47,43 +55,95 @@ pub fn schedule(
     seed: u64,
     cycles: u64,
     stop: &AtomicBool,
-    done: &mut dyn FnMut(u64),
+    done: &(dyn Fn(u64) + Sync),
 ) -> Result<Survey, BenchError> {
     let plan = Plan::new(run, &BusChoice::Memory)?;
     let track = run.track.view();
     let session = session(run, &track, &plan.rigs, Terms::in_memory(Profile::Classical))?;
     let node = plan.rigs.first().map_or(Node::ALL[0], |rig| rig.node);
-    let mut draw = Draw::seeded(seed, 0);
-    let mut bus = FaultyBus::new(&run.rig, node, seed);
+    let shards = in_parallel(cycles.div_ceil(SHARD_CYCLES) as usize, |number| {
+        let before = number as u64 * SHARD_CYCLES;
+        let draw = Draw::seeded(seed, number as u64);
+        let shard = Shard { session: &session, run, node, draw };
+        shard.survey((cycles - before).min(SHARD_CYCLES), stop, done)
+    });
     let mut survey = Survey::default();
-    while survey.cycles < cycles && !stop.load(Ordering::Relaxed) {
-        let mut below = |most: u64| u64::from(draw.number()) % most;
+    for shard in shards {
+        survey.add(shard?);
+    }
+    Ok(survey)
+}
+
+impl Survey {
+    fn add(&mut self, other: Self) {
+        self.cycles += other.cycles;
+        self.faults += other.faults;
+        self.went_on += other.went_on;
+        self.ramped_out += other.ramped_out;
+        self.safe += other.safe;
+        self.refused += other.refused;
+        self.violations.extend(other.violations);
+    }
+}
+
+/// One of the pieces that a schedule is divided into.
+struct Shard<'a> {
+    session: &'a Session<'a>,
+    run: &'a Run,
+    node: Node,
+    draw: Draw,
+}
+
+impl Shard<'_> {
+    fn survey(
+        mut self,
+        cycles: u64,
+        stop: &AtomicBool,
+        done: &(dyn Fn(u64) + Sync),
+    ) -> Result<Survey, BenchError> {
+        let mut bus = self.bus();
+        let mut survey = Survey::default();
+        while survey.cycles < cycles && !stop.load(Ordering::Relaxed) {
+            let injection = self.injection();
+            let injected = match inject(self.session, self.run, &mut bus, &injection) {
+                Ok(injected) => injected,
+                Err(
+                    NoAnswer::Refused { .. } | NoAnswer::Latched { .. } | NoAnswer::TooFar { .. },
+                ) => {
+                    // A ram at the end of its stroke or a damper under load: a fresh rig.
+                    survey.refused += 1;
+                    bus = self.bus();
+                    continue;
+                }
+                Err(why) => return Err(why.on(&BusChoice::Memory)),
+            };
+            bus.mend();
+            survey.cycles += injected.cycles;
+            survey.faults += 1;
+            match injected.end {
+                None => survey.went_on += 1,
+                Some(End::RampedOut) => survey.ramped_out += 1,
+                Some(_) => survey.safe += 1,
+            }
+            done(injected.cycles);
+            if injected.violation.is_some() {
+                survey.violations.push((injection.fault, injected));
+            }
+        }
+        Ok(survey)
+    }
+
+    /// A fresh rig on a bus whose faults have a seed of their own.
+    fn bus(&mut self) -> FaultyBus {
+        FaultyBus::new(&self.run.rig, self.node, u64::from(self.draw.number()))
+    }
+
+    /// A fault of the table at a random time.
+    fn injection(&mut self) -> Injection {
+        let mut below = |most: u64| u64::from(self.draw.number()) % most;
         let fault = ROWS[below(ROWS.len() as u64) as usize].fault;
         let begin = EARLIEST + below(4000);
         let lasts = 1 + below(500);
-        let injection = Injection { fault, begin, lasts, until: begin + lasts + WATCHED };
-        let injected = match inject(&session, run, &mut bus, &injection) {
-            Ok(injected) => injected,
-            Err(NoAnswer::Refused { .. } | NoAnswer::Latched { .. } | NoAnswer::TooFar { .. }) => {
-                // A ram at the end of its stroke or a damper under load: a fresh rig.
-                survey.refused += 1;
-                bus = FaultyBus::new(&run.rig, node, seed);
-                continue;
-            }
-            Err(why) => return Err(why.on(&BusChoice::Memory)),
-        };
-        bus.mend();
-        survey.cycles += injected.cycles;
-        survey.faults += 1;
-        match injected.end {
-            None => survey.went_on += 1,
-            Some(End::RampedOut) => survey.ramped_out += 1,
-            Some(_) => survey.safe += 1,
-        }
-        if injected.violation.is_some() {
-            survey.violations.push((fault, injected));
-        }
-        done(survey.cycles);
+        Injection { fault, begin, lasts, until: begin + lasts + WATCHED }
     }
-    Ok(survey)
 }

@@ -24,6 +24,17 @@ pub struct Injection {
     pub until: u64,
 }
 
+impl Injection {
+    /// The tick that begins the cycle after so many.
+    fn tick(&self, cycles: u64) -> Tick {
+        let skipped = match self.fault {
+            Fault::SkipSlots(slots) if cycles == self.begin => u64::from(slots),
+            _ => 0,
+        };
+        Tick { skipped, ..Tick::default() }
+    }
+}
+
 /// What became of a fault.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Injected {
@@ -37,6 +48,8 @@ pub struct Injected {
     pub rig: RunState,
     /// Cycles done.
     pub cycles: u64,
+    /// Measurements of them that were lost.
+    pub lost: u64,
     /// The first invariant that did not hold.
     pub violation: Option<Violation>,
 }
@@ -77,6 +90,18 @@ pub enum Violation {
         /// Control cycle.
         cycle: u64,
     },
+    /// A command that still moved when the time for the safe stop was over (m/s).
+    StillMoves {
+        /// Control cycle.
+        cycle: u64,
+        /// Its speed.
+        speed_m_per_s: f64,
+    },
+    /// A session that left the safe state.
+    LeavesSafe {
+        /// Control cycle.
+        cycle: u64,
+    },
 }
 
 impl fmt::Display for Violation {
@@ -93,6 +118,11 @@ impl fmt::Display for Violation {
                 write!(f, "cycle {cycle}: RUN on a measurement {age_cycles} cycles old")
             }
             Self::RunsOn { cycle } => write!(f, "cycle {cycle}: RUN after a cause was found"),
+            Self::StillMoves { cycle, speed_m_per_s } => {
+                let speed = speed_m_per_s * 1e3;
+                write!(f, "cycle {cycle}: the safe stop still moves at {speed:.3} mm/s")
+            }
+            Self::LeavesSafe { cycle } => write!(f, "cycle {cycle}: the safe state was left"),
         }
     }
 }
@@ -117,17 +147,20 @@ pub fn inject(
     let mut queues = Queues::default();
     let (mut recorder, _drain) = queues.split();
     let mut ending = Ending::default();
-    let (mut end, mut violation) = (None, None);
+    let (mut end, mut violation, mut safe_since) = (None, None, None);
     while state.line.cycle < injection.until && end.is_none() {
-        let before = state.line.slots;
+        let (before, tick) = (state.line.slots, injection.tick(state.line.cycle));
         let mut buses = Buses::new(std::slice::from_mut(bus), &mut recorder);
-        session.cycle(&mut state, &mut buses, Tick::default());
-        violation = violation.or_else(|| violated(session, &state, &before));
+        session.cycle(&mut state, &mut buses, tick);
+        violation = violation
+            .or_else(|| violated(session, &state, &before))
+            .or_else(|| stops_unsafely(session, &state, &mut safe_since));
         end = ending.take(session, &mut state, u64::MAX, false);
     }
     let rig = bus.rig().map_or(RunState::Init, crate::rig::RigNode::run_state);
     let (stop, cycles) = (state.stop, state.line.cycle);
-    Ok(Injected { begin: injection.begin, stop, end, rig, cycles, violation })
+    let lost = state.ports.iter().map(|port| port.belief.losses().0.total()).sum();
+    Ok(Injected { begin: injection.begin, stop, end, rig, cycles, lost, violation })
 }
 
 /// The first invariant that a cycle did not keep.
@@ -153,5 +186,27 @@ fn violated(
             return Some(Violation::Change { cycle, change_m_per_s });
         }
         age.filter(|_| is_running).map(|age_cycles| Violation::Stale { cycle, age_cycles })
+    })
+}
+
+/// Whether the safe state is kept, and reached in the time that the highest speed takes to stop.
+fn stops_unsafely(
+    session: &Session<'_>,
+    state: &SessionState,
+    safe_since: &mut Option<u64>,
+) -> Option<Violation> {
+    let cycle = state.line.cycle;
+    if !state.line.is_safe() {
+        return safe_since.map(|_| Violation::LeavesSafe { cycle });
+    }
+    let since = *safe_since.get_or_insert(cycle);
+    session.ports.iter().find_map(|port| {
+        let slot = state.line.slots.get(port.slot)?;
+        let limits = slot.limits;
+        let stop_s = limits.velocity_m_per_s / limits.acceleration_m_per_s2;
+        let budget = (stop_s / session.line.cycle_s).ceil() as u64 + 1;
+        let speed_m_per_s = slot.command.velocity_m_per_s.abs();
+        let moves = cycle > since + budget && speed_m_per_s > 0.0;
+        moves.then_some(Violation::StillMoves { cycle, speed_m_per_s })
     })
 }

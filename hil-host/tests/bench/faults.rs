@@ -2,7 +2,7 @@
 //! cycles. The rows are those of faults that earlier versions of the loop ended as "completed".
 
 use crate::support::locomotive::{NODE, scenario, session};
-use can_protocol::Pace as WirePace;
+use can_protocol::{Pace as WirePace, Trips};
 use firmware_core::supervision::{Action, Signal};
 use hil_host::control::Stop;
 use hil_host::faults::{Fault, FaultyBus, Injection, inject};
@@ -86,7 +86,7 @@ fn a_displacement_off_by_a_millimetre_frozen_or_missing_was_never_noticed() {
 
 #[test]
 fn an_emergency_stop_and_a_fault_that_the_rig_reports_were_never_read() {
-    let stopped = found(Fault::EmergencyStop);
+    let stopped = found(Fault::Trips(Trips::EMERGENCY_STOP));
     assert!(stopped.is_some_and(|(signal, n)| signal == Signal::RigTrip && n <= 1), "{stopped:?}");
     let failed = found(Fault::ReportFault);
     assert!(failed.is_some_and(|(signal, n)| signal == Signal::RigFault && n <= 1), "{failed:?}");

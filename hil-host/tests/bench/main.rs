@@ -11,4 +11,5 @@ mod rig_physics;
 mod rig_process;
 mod rig_states;
 mod second_sender;
+mod sound_rigs;
 mod support;
