@@ -71,7 +71,7 @@ fn both(run: &Run, records: &[PathBuf; 2]) -> Result<([[Welch; 2]; 2], Vec<Pair>
     let mut shown = Vec::new();
     each_pair(records, from_s.unwrap_or(run.run_in_s), |after, before| {
         if after.time_s < to_s {
-            shown.push((before.clone(), after.clone()));
+            shown.push((*before, *after));
         }
     })?;
     Ok((whole, shown))

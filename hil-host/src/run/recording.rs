@@ -175,12 +175,7 @@ pub(super) fn record<B: Bus, P: Place>(
         if recorder.is_overrun() {
             finish(&mut slow, Err(io::Error::other("the disk is too slow")));
         }
-        // What is not on the disk at the end is lost, however short.
-        let mut last = [Loss::default(), Loss::default()];
-        for (loss, open) in last.iter_mut().zip(open) {
-            finish(loss, open.hold());
-        }
-        let [record_last, log_last] = last;
+        let [record_last, log_last] = hold_last(open);
         let _ = happened.finish();
         let losses = [
             (RunFile::Record, record),
@@ -313,6 +308,15 @@ fn hold_on<S: Storage>(
         next = (next + HOLD_RECORD).max(Instant::now());
     }
     losses
+}
+
+/// Has the disk hold record and log at the end.
+fn hold_last<S: Storage>([record, log, _]: &[OpenFiles<S>; 3]) -> [Loss; 2] {
+    [record, log].map(|open| {
+        let mut loss = Loss::default();
+        finish(&mut loss, open.hold());
+        loss
+    })
 }
 
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> Result<T, BenchError> {
