@@ -3,6 +3,7 @@
 //! ```text
 //! cargo xtask test       everything: format, lints, tests, docs, the firmware build, CAN
 //! cargo xtask ci         the same
+//! cargo xtask ci --full  that, and hours of faults, sound rigs and killed runs: under 85 minutes
 //! cargo xtask firmware   the no_std crates for a Cortex-M7, and that they cannot panic there
 //! cargo xtask vcan       the tests over SocketCAN
 //! cargo xtask bench      the benchmarks; what follows goes to criterion
@@ -16,6 +17,7 @@
 
 mod debian;
 mod equipment;
+mod full;
 mod machine;
 mod modules;
 mod no_panic;
@@ -38,6 +40,10 @@ fn main() -> ExitCode {
     let mut run = Run::new();
     match words.as_slice() {
         ["test" | "ci"] => test(&mut run),
+        ["ci", "--full"] => {
+            test(&mut run);
+            full::test(&mut run);
+        }
         ["firmware"] => run.step("firmware", |run| thumb::build(run, thumb::Compiler::Any)),
         ["firmware", "--debian"] => {
             run.step("firmware", |run| thumb::build(run, thumb::Compiler::Debian));
@@ -52,7 +58,7 @@ fn main() -> ExitCode {
         ["bench", rest @ ..] => run.step("bench", |run| bench(run, rest)),
         _ => {
             eprintln!(
-                "usage: cargo xtask test | ci | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
+                "usage: cargo xtask test | ci [--full] | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
                  | bench [BENCHMARK]"
             );
             return ExitCode::from(2);
