@@ -12,7 +12,7 @@ use scenario::rig::RigSetup;
 use std::time::Duration;
 
 /// Why rigs on one bus are not armed; their rams have not moved.
-fn refused(rigs: impl IntoIterator<Item = RigNode>) -> Refusal {
+fn refused(rigs: Vec<RigNode>) -> Refusal {
     let run = scenario();
     let track = run.track.view();
     let session = session(&run, &track, WirePace::LockStep);
@@ -31,7 +31,7 @@ fn refused(rigs: impl IntoIterator<Item = RigNode>) -> Refusal {
 #[test]
 fn a_stroke_of_1_mm_and_a_rate_of_10_mm_per_s_ended_as_completed() {
     let item = |setup: RigSetup| {
-        let refusal = refused([RigNode::new(&setup, NODE, Profile::Classical)]);
+        let refusal = refused(vec![RigNode::new(&setup, NODE, Profile::Classical)]);
         let Refusal::ByHost(shortfall) = refusal else { panic!("{refusal:?}") };
         shortfall.item
     };
@@ -42,6 +42,6 @@ fn a_stroke_of_1_mm_and_a_rate_of_10_mm_per_s_ended_as_completed() {
 #[test]
 fn two_rigs_on_one_node_ended_as_completed() {
     let rig = || RigNode::new(&setup(), NODE, Profile::Classical);
-    let refusal = refused([rig(), rig().with_draw(Draw::seeded(99, 0))]);
+    let refusal = refused(vec![rig(), rig().with_draw(Draw::seeded(99, 0))]);
     assert!(matches!(refusal, Refusal::NotQuiet(_)), "{refusal:?}");
 }
