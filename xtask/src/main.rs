@@ -3,6 +3,7 @@
 //! ```text
 //! cargo xtask test       everything: format, lints, tests, docs, the firmware build, CAN
 //! cargo xtask ci         the same
+//! cargo xtask ci --full  that, and hours of faults, sound rigs and killed runs: under 85 minutes
 //! cargo xtask firmware   the no_std crates for a Cortex-M7, and that they cannot panic there
 //! cargo xtask vcan       the tests over SocketCAN
 //! cargo xtask power-cut  kills an emulated machine that records, and reads what is on its disk
@@ -19,6 +20,7 @@
 
 mod debian;
 mod equipment;
+mod full;
 mod fuzz;
 mod instructions;
 mod machine;
@@ -44,6 +46,10 @@ fn main() -> ExitCode {
     let mut run = Run::new();
     match words.as_slice() {
         ["test" | "ci"] => test(&mut run),
+        ["ci", "--full"] => {
+            test(&mut run);
+            full::test(&mut run);
+        }
         ["firmware"] => run.step("firmware", |run| thumb::build(run, thumb::Compiler::Any)),
         ["firmware", "--debian"] => {
             run.step("firmware", |run| thumb::build(run, thumb::Compiler::Debian));
@@ -69,7 +75,7 @@ fn main() -> ExitCode {
 
 fn usage() -> ExitCode {
     eprintln!(
-        "usage: cargo xtask test | ci | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
+        "usage: cargo xtask test | ci [--full] | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
          | power-cut [--kills N] [--seed S] | bench [BENCHMARK] | instructions \
          | fuzz [TARGET] [--seconds N]"
     );

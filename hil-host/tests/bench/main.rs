@@ -13,3 +13,4 @@ mod rig_states;
 mod second_sender;
 mod sound_rigs;
 mod support;
+mod unfit_rigs;

@@ -13,7 +13,7 @@ use firmware_core::supervision::{Action, Signal};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::Tick;
 use hil_host::control::{Buses, NoAnswer, Requests, Session, SessionState, Stop};
-use hil_host::faults::Opener;
+use hil_host::faults::{Fault, FaultyBus, Injection, Opener, inject};
 use hil_host::record::Queues;
 use hil_host::rig::{Condition, RigNode};
 use hil_host::{Draw, reset_over};
@@ -389,52 +389,17 @@ fn a_displacement_that_is_not_believed_asks_for_the_pressure_off() {
     let run = scenario();
     let track = run.track.view();
     let session = session(&run, &track, WirePace::LockStep);
-    let mut state = session.start(session.line.start(run.start.state.clone()));
     // The rig itself is sound; what arrives of it is 60 mm off.
-    let mut bus =
-        Lying { bus: Shared::new(laboratory_rig(), Box::new(|_, _, _| [vec![], vec![]])) };
-    let buses = std::slice::from_mut(&mut bus);
-    session.greet(&mut state, buses, Duration::from_secs(1), &Requests::armed()).unwrap();
-    bus.bus.cycle = 0;
-    let mut queues = Queues::default();
-    let (mut recorder, _drain) = queues.split();
-    for _ in 0..BEGIN + 10 {
-        let buses = std::slice::from_mut(&mut bus);
-        session.cycle(&mut state, &mut Buses::new(buses, &mut recorder), Tick::default());
-    }
-    let stop = state.stop.unwrap();
+    let mut bus = FaultyBus::new(&run.rig, NODE, 1);
+    let fault = Fault::StuckDisplacement(60e-3);
+    let injection = Injection { fault, begin: BEGIN, lasts: u64::MAX, until: BEGIN + 1000 };
+    let injected = inject(&session, &run, &mut bus, &injection).unwrap();
+    let stop = injected.stop.unwrap();
     assert_eq!(stop.cause.action, Action::PowerOff);
-    assert!(stop.cycle - BEGIN <= 2, "{stop}");
-    let rig = &bus.bus.bus.rigs()[0];
-    assert_eq!(rig.run_state(), RunState::Fault);
+    assert!(injected.cycles_to_detect().is_some_and(|cycles| cycles <= 2), "{stop}");
+    assert_eq!((injected.rig, injected.violation), (RunState::Fault, None));
+    let rig = bus.rig().unwrap();
     assert!(rig.is_latched() && rig.is_at_rest());
-}
-
-/// A bus on which the displacement of the rig is wrong.
-struct Lying {
-    bus: Shared,
-}
-
-impl Bus for Lying {
-    fn send(&mut self, frame: &Frame) -> Sent {
-        self.bus.send(frame)
-    }
-    fn receive(&mut self) -> Option<WireFrame> {
-        if self.bus.cycle < BEGIN {
-            return self.bus.receive();
-        }
-        let frame = self.bus.bus.receive()?;
-        let Some(seal) = self.bus.opener.hear(NODE, &frame) else { return Some(frame) };
-        let sound = Measurement::decode_sealed(frame.id(), frame.data(), seal).unwrap();
-        let lie = Measurement { displacement_m: Some(60e-3), ..sound };
-        Some(WireFrame::from(&lie.encode_sealed(Profile::Classical, seal).0))
-    }
-    fn wait(&mut self, timeout: Duration) -> bool {
-        self.bus.wait(timeout)
-    }
-    fn counters(&self) -> BusCounters {
-        self.bus.counters()
-    }
 }
 
 #[test]

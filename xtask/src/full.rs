@@ -1,0 +1,35 @@
+//! What takes longer than a change can wait for: hours of faults, sound rigs, killed runs.
+
+use crate::power_cut;
+use crate::run::{Outcome, Run};
+
+/// Six hours of random faults at 1 kHz.
+const SOAK_CYCLES: &str = "21600000";
+
+/// Seconds of each sound rig.
+const SOUND_S: &str = "600";
+
+/// Runs that are killed.
+const KILLS: &str = "200";
+
+/// Seed of random faults and of sound rigs. No limit was chosen with it.
+const SEED: &str = "2611";
+
+/// Everything that `cargo xtask test` leaves out.
+pub(crate) fn test(run: &mut Run) {
+    run.step("soak", |run| faults(run, &["--cycles", SOAK_CYCLES]));
+    run.step("sound", |run| faults(run, &["--sound", SOUND_S]));
+    run.step("kills", |run| {
+        let mut cargo = run.cargo();
+        cargo.args(["test", "--test", "system", "--", "killed_run", "--nocapture"]);
+        run.checked(cargo.env("YAWBENCH_KILLS", KILLS))
+    });
+    run.step("power-cut", |run| power_cut::test(run, power_cut::Cuts::default()));
+}
+
+/// `yawbench faults` in a release build.
+fn faults(run: &mut Run, arguments: &[&str]) -> Outcome {
+    let mut cargo = run.cargo();
+    cargo.args(["run", "--release", "--bin", "yawbench", "--", "faults", "--seed", SEED]);
+    run.checked(cargo.args(arguments))
+}
