@@ -1,6 +1,6 @@
 //! What takes longer than a change can wait for: hours of faults, sound rigs, killed runs.
 
-use crate::power_cut;
+use crate::power_cut::{self, Cuts};
 use crate::run::{Outcome, Run};
 
 /// Six hours of random faults at 1 kHz.
@@ -11,6 +11,9 @@ const SOUND_S: &str = "600";
 
 /// Runs that are killed.
 const KILLS: &str = "200";
+
+/// Machines that lose their power.
+const POWER_CUTS: u64 = 5;
 
 /// Seed of random faults and of sound rigs. No limit was chosen with it.
 const SEED: &str = "2611";
@@ -24,7 +27,7 @@ pub(crate) fn test(run: &mut Run) {
         cargo.args(["test", "--test", "system", "--", "killed_run", "--nocapture"]);
         run.checked(cargo.env("YAWBENCH_KILLS", KILLS))
     });
-    run.step("power-cut", |run| power_cut::test(run, power_cut::Cuts::default()));
+    run.step("power-cut", |run| power_cut::test(run, Cuts { kills: POWER_CUTS, seed: 2611 }));
 }
 
 /// `yawbench faults` in a release build.

@@ -36,8 +36,8 @@ const BYTES: &str = "machine: bytes ";
 /// How many kills, and from which seed their times are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Cuts {
-    kills: u64,
-    seed: u64,
+    pub(crate) kills: u64,
+    pub(crate) seed: u64,
 }
 
 impl Cuts {
