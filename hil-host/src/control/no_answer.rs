@@ -17,7 +17,7 @@ pub enum NoAnswer {
         /// Its version; none where its heartbeat cannot be read.
         version: Option<u8>,
     },
-    /// A rig refuses the announced session, by FAULT CONFIGURATION_MISMATCH.
+    /// A rig refuses the announced session, by FAULT `CONFIGURATION_MISMATCH`.
     RefusedSync {
         /// Its node.
         node: u8,
