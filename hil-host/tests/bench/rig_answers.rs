@@ -99,6 +99,8 @@ fn on_memory_bus(pace: Pace, profile: Profile) -> (Vec<Measurement>, [u32; 4]) {
             std::iter::from_fn(|| bus.receive()).collect()
         }));
     }
+    // The rams stand in the middle, where the motion begins.
+    hosts.iter_mut().for_each(|host| host.cycle = 0);
     let firsts = hosts.clone().map(|host| host.sent);
     let sent = bus.counters().sent;
     for cycle in 0..500 {
