@@ -1,9 +1,11 @@
 //! What a cause says, what is only logged or held, and the detectors beside the belief in a rig.
 
 use crate::rig::{Bench, CYCLE_S, FAULT, MODULUS};
-use firmware_core::guard::{Command, ForceInput};
+use firmware_core::command::Command;
+use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{
-    Action, Arrival, Belief, Cause, Checks, Frames, Growth, Measured, Rule, SecondSender, Signal,
+    Action, Arrival, Belief, Cause, Checks, Condition, Frames, Growth, Measured, Rule,
+    SecondSender, Signal,
 };
 
 /// The first cause under a fault, with the cycles since it began.
@@ -81,9 +83,10 @@ fn what_is_only_logged_or_held_ends_nothing() {
         bench.checks = Checks {
             velocity: rule(1e-3),
             tracking: rule(1e-9),
-            stuck_force: action,
-            stuck_displacement: action,
-            work: action,
+            stuck_force: Condition { action, ..bench.checks.stuck_force },
+            stuck_displacement: Condition { action, ..bench.checks.stuck_displacement },
+            wrong_sign: action,
+            wrong_phase: action,
             ..bench.checks
         };
         let reversed = |_: u32, mut measured: Measured| {

@@ -75,7 +75,7 @@ fn readiness_is_that_of_the_scenario() {
         let mut state = session.start(session.line.start(run.start.state.clone()));
         // The ram stands 10 mm from its middle: 90 mm are left to one end.
         let rig = RigNode::new(&run.rig, NODE, Profile::Classical).with_ram_at(10e-3);
-        let (mut bus, requests) = ([MemoryBus::new(Some(rig))], Requests::armed());
+        let (mut bus, requests) = (vec![MemoryBus::new(Some(rig))], Requests::armed());
         session.greet(&mut state, &mut bus, Duration::from_secs(1), &requests).err()
     };
     assert_eq!(refusal(""), None);
