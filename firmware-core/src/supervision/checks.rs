@@ -72,15 +72,15 @@ pub struct Checks {
 impl Checks {
     /// The checks of a rig with counters of this range and cycles of this length.
     ///
-    /// The force may reach `force_n`, and the residual [`RESIDUAL_SHARE`] of it. The force may change by 25 kN
-    /// in a cycle: at the end of a clearance of 8 mm an attachment of 12.5 MN/m is met at 0.2 m/s,
-    /// which is 2.5 kN per millisecond, and a spike of a sensor is larger than ten times that. The
-    /// displacement may move at 0.8 m/s, twice what a hunting locomotive asks for. It may be 5 mm
-    /// off its command, and 2 mm beyond the stroke of the commands, which is 100 mm.
+    /// The force may reach `force_n`, and the residual [`RESIDUAL_SHARE`] of it. It may change by
+    /// 25 kN in a cycle: at the end of a clearance of 8 mm an attachment of 12.5 MN/m is met at 0.2
+    /// m/s, which is 2.5 kN per millisecond, and a spike of a sensor is larger than ten times that.
+    /// The displacement may move at 0.8 m/s, twice what a hunting locomotive asks for. It may be 5
+    /// mm off its command, and 2 mm beyond the stroke of the commands, which is 100 mm.
     ///
-    /// **Acceleration.** It is the second difference of three measurements, so that noise of `s` rms
-    /// becomes `sqrt(6) s / T^2` rms: 0.5 m/s2 with the noise of 0.2 um and the steps of 0.2 um of
-    /// the laboratory rig. Seven times that, 3.6 m/s2, is passed in 3.6 million cycles with a
+    /// **Acceleration.** It is the second difference of three measurements, so that noise of `s`
+    /// rms becomes `sqrt(6) s / T^2` rms: 0.5 m/s2 with the noise of 0.2 um and the steps of 0.2 um
+    /// of the laboratory rig. Seven times that, 3.6 m/s2, is passed in 3.6 million cycles with a
     /// probability of 1e-5. Commands add their 20 m/s2. A clock that slips by a period moves the
     /// ram by `v T`, which reads as `v / T`: 500 m/s2 at the highest speed of a command. A force
     /// that changes by 2.5 kN in a cycle bends a fixture of 40 MN/m by 63 um: 63 m/s2. The sum of

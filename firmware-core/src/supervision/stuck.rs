@@ -35,8 +35,9 @@ pub struct Stuck {
 impl Stuck {
     /// Takes the raw code of a cycle; true while the sensor counts as stuck.
     ///
-    /// `fewest` is the number of cycles in motion with one code from which on it may; `resting` is the code that it shows without a load, at which a sensor without noise may
-    /// stay; `moves` says whether the ram is fast enough to change it.
+    /// `fewest` is the number of cycles in motion with one code from which on it may; `resting` is
+    /// the code that it shows without a load, at which a sensor without noise may stay; `moves`
+    /// says whether the ram is fast enough to change it.
     ///
     /// ```
     /// use firmware_core::supervision::{FEWEST_CYCLES, Stuck};

@@ -48,9 +48,9 @@ pub(crate) struct Cycles {
 const SILENT: Duration = Duration::from_secs(2);
 
 impl SecondRun {
-    /// Runs through a scenario with as many cycles before and in RUN as the main run had, and writes
-    /// its record; none, and no record, where it was stopped. `record` is the path of its first
-    /// part, and what makes a part.
+    /// Runs through a scenario with as many cycles before and in RUN as the main run had, and
+    /// writes its record; none, and no record, where it was stopped. `record` is the path of its
+    /// first part, and what makes a part.
     ///
     /// # Errors
     /// The record cannot be written.

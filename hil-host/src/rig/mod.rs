@@ -18,11 +18,11 @@
 //! It goes to SAFE by itself when it was commanded and accepts nothing valid for
 //! [`WATCHDOG_CYCLES`] cycles, when there is evidence that somebody else sends under the id of its
 //! commands ([`firmware_core::supervision::SecondSender`]), when two commands in a row step further
-//! than the agreed speed allows, neither of which it follows (`rig/net.rs`), and when its key switch
-//! no longer enables motion. A pressure-off request leads from any state to FAULT. SAFE and FAULT are left
-//! by a reset alone: by key at the rig ([`RigNode::reset`]) or by the exchange of
-//! `yawbench rig-reset`. A command STANDBY ends the session; the plant (ram, fixture, damper)
-//! stays as it is.
+//! than the agreed speed allows, neither of which it follows (`rig/net.rs`), and when its key
+//! switch no longer enables motion. A pressure-off request leads from any state to FAULT. SAFE and
+//! FAULT are left by a reset alone: by key at the rig ([`RigNode::reset`]) or by the exchange of
+//! `yawbench rig-reset`. A command STANDBY ends the session; the plant (ram, fixture, damper) stays
+//! as it is.
 //!
 //! **Cycles.** In lock-step a new valid command is a cycle and gets its answer. In clock pace the
 //! owner calls [`RigNode::cycle`] once per period; the newest valid command counts, and in a cycle

@@ -1,4 +1,5 @@
-//! What `[plausibility]`, `[readiness]` and `beyond_limits` of a scenario do, and a rig that refuses.
+//! What `[plausibility]`, `[readiness]` and `beyond_limits` of a scenario do, and a rig that
+//! refuses.
 
 use crate::support::locomotive::{NODE, scenario_with, session};
 use can_protocol::arming::{Refusal, Shortfall};
