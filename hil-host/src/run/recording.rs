@@ -100,12 +100,6 @@ pub(super) fn record<B: Bus, P: Place>(
     let (epoch, part_cycles) = (*epoch, *part_cycles);
     let open: [OpenFiles<P::File>; 3] = Default::default();
     let failed = |file| move |why| BenchError::File { file: place.path(file), why };
-    let record = InParts::new(|part| {
-        let writer = NpyWriter::begin(place.make(RunFile::Record, part)?)?;
-        open[0].add(writer.file());
-        Ok(writer)
-    });
-    let record = record.map_err(failed(RunFile::Record))?;
     let lines = InParts::new(|part| {
         let file = place.make(RunFile::Log, part)?;
         let log = BusLog::begin(file, epoch.unix_ns, output.bus_names.clone());
@@ -115,6 +109,13 @@ pub(super) fn record<B: Bus, P: Place>(
     let mut lines = lines.map_err(failed(RunFile::Log))?;
     let first = lines.part(1).and_then(|log| log.write(&output.handshake));
     first.map_err(failed(RunFile::Log))?;
+    // Begun after the log: whoever finds a record finds the handshake too.
+    let record = InParts::new(|part| {
+        let writer = NpyWriter::begin(place.make(RunFile::Record, part)?)?;
+        open[0].add(writer.file());
+        Ok(writer)
+    });
+    let record = record.map_err(failed(RunFile::Record))?;
     let of_events = failed(RunFile::Events);
     let mut happened = EventLog::begin(place.make(RunFile::Events, 1).map_err(&of_events)?);
     open[2].add(happened.file());

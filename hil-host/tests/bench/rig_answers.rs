@@ -100,7 +100,9 @@ fn on_memory_bus(pace: Pace, profile: Profile) -> (Vec<Measurement>, [u32; 4]) {
         }));
     }
     // The rams stand in the middle, where the motion begins.
-    hosts.iter_mut().for_each(|host| host.cycle = 0);
+    for host in &mut hosts {
+        host.cycle = 0;
+    }
     let firsts = hosts.clone().map(|host| host.sent);
     let sent = bus.counters().sent;
     for cycle in 0..500 {
