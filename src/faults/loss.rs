@@ -4,13 +4,9 @@ use super::{CyclesDone, FaultsArgs};
 use crate::error::CommandError;
 use crate::output::print;
 use crate::stop;
-use files::number;
 use hil_host::faults::{Injected, Losses, lose_at_random};
 use report::significant;
 use scenario::run::{CYCLE_S, Overrides, Run};
-
-/// Longest loss (s): a day.
-const LONGEST_S: f64 = 86_400.0;
 
 /// Longest session (s).
 const SESSION_S: f64 = 600.0;
@@ -24,10 +20,6 @@ const ENDS_AT_LEAST: usize = 99;
 
 /// Loses frames and prints what became of the sessions; whether all was as expected.
 pub(super) fn inject(args: &FaultsArgs, seconds: f64) -> Result<bool, CommandError> {
-    if !(1.0..=LONGEST_S).contains(&seconds) {
-        let option = format!("--loss {}", number(seconds));
-        return Err(CommandError::option(option, "1 to 86400 s"));
-    }
     let session_s = seconds.min(SESSION_S);
     let overrides = Overrides { duration_s: Some(session_s), speed_kmh: None };
     let run = Run::load(&args.scenario, overrides)?;

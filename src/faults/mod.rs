@@ -9,7 +9,9 @@ use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::progress::{bar, show};
 use crate::stop;
+use crate::value::number;
 use clap::Args;
+use clap::builder::TypedValueParser;
 use indicatif::ProgressBar;
 use scenario::run::{Overrides, Run};
 use std::path::PathBuf;
@@ -26,10 +28,11 @@ pub(crate) struct FaultsArgs {
     cycles: u64,
     /// Lose 0.1 % of the measurements for so many seconds after the table, 1 % for a 24th of them,
     /// and 10 % in either direction until the run ends.
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds())]
     loss: Option<f64>,
     /// Run sound rigs for so many seconds each instead of faults: every alarm is a false one.
-    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["cycles", "loss"])]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds(),
+        conflicts_with_all = ["cycles", "loss"])]
     sound: Option<f64>,
     /// How many of the 48 cases of sound rigs run, drawn by the seed; all by default.
     #[arg(long, value_name = "N", requires = "sound")]
@@ -40,6 +43,11 @@ pub(crate) struct FaultsArgs {
     /// Seed of the random faults and losses, and of track and noise of the sound rigs.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+}
+
+/// Parses a time up to a day.
+fn seconds() -> impl TypedValueParser<Value = f64> {
+    number("1 to 86400 s", |seconds| (1.0..=86_400.0).contains(&seconds))
 }
 
 /// Runs the command.

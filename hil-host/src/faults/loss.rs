@@ -2,13 +2,11 @@
 
 use super::faulty_bus::FaultyBus;
 use super::kind::Fault;
-use super::parallel::in_parallel;
-use super::session::{Injected, Injection, inject};
+use super::session::{Injected, Injection, in_memory, inject};
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::draw::Draw;
-use crate::run::{Plan, Terms, session};
-use can_protocol::{Node, Profile};
+use rayon::prelude::*;
 use scenario::run::Run;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -39,22 +37,20 @@ pub fn lose_at_random(
     stop: &AtomicBool,
     done: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<Injected>, BenchError> {
-    let plan = Plan::new(run, &BusChoice::Memory)?;
-    let track = run.track.view();
-    let session = session(run, &track, &plan.rigs, Terms::in_memory(Profile::Classical))?;
-    let node = plan.rigs.first().map_or(Node::ALL[0], |rig| rig.node);
     let Losses { measurements, commands, sessions, cycles } = losses;
     let fault = Fault::LoseAtRandom { measurements, commands };
     let injection = Injection { fault, begin: BEGIN, lasts: u64::MAX, until: BEGIN + cycles };
-    let ended = in_parallel(sessions, |number| {
-        if stop.load(Ordering::Relaxed) {
-            return None;
-        }
-        let seed = u64::from(Draw::seeded(seed, number as u64).number());
-        let mut bus = FaultyBus::new(&run.rig, node, seed);
-        let injected = inject(&session, run, &mut bus, &injection);
-        done(cycles);
-        Some(injected.map_err(|why| why.on(&BusChoice::Memory)))
-    });
-    ended.into_iter().flatten().collect()
+    in_memory(run, |session, node| {
+        let one = |number: usize| {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let seed = u64::from(Draw::seeded(seed, number as u64).number());
+            let mut bus = FaultyBus::new(&run.rig, node, seed);
+            let injected = inject(session, run, &mut bus, &injection);
+            done(cycles);
+            Some(injected.map_err(|why| why.on(&BusChoice::Memory)))
+        };
+        (0..sessions).into_par_iter().filter_map(one).collect()
+    })
 }

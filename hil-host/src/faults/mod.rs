@@ -11,7 +11,6 @@ mod faulty_bus;
 mod kind;
 mod loss;
 mod opener;
-mod parallel;
 mod schedule;
 mod session;
 mod sound;

@@ -5,15 +5,14 @@
 
 use super::faulty_bus::FaultyBus;
 use super::kind::Fault;
-use super::parallel::in_parallel;
-use super::session::{Injected, Injection, inject};
+use super::session::{Injected, Injection, in_memory, inject};
 use super::table::ROWS;
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::control::{End, NoAnswer, Session};
 use crate::draw::Draw;
-use crate::run::{Plan, Terms, session};
-use can_protocol::{Node, Profile};
+use can_protocol::Node;
+use rayon::prelude::*;
 use scenario::run::Run;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -57,19 +56,17 @@ pub fn schedule(
     stop: &AtomicBool,
     done: &(dyn Fn(u64) + Sync),
 ) -> Result<Survey, BenchError> {
-    let plan = Plan::new(run, &BusChoice::Memory)?;
-    let track = run.track.view();
-    let session = session(run, &track, &plan.rigs, Terms::in_memory(Profile::Classical))?;
-    let node = plan.rigs.first().map_or(Node::ALL[0], |rig| rig.node);
-    let shards = in_parallel(cycles.div_ceil(SHARD_CYCLES) as usize, |number| {
-        let before = number as u64 * SHARD_CYCLES;
-        let draw = Draw::seeded(seed, number as u64);
-        let shard = Shard { session: &session, run, node, draw };
-        shard.survey((cycles - before).min(SHARD_CYCLES), stop, done)
-    });
+    let shards: Vec<Survey> = in_memory(run, |session, node| {
+        let one = |number: u64| {
+            let cycles = (cycles - number * SHARD_CYCLES).min(SHARD_CYCLES);
+            let shard = Shard { session, run, node, draw: Draw::seeded(seed, number) };
+            shard.survey(cycles, stop, done)
+        };
+        (0..cycles.div_ceil(SHARD_CYCLES)).into_par_iter().map(one).collect()
+    })?;
     let mut survey = Survey::default();
     for shard in shards {
-        survey.add(shard?);
+        survey.add(shard);
     }
     Ok(survey)
 }

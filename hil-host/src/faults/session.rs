@@ -2,10 +2,13 @@
 
 use super::faulty_bus::FaultyBus;
 use super::kind::Fault;
+use crate::BenchError;
+use crate::bus::BusChoice;
 use crate::clock::Tick;
 use crate::control::{Buses, End, Ending, NoAnswer, Requests, Session, SessionState, Stop};
 use crate::record::Queues;
-use can_protocol::RunState;
+use crate::run::{Plan, Terms, session};
+use can_protocol::{Node, Profile, RunState};
 use firmware_core::supervision::{OLDEST_CYCLES, State};
 use scenario::run::Run;
 use std::fmt;
@@ -129,6 +132,20 @@ impl fmt::Display for Violation {
 
 /// Rounding in the comparison with a limit.
 const ROUNDING: f64 = 1.0 + 1e-9;
+
+/// Hands a scenario's session on the memory bus, and the node of its first rig, to `work`.
+///
+/// # Errors
+/// The scenario has no rig, or those of `work`.
+pub(super) fn in_memory<T>(
+    run: &Run,
+    work: impl FnOnce(&Session<'_>, Node) -> Result<T, BenchError>,
+) -> Result<T, BenchError> {
+    let plan = Plan::new(run, &BusChoice::Memory)?;
+    let track = run.track.view();
+    let session = session(run, &track, &plan.rigs, Terms::in_memory(Profile::Classical))?;
+    work(&session, plan.rigs.first().map_or(Node::ALL[0], |rig| rig.node))
+}
 
 /// Runs a session into a fault, until it has ended or its cycles are done.
 ///

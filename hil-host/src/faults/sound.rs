@@ -8,7 +8,6 @@
 //! two scenarios, 160 km/h on straight track and 80 km/h in a curve of 400 m. Worn dampers hunt
 //! there too, and stay within the stroke.
 
-use super::parallel::in_parallel;
 use crate::BenchError;
 use crate::bus::{BusChoice, MemoryBus};
 use crate::clock::Tick;
@@ -18,6 +17,7 @@ use crate::record::Queues;
 use crate::rig::RigNode;
 use crate::run::{Plan, Terms, session};
 use can_protocol::{Profile, Watch};
+use rayon::prelude::*;
 use scenario::rig::RigSetup;
 use scenario::run::{CYCLE_S, Overrides, Run, SlotForce};
 use scenario::setting::Setting;
@@ -113,14 +113,13 @@ pub fn listen_to_sound_rigs(
     done: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<Heard>, BenchError> {
     let all = sound_cases();
-    let heard = in_parallel(cases.len(), |number| {
-        let case = cases[number];
+    let listen = |case: &SoundCase| {
         // The same case has the same seed in every choice of cases.
-        let stream = all.iter().position(|other| *other == case).unwrap_or(all.len());
+        let stream = all.iter().position(|other| other == case).unwrap_or(all.len());
         let draw = Draw::seeded(seed, stream as u64);
         case.listen(scenarios, seconds, draw, stop, done)
-    });
-    heard.into_iter().collect()
+    };
+    cases.par_iter().map(listen).collect()
 }
 
 /// The largest rate of alarms that so many hours without one leave possible, per hour, at a

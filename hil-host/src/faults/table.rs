@@ -2,12 +2,11 @@
 
 use super::faulty_bus::FaultyBus;
 use super::kind::Fault;
-use super::session::{Injected, Injection, inject};
+use super::session::{Injected, Injection, in_memory, inject};
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::control::End;
-use crate::run::{Plan, Terms, session};
-use can_protocol::{MeasurementFlags as Flags, Node, Profile, RunState, Trips};
+use can_protocol::{MeasurementFlags as Flags, RunState, Trips};
 use firmware_core::supervision::{Action, Signal};
 use scenario::run::Run;
 
@@ -281,22 +280,20 @@ const WATCHED: u64 = 4000;
 /// # Errors
 /// The scenario has no rig, or its rig cannot be armed.
 pub fn table(run: &Run, mut each: impl FnMut(&Row, &Injected, bool)) -> Result<bool, BenchError> {
-    let plan = Plan::new(run, &BusChoice::Memory)?;
-    let track = run.track.view();
-    let session = session(run, &track, &plan.rigs, Terms::in_memory(Profile::Classical))?;
-    let node = plan.rigs.first().map_or(Node::ALL[0], |rig| rig.node);
-    let mut all_right = true;
-    for row in &ROWS {
-        let mut bus = FaultyBus::new(&run.rig, node, u64::from(row.number));
-        let injection =
-            Injection { fault: row.fault, begin: BEGIN, lasts: row.lasts, until: BEGIN + WATCHED };
-        let injected = inject(&session, run, &mut bus, &injection)
-            .map_err(|why| why.on(&BusChoice::Memory))?;
-        let is_right = row.expected.is_met_by(&injected);
-        all_right &= is_right;
-        each(row, &injected, is_right);
-    }
-    Ok(all_right)
+    in_memory(run, |session, node| {
+        let mut all_right = true;
+        for row in &ROWS {
+            let mut bus = FaultyBus::new(&run.rig, node, u64::from(row.number));
+            let Row { fault, lasts, .. } = *row;
+            let injection = Injection { fault, begin: BEGIN, lasts, until: BEGIN + WATCHED };
+            let injected = inject(session, run, &mut bus, &injection)
+                .map_err(|why| why.on(&BusChoice::Memory))?;
+            let is_right = row.expected.is_met_by(&injected);
+            all_right &= is_right;
+            each(row, &injected, is_right);
+        }
+        Ok(all_right)
+    })
 }
 
 impl Expected {
