@@ -110,7 +110,9 @@ impl Counts {
             self.fresh[slot] += u64::from(input == InputKind::Fresh);
         }
         self.skipped += u64::from(row.skipped);
-        *if row.state == RunState::Run { &mut self.run_cycles } else { &mut self.outside_run } += 1;
+        let runs = row.state == RunState::Run;
+        self.run_cycles += u64::from(runs);
+        self.outside_run += u64::from(!runs);
         self.last = (row.cycle, row.hash);
         for (slot, watched) in self.watch.iter_mut().enumerate() {
             watched.push(row, slot);

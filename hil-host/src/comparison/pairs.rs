@@ -1,7 +1,7 @@
 //! The rows of two runs in pairs, from their records, without keeping either.
 
 use crate::BenchError;
-use crate::record::{Row, RowReader, open_parts};
+use crate::record::{Row, RowReader};
 use can_protocol::RunState;
 use std::path::{Path, PathBuf};
 
@@ -33,14 +33,7 @@ struct Rows<'a> {
 
 impl<'a> Rows<'a> {
     fn of(path: &'a Path) -> Result<Self, BenchError> {
-        let reader = RowReader::begin(open_parts(path)?);
-        let reader = reader.map_err(|why| BenchError::File { file: path.to_owned(), why })?;
-        let reader = reader.ok_or_else(|| BenchError::Kept {
-            file: path.to_owned(),
-            found: "another layout".to_owned(),
-            expected: "a record of this version",
-        })?;
-        Ok(Self { path, reader })
+        Ok(Self { path, reader: RowReader::open(path)? })
     }
 
     fn next(&mut self) -> Result<Option<Row>, BenchError> {

@@ -6,12 +6,12 @@ use crate::clock::Tick;
 use crate::control::{Buses, End, Ending, Requests};
 use crate::counts::Counts;
 use crate::record::{
-    InParts, NpyWriter, OpenFiles, PART_CYCLES, Queues, ROWS, Row, part_of, parts,
+    InParts, NpyWriter, OpenFiles, PART_CYCLES, Queues, ROWS, Row, by_part, parts,
 };
 use crate::rig::RigNode;
 use crate::run::{Plan, Terms, bar, session};
 use crate::statistics::Statistics;
-use can_protocol::{Profile, RunState};
+use can_protocol::Profile;
 use indicatif::ProgressDrawTarget;
 use scenario::run::Run;
 use std::fs::File;
@@ -101,13 +101,12 @@ fn through(
     });
     let mut record = record.map_err(failed)?;
     let mut write = |rows: &[Row]| -> io::Result<()> {
-        let part = |row: &Row| part_of(row.cycle, PART_CYCLES);
-        for rows in rows.chunk_by(|one, next| part(one) == part(next)) {
-            record.part(part(&rows[0]))?.write(rows)?;
+        for (part, rows) in by_part(rows, PART_CYCLES, |row| row.cycle) {
+            record.part(part)?.write(rows)?;
         }
         Ok(())
     };
-    let mut run_cycles = 0;
+    let mut counts = Counts::default();
     let mut rows: Vec<Row> = Vec::with_capacity(ROWS);
     let bar = bar(cycles, ProgressDrawTarget::hidden());
     bar.set_message("the same with the other damper");
@@ -121,7 +120,7 @@ fn through(
             return Ok(None);
         }
         let row = session.cycle(&mut state, &mut buses, Tick::default());
-        run_cycles += u64::from(row.state == RunState::Run);
+        counts.take(&row);
         rows.push(row);
         if rows.len() == ROWS {
             write(&rows).map_err(failed)?;
@@ -129,7 +128,7 @@ fn through(
             if bar.is_hidden() && begin.elapsed() > SILENT {
                 bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(10));
             }
-            bar.set_position(run_cycles);
+            bar.set_position(counts.run_cycles);
         }
         if let Some(end) = ending.take(&session, &mut state, cycles, false) {
             break end;
@@ -138,6 +137,6 @@ fn through(
     write(&rows).map_err(failed)?;
     record.into_last().finish().and_then(|_| open.hold()).map_err(failed)?;
     bar.finish_and_clear();
-    let (statistics, counts) = Statistics::of(&path, run.run_in_s)?;
+    let statistics = Statistics::of(&path, run.run_in_s, |_| {})?;
     Ok(Some(SecondRun { counts, statistics, watched: session.watched, hash: state.hash, end }))
 }

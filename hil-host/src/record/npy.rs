@@ -6,12 +6,14 @@
 //! file, which may hold more.
 
 use super::durable::{Appender, COUNT_WIDTH, Count, Durable};
+use super::parts::open_parts;
 use super::row::Row;
 use super::storage::Storage;
+use crate::BenchError;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Writes rows to a file.
@@ -126,8 +128,22 @@ impl Part {
 }
 
 impl RowReader {
+    /// Opens a record of this version, with all its parts.
+    ///
+    /// # Errors
+    /// It cannot be read, or has another layout.
+    pub(crate) fn open(record: &Path) -> Result<Self, BenchError> {
+        let reader = Self::begin(open_parts(record)?);
+        let reader = reader.map_err(|why| BenchError::File { file: record.to_owned(), why })?;
+        reader.ok_or_else(|| BenchError::Kept {
+            file: record.to_owned(),
+            found: "another layout".to_owned(),
+            expected: "a record of this version",
+        })
+    }
+
     /// Reads the header; `None` for files of another layout.
-    pub(crate) fn begin(mut parts: Vec<(PathBuf, File)>) -> io::Result<Option<Self>> {
+    pub(super) fn begin(mut parts: Vec<(PathBuf, File)>) -> io::Result<Option<Self>> {
         parts.reverse();
         let Some((path, first)) = parts.pop() else { return Ok(None) };
         let now = Part::begin(path, first, false)?;
@@ -158,20 +174,6 @@ impl RowReader {
         parts.extend(self.next.into_iter().rev());
         Self::begin(parts)
     }
-}
-
-/// Hands the rows of a record to `take`, until it returns false; gives false for another layout.
-pub(crate) fn each_row(
-    parts: Vec<(PathBuf, File)>,
-    mut take: impl FnMut(&Row) -> bool,
-) -> io::Result<bool> {
-    let Some(mut rows) = RowReader::begin(parts)? else { return Ok(false) };
-    while let Some(row) = rows.next()? {
-        if !take(&row) {
-            break;
-        }
-    }
-    Ok(true)
 }
 
 /// The rows of some cycles, found without reading those before them; none for another layout.

@@ -17,6 +17,17 @@ pub(crate) fn part_of(cycle: u64, part_cycles: u64) -> u64 {
     cycle.saturating_sub(1) / part_cycles.max(1) + 1
 }
 
+/// Items in runs of one part each, with its number, where a part has so many cycles.
+pub(crate) fn by_part<T>(
+    items: &[T],
+    part_cycles: u64,
+    cycle: impl Fn(&T) -> u64 + Copy,
+) -> impl Iterator<Item = (u64, &[T])> {
+    let part = move |item: &T| part_of(cycle(item), part_cycles);
+    let runs = items.chunk_by(move |one, next| part(one) == part(next));
+    runs.filter_map(move |run| Some((part(run.first()?), run)))
+}
+
 /// The name of a part, from one, of the file `first`.
 pub(crate) fn part_name(first: &str, number: u64) -> String {
     match first.rsplit_once('.') {
@@ -97,6 +108,8 @@ mod tests {
         assert!(names.is_sorted(), "{names:?}");
         assert_eq!(part_name("bus.log", 2), "bus.part02.log");
         assert_eq!([1, 3_600_000, 3_600_001].map(|c| part_of(c, PART_CYCLES)), [1, 1, 2]);
+        let runs = by_part(&[9, 10, 11, 25], 10, |cycle| *cycle);
+        assert!(runs.eq([(1, &[9, 10][..]), (2, &[11]), (3, &[25])]));
     }
 
     #[test]

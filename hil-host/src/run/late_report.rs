@@ -3,6 +3,7 @@
 use super::about::RunAbout;
 use super::{ABOUT, EVENTS, RECORD, REPORT, SCENARIO, SUMMARY, around_stop};
 use crate::BenchError;
+use crate::counts::Counts;
 use crate::page::{Ending, page};
 use crate::record::read_events;
 use crate::statistics::Statistics;
@@ -34,7 +35,8 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
     let folder = ResultFolder::existing(folder, "run")?;
     let about: RunAbout = read_json(&folder.file(ABOUT), "the run.json of a run")?;
     let run = Run::load(&folder.file(SCENARIO), Overrides::default())?;
-    let (statistics, counts) = Statistics::of(&folder.file(RECORD), run.run_in_s)?;
+    let mut counts = Counts::default();
+    let statistics = Statistics::of(&folder.file(RECORD), run.run_in_s, |row| counts.take(row))?;
     let summary = folder.file(SUMMARY);
     let kept: Option<KeptSummary> = match summary.symlink_metadata() {
         Ok(_) => Some(read_json(&summary, "the summary.json of a run")?),

@@ -9,7 +9,7 @@ use crate::counts::Counts;
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
     BusEvent, BusLog, Drain, EventLog, InParts, LoggedFrame, Loss, NpyWriter, OpenFiles, Outlet,
-    Queues, Row, RunEvent, Storage, part_of,
+    Queues, Row, RunEvent, Storage, by_part,
 };
 use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
 use std::fmt;
@@ -232,11 +232,10 @@ fn write_rows<S: Storage>(
 ) -> (Loss, Counts, EventLog<S>) {
     let RowOutput { mut record, part_cycles, mut happened, mut progress, cycle_ns } = to;
     let (mut loss, mut counts) = (Loss::default(), Counts::default());
-    let part = |row: &Row| part_of(row.cycle, part_cycles);
     rows.run(done, |rows| {
-        for rows in rows.chunk_by(|one, next| part(one) == part(next)) {
+        for (part, rows) in by_part(rows, part_cycles, |row| row.cycle) {
             let Some(last) = rows.last() else { continue };
-            let written = record.part(part(last)).and_then(|record| record.write(rows));
+            let written = record.part(part).and_then(|record| record.write(rows));
             if loss.take(written, rows.len() as u64, last.cycle * cycle_ns) {
                 requests.end();
             }
@@ -260,12 +259,11 @@ fn write_frames<S: Storage>(
     requests: &Requests,
 ) -> Loss {
     let mut loss = Loss::default();
-    let part = |frame: &LoggedFrame| part_of(frame.cycle, part_cycles);
     frames.run(done, |frames| {
-        for frames in frames.chunk_by(|one, next| part(one) == part(next)) {
+        for (part, frames) in by_part(frames, part_cycles, |frame| frame.cycle) {
             let Some(last) = frames.last() else { continue };
             let events = frames.iter().map(|frame| &frame.event);
-            let written = log.part(part(last)).and_then(|log| log.write(events));
+            let written = log.part(part).and_then(|log| log.write(events));
             if loss.take(written, frames.len() as u64, last.event.time_ns) {
                 requests.end();
             }
@@ -530,7 +528,8 @@ mod tests {
             assert_eq!(series.lines.len(), 5000);
             let node = Node::new(1).unwrap();
             let log = read_bus_log(&folder.file(RunFile::Log, 1), node, None).unwrap();
-            let (statistics, counts) = Statistics::of(&record, 0.5).unwrap();
+            let mut counts = Counts::default();
+            let statistics = Statistics::of(&record, 0.5, |row| counts.take(row)).unwrap();
             assert_eq!((counts.rows(), statistics.shown.rows), (5000, 2500));
             read.push((
                 (series.time_s, series.force_n),

@@ -14,12 +14,11 @@ use scenario::run::CYCLE_S;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Tracking {
     command: Power,
+    error: Power,
     last_m: Option<f64>,
     with_rate: f64,
     rate2: f64,
-    error2: f64,
     most_m: f64,
-    count: f64,
 }
 
 impl Tracking {
@@ -32,9 +31,8 @@ impl Tracking {
         }
         self.with_rate += error * rate;
         self.rate2 += rate * rate;
-        self.error2 += error * error;
+        self.error.take(error);
         self.most_m = self.most_m.max(error.abs());
-        self.count += 1.0;
     }
 
     /// The delay of a pure lag (s).
@@ -44,7 +42,7 @@ impl Tracking {
 
     /// Rms of the error (m).
     pub(crate) fn rms_m(&self) -> f64 {
-        libm::sqrt(self.error2 / f64::max(self.count, 1.0))
+        self.error.rms()
     }
 
     /// The same over the rms of the command.
