@@ -34,9 +34,9 @@ pub(crate) fn toml_files(bytes: &[u8]) {
 /// a longer track only takes longer.
 fn scenario(text: &[u8]) {
     let Ok(text) = std::str::from_utf8(text) else { return };
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/fuzzed.toml");
+    let next_to_them = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/fuzzed.toml");
     let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
-    check(Run::from_source(&Source::from_text(&beside, text), overrides));
+    check(Run::from_source(&Source::from_text(&next_to_them, text), overrides));
 }
 
 /// An error has one line.

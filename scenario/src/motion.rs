@@ -100,9 +100,8 @@ impl MotionFile {
             );
             return Err(force.error(source, new));
         }
-        let within = |given: &Option<Quantity>, key: &str, (least, most): (f64, f64), unit, or| {
-            let range = format!("{least} to {most} {unit}");
-            given.as_ref().map_or(Ok(or), |value| value.within(source, key, least, most, &range))
+        let within = |given: &Option<Quantity>, key, (least, most), unit, or| {
+            Quantity::within_or(given.as_ref(), source, key, (least, most, unit), or)
         };
         let ramp_s = within(&self.ramp_s, "ramp_s", (0.0, RAMP_MAX_S), "s", RAMP_S)?;
         Ok(Motion {

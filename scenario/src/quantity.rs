@@ -149,6 +149,21 @@ impl Quantity {
         Err(self.refused(source, key, expected))
     }
 
+    /// The value that a file gives, if it lies in a range, or the default.
+    ///
+    /// # Errors
+    /// As for [`Quantity::within`].
+    pub(crate) fn within_or(
+        given: Option<&Self>,
+        source: &Source,
+        key: &str,
+        (least, most, unit): (f64, f64, &str),
+        default: f64,
+    ) -> Result<f64, ScenarioError> {
+        let range = format!("{least} to {most} {unit}");
+        given.map_or(Ok(default), |value| value.within(source, key, least, most, &range))
+    }
+
     /// The error of a number that is not what was expected.
     pub(crate) fn refused(
         &self,

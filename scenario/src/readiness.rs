@@ -71,9 +71,8 @@ impl ReadinessFile {
     /// The first number that does not fit, with file and line.
     pub(crate) fn build(&self, source: &Source) -> Result<Readiness, ScenarioError> {
         let usual = Readiness::default();
-        let within = |given: &Option<Quantity>, key, (least, most): (f64, f64), unit, or| {
-            let range = format!("{least} to {most} {unit}");
-            given.as_ref().map_or(Ok(or), |value| value.within(source, key, least, most, &range))
+        let within = |given: &Option<Quantity>, key, (least, most), unit, or| {
+            Quantity::within_or(given.as_ref(), source, key, (least, most, unit), or)
         };
         Ok(Readiness {
             zero_age_s: within(&self.zero_age_s, "zero_age_s", (1.0, 1e9), "s", usual.zero_age_s)?,

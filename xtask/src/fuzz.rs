@@ -13,8 +13,6 @@ use crate::debian;
 use crate::run::{Outcome, Run};
 use crate::stream::quiet;
 
-const TARGETS: [&str; 5] = ["frames", "rig", "toml_files", "tables", "records"];
-
 /// Largest input, bytes: the vehicle of the repository fits.
 const LONGEST: u32 = 12_288;
 
@@ -27,19 +25,28 @@ pub(crate) fn fuzz(run: &mut Run, arguments: &[&str]) -> Outcome {
         [target, "--seconds", seconds] => (Some(*target), *seconds),
         _ => return Outcome::Failed("usage: cargo xtask fuzz [TARGET] [--seconds N]".into()),
     };
-    if let Some(unknown) = target.filter(|name| !TARGETS.contains(name)) {
-        return Outcome::Failed(format!("no target {unknown}; there are {}", TARGETS.join(", ")));
+    let targets = targets(run);
+    if let Some(unknown) = target.filter(|name| !targets.iter().any(|target| target == name)) {
+        return Outcome::Failed(format!("no target {unknown}; there are {}", targets.join(", ")));
     }
     let program = match cargo_fuzz(run) {
         Ok(program) => program,
         Err(reason) => return Outcome::skipped_unless_required("REQUIRE_FUZZ", reason),
     };
-    let chosen = TARGETS.into_iter().filter(|name| target.is_none_or(|target| target == *name));
     let mut all = Outcome::Passed;
-    for name in chosen {
+    for name in targets.iter().filter(|name| target.is_none_or(|target| target == name.as_str())) {
         all = all.and(fuzz_one(run, &program, name, seconds));
     }
     all
+}
+
+/// The targets: each has a program of its own.
+fn targets(run: &Run) -> Vec<String> {
+    let programs = crate::rust_files(&run.root.join("fuzz/libfuzzer"));
+    let names = programs.iter().filter_map(|path| path.file_stem());
+    let mut names: Vec<_> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
 }
 
 /// Cargo-fuzz, and the compiler that it needs.

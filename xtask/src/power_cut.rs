@@ -157,7 +157,7 @@ impl Bench {
         let folder = copy.join("run");
         let record = Held::of(&folder.join("record.npy"))?;
         let reached = seen.iter().rfind(|(_, bytes)| record.rows_in(*bytes) <= record.count);
-        let lost = reached.map_or(killed.elapsed_from(&seen), |(at, _)| killed.at - *at);
+        let lost = reached.or(seen.first()).map_or(Duration::MAX, |(at, _)| killed - *at);
         let report = Command::new(&self.yawbench).arg("report").arg(&folder).output();
         let report = report.map_err(failed)?;
         let written = seen.last().map_or(0, |(_, bytes)| record.rows_in(*bytes));
@@ -211,21 +211,9 @@ impl Bench {
     }
 }
 
-/// When the machine was killed.
-struct Killed {
-    at: Instant,
-}
-
-impl Killed {
-    /// Time since the first line about the record.
-    fn elapsed_from(&self, seen: &[(Instant, u64)]) -> Duration {
-        seen.first().map_or(Duration::MAX, |(first, _)| self.at - *first)
-    }
-}
-
 /// Starts a machine and kills it when its record has grown for so long; gives how many bytes of the
-/// record had been written when.
-fn kill(start: &mut Command, after: Duration) -> Result<(Vec<(Instant, u64)>, Killed), String> {
+/// record had been written when, and when it was killed.
+fn kill(start: &mut Command, after: Duration) -> Result<(Vec<(Instant, u64)>, Instant), String> {
     start.stdout(Stdio::piped()).stderr(Stdio::null());
     let mut machine = start.spawn().map_err(|why| why.to_string())?;
     let (keyboard, console) = (machine.stdin.take(), machine.stdout.take());
@@ -262,7 +250,7 @@ fn kill(start: &mut Command, after: Duration) -> Result<(Vec<(Instant, u64)>, Ki
             Err(RecvTimeoutError::Disconnected) => break true,
         }
     };
-    let killed = Killed { at: Instant::now() };
+    let killed = Instant::now();
     machine.kill().and_then(|()| machine.wait()).map_err(|why| why.to_string())?;
     drop(keyboard);
     if ended || seen.is_empty() {

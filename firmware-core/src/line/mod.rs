@@ -87,7 +87,12 @@ impl LineState {
 
     /// Time of the cycle that was done last: zero in the first cycle of RUN (s).
     pub fn time_s(&self, cycle_s: f64) -> f64 {
-        let since = self.cycle as i64 - i64::from(self.ramp_in_cycles) - 1;
+        self.time_of_s(self.cycle, cycle_s)
+    }
+
+    /// Time of a cycle, counted from one (s).
+    pub fn time_of_s(&self, cycle: u64, cycle_s: f64) -> f64 {
+        let since = cycle as i64 - i64::from(self.ramp_in_cycles) - 1;
         since as f64 * cycle_s
     }
 }

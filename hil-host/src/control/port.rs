@@ -195,7 +195,7 @@ impl Port {
             let cause = Cause { signal, value, limit: f64::INFINITY, action };
             state.news = state.news.or(Some(cause));
         }
-        let checks = state.armed.as_ref().map_or(&self.checks, |armed| &armed.checks);
+        let checks = agreed(&self.checks, state.armed.as_ref());
         if let Some(temperature_degc) = state.temperature_degc {
             state.belief.temperature(checks, temperature_degc);
         }
@@ -223,7 +223,7 @@ impl Port {
 
     /// Judges the force of a cycle against that of the slot's model after the last step (N).
     pub(super) fn judge_residual(&self, state: &mut PortState, input: ForceInput, model_n: f64) {
-        let checks = state.armed.as_ref().map_or(&self.checks, |armed| &armed.checks);
+        let checks = agreed(&self.checks, state.armed.as_ref());
         if let ForceInput::Fresh(force_n) = input {
             state.belief.residual(checks, force_n - model_n);
         }
@@ -354,6 +354,11 @@ impl Port {
             plain: now.plain - before.plain,
         }
     }
+}
+
+/// The checks that were agreed with a rig, or those that the host asks for.
+fn agreed<'a>(asked: &'a Checks, armed: Option<&'a Armed>) -> &'a Checks {
+    armed.map_or(asked, |armed| &armed.checks)
 }
 
 impl PortState {

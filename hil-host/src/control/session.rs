@@ -105,10 +105,7 @@ impl Session<'_> {
 
     /// What was beyond a limit of a rig and ended nothing.
     pub fn noted(&self, state: &SessionState) -> std::vec::Vec<NotedSummary> {
-        let time_s = |cycle: u64| {
-            let since = cycle as i64 - i64::from(state.line.ramp_in_cycles) - 1;
-            since as f64 * self.line.cycle_s
-        };
+        let time_s = |cycle| state.line.time_of_s(cycle, self.line.cycle_s);
         let ports = self.ports.iter().zip(&state.ports);
         let noted = ports.flat_map(|(port, memory)| {
             let node = port.node.number();
