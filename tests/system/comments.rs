@@ -2,6 +2,7 @@
 
 use crate::support::command::repository;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Longest line of a comment, characters.
 const WIDTH: usize = 100;
@@ -64,6 +65,23 @@ fn comments_wrap_at_100_columns() {
         }
     }
     assert!(long.is_empty(), "{} comment lines are too long:\n{}", long.len(), long.join("\n"));
+}
+
+/// A merge that was left half done stood in a page for a day.
+#[test]
+fn no_file_holds_the_marks_of_a_merge() {
+    let files = Command::new("git").arg("ls-files").current_dir(repository()).output();
+    // A copy without its history has been looked at where it has one.
+    let Ok(files) = files.map(|found| String::from_utf8_lossy(&found.stdout).into_owned()) else {
+        return;
+    };
+    let marks = ["<<<<<<< ", ">>>>>>> ", "||||||| "];
+    for file in files.lines() {
+        // Neither a removed file nor one of bytes has lines.
+        let Ok(text) = std::fs::read_to_string(repository().join(file)) else { continue };
+        let marked = text.lines().position(|line| marks.iter().any(|mark| line.starts_with(mark)));
+        assert_eq!(marked.map(|line| line + 1), None, "{file}: a merge is not finished");
+    }
 }
 
 #[test]

@@ -5,7 +5,8 @@
 use crate::interface::{Candump, Interface};
 use crate::opened::Opened;
 use crate::rig::{
-    COMMAND, LOCK_STEP_RIG, MEASUREMENT, Rig, alone, hear, host, listener, out, parts, summary,
+    COMMAND, LOCK_STEP_RIG, MEASUREMENT, Rig, alone, hear, host, listener, out, parts, resume,
+    summary, suspend,
 };
 use can_protocol::{Message, MessageId, Node, RunState, Sender};
 use socketcan::{CanAnyFrame, CanFdSocket, Socket};
@@ -14,6 +15,9 @@ use std::process::{Child, Output, Stdio};
 
 /// A rig that stays when its host has gone.
 const PATIENT_RIG: &[&str] = &["--fifo-priority", "0"];
+
+/// What a rig sends when it goes safe by itself.
+const FAULT: MessageId = MessageId::Fault(Sender::Rig(Node::ALL[0]));
 
 /// Largest step of a command at the default limit of 0.5 m/s, with the last digit of a frame, m.
 const STEP_M: f64 = 0.5e-3 + 0.1e-3;
@@ -120,6 +124,45 @@ fn a_rig_that_starts_anew_in_mid_run_is_not_moved_again() {
     assert!(states.all(|state| matches!(state, RunState::Init | RunState::Standby)));
     let measured = frames.iter().filter_map(parts).filter(|(id, _)| *id == MEASUREMENT.raw());
     assert_eq!(measured.count(), 0, "the new rig measured in a session that it does not know");
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
+fn a_rig_that_stands_still_and_goes_on_is_not_moved_again() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let rig = Rig::start(&vcan, PATIENT_RIG);
+    let (candump, socket) = (Candump::start(&vcan), listener(&vcan));
+    let folder = out(&vcan, "stopped-rig");
+    let host = start(&vcan, "60", &folder);
+    assert_eq!(hear(&socket, MEASUREMENT, 500).len(), 500, "the run did not start");
+    suspend(rig.id());
+    let host = host.wait_with_output().expect("the host");
+    let end = summary(&host);
+    assert_eq!((host.status.code(), &end["state"]), (Some(3), &"safe".into()), "{end}");
+    println!("a rig that stands still: {}", end["cause"]["message"]);
+    // Awake again, it finds no host and goes safe by itself.
+    resume(rig.id());
+    assert_eq!(hear(&socket, FAULT, 1).len(), 1, "the rig did not go safe");
+    assert_no_jump(&candump.stop());
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
+fn a_host_that_stands_still_finds_its_rig_safe_and_ends() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let _rig = Rig::start(&vcan, PATIENT_RIG);
+    let (candump, socket) = (Candump::start(&vcan), listener(&vcan));
+    let folder = out(&vcan, "stopped-host");
+    let host = start(&vcan, "60", &folder);
+    assert_eq!(hear(&socket, MEASUREMENT, 500).len(), 500, "the run did not start");
+    suspend(host.id());
+    assert_eq!(hear(&socket, FAULT, 1).len(), 1, "the rig did not go safe");
+    resume(host.id());
+    let host = host.wait_with_output().expect("the host");
+    let end = summary(&host);
+    assert_eq!((host.status.code(), &end["state"]), (Some(3), &"safe".into()), "{end}");
+    println!("a host that stood still: {}", end["cause"]["message"]);
+    assert_no_jump(&candump.stop());
     let _ = std::fs::remove_dir_all(folder);
 }
 

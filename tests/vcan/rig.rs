@@ -38,7 +38,7 @@ impl Rig {
         Self(Some(child))
     }
 
-    fn id(&self) -> u32 {
+    pub(crate) fn id(&self) -> u32 {
         self.0.as_ref().expect("a running rig").id()
     }
 
@@ -256,7 +256,7 @@ fn a_comparison_models_the_slot_of_a_rig_that_cannot_be_run_again() {
 }
 
 /// Suspends a process and returns when it stands still.
-fn suspend(process: u32) {
+pub(crate) fn suspend(process: u32) {
     signal(process, Signal::STOP);
     // The state is the field after the name in brackets.
     let is_suspended = || {
@@ -269,7 +269,7 @@ fn suspend(process: u32) {
 }
 
 /// Lets a suspended process run again.
-fn resume(process: u32) {
+pub(crate) fn resume(process: u32) {
     signal(process, Signal::CONT);
 }
 

@@ -85,7 +85,7 @@ const OF_FORCE: &[Signal] = &[S::Force, S::ForceRate];
 const OF_MOTION: &[Signal] = &[S::Velocity, S::Tracking];
 
 /// The table.
-pub const ROWS: [Row; 89] = [
+pub const ROWS: [Row; 90] = [
     for_ever(1, "one measurement lost", lose(1, EVER), GoesOn),
     for_ever(2, "1 of 100 measurements lost", lose(1, 100), GoesOn),
     for_ever(2, "1 of 10 measurements lost", lose(1, 10), Ends(LOST, 500)),
@@ -231,6 +231,8 @@ pub const ROWS: [Row; 89] = [
         Ends(&[S::LostMeasurements, S::SecondSender, S::RigState, S::SilentRig], 7),
     ),
     for_ever(18, "the rig is gone", Fault::Gone, Ends(LOST, 6)),
+    // Clocks that are 500 ppm apart: once in 2000 cycles a measurement misses its own.
+    for_ever(20, "clocks slip by a cycle in two seconds", lose(1, 2000), GoesOn),
     for_ever(21, "the host misses 1 slot", Fault::SkipSlots(1), GoesOn),
     for_ever(21, "the host misses 3 slots", Fault::SkipSlots(3), GoesOn),
     for_ever(

@@ -128,6 +128,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     let output = Output {
         place: InFolder(&folder),
         part_cycles: PART_CYCLES,
+        lost_cycles_max: run.plausibility.lost_rows,
         bus_names: plan.buses.iter().map(|bus| bus.interface().to_owned()).collect(),
         epoch,
         handshake,

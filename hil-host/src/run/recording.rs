@@ -55,6 +55,8 @@ pub(super) struct Output<P> {
     pub(super) place: P,
     /// Cycles in a part of the record and of the log.
     pub(super) part_cycles: u64,
+    /// Cycles in a row that may be lost before the run ends in order; none: it goes on.
+    pub(super) lost_cycles_max: Option<u32>,
     /// Names of the buses in the log.
     pub(super) bus_names: Vec<String>,
     /// Time zero of the log.
@@ -98,6 +100,8 @@ pub(super) fn record<B: Bus, P: Place>(
     let cycle_ns = (cycle_ns as u64).max(1);
     let Output { place, part_cycles, epoch, .. } = output;
     let (epoch, part_cycles) = (*epoch, *part_cycles);
+    let longest_ns = output.lost_cycles_max.map(|cycles| u64::from(cycles) * cycle_ns);
+    let no_loss = || Loss::ending_after(longest_ns);
     let open: [OpenFiles<P::File>; 3] = Default::default();
     let failed = |file| move |why| BenchError::File { file: place.path(file), why };
     let lines = InParts::new(|part| {
@@ -126,18 +130,23 @@ pub(super) fn record<B: Bus, P: Place>(
     open[0].hold().map_err(failed(RunFile::Record))?;
     let mut queues = Queues::for_rigs(session.ports.len());
     let (mut recorder, drain) = queues.split();
-    recorder.rows_lost_at_most = 1_000_000_000 / cycle_ns;
+    recorder.rows_lost_at_most = output.lost_cycles_max.map_or(u64::MAX, u64::from);
     let done = AtomicBool::new(false);
     let (progress, shown) = Progress::new(session.line.speed_m_per_s * 3.6);
     let (running, ended) = bounded::<()>(0);
     std::thread::scope(|scope| {
         let (done, open, Drain { rows, events }) = (&done, &open, drain);
         let record = scope.spawn(move || {
-            let to = RowOutput { record, part_cycles, happened, progress, cycle_ns };
+            let loss = no_loss();
+            let to = RowOutput { record, part_cycles, happened, progress, cycle_ns, loss };
             write_rows(to, &rows, done, requests)
         });
-        let log = scope.spawn(move || write_frames(lines, part_cycles, &events, done, requests));
-        let sync = scope.spawn(move || hold_on(open, &ended, requests));
+        let log = scope.spawn(move || {
+            let to = FrameOutput { log: lines, part_cycles, loss: no_loss() };
+            write_frames(to, &events, done, requests)
+        });
+        let held = [no_loss(), no_loss()];
+        let sync = scope.spawn(move || hold_on(open, held, &ended, requests));
         scope.spawn(move || progress::show(&shown, cycles));
 
         // After the other threads have started: they must not inherit the loop's processor.
@@ -172,11 +181,13 @@ pub(super) fn record<B: Bus, P: Place>(
         let _ = happened.write(&of_run(cycle, time_s, ended_as(end)));
         let (log, [record_held, log_held]) = (joined(log)?, joined(sync)?);
         let dropped = recorder.dropped_rows + recorder.dropped_events + record.count + log.count;
-        let mut slow = Loss::default();
+        let mut slow = no_loss();
         if recorder.is_overrun() {
-            finish(&mut slow, Err(io::Error::other("the disk is too slow")));
+            slow.finish(Err(io::Error::other("the disk is too slow")));
         }
-        let [record_last, log_last] = hold_last(open);
+        let [mut record_last, mut log_last] = [no_loss(), no_loss()];
+        record_last.finish(open[0].hold());
+        log_last.finish(open[1].hold());
         let _ = happened.finish();
         let losses = [
             (RunFile::Record, record),
@@ -187,14 +198,20 @@ pub(super) fn record<B: Bus, P: Place>(
             (RunFile::Log, log_held),
             (RunFile::Log, log_last),
         ];
-        let mut failure = None;
-        for (file, loss) in losses {
-            let Some(why) = loss.why.filter(|_| loss.too_long && failure.is_none()) else {
-                continue;
-            };
-            failure = Some(BenchError::Unrecorded { file: place.path(file), why, dropped });
-        }
+        let failure = first_failure(place, losses, dropped);
         Ok(Recording { end, counts, dropped, wall_s, failure })
+    })
+}
+
+/// The first loss that ended the run.
+fn first_failure(
+    place: &impl Place,
+    losses: impl IntoIterator<Item = (RunFile, Loss)>,
+    dropped: u64,
+) -> Option<BenchError> {
+    let mut ended = losses.into_iter().filter(|(_, loss)| loss.too_long);
+    ended.find_map(|(file, loss)| {
+        Some(BenchError::Unrecorded { file: place.path(file), why: loss.why?, dropped })
     })
 }
 
@@ -206,6 +223,14 @@ struct RowOutput<'a, S> {
     progress: Progress,
     /// Wall time of a cycle.
     cycle_ns: u64,
+    loss: Loss,
+}
+
+/// Where the frames go.
+struct FrameOutput<'a, S> {
+    log: InParts<'a, BusLog<S>>,
+    part_cycles: u64,
+    loss: Loss,
 }
 
 /// An event of the whole run.
@@ -230,8 +255,8 @@ fn write_rows<S: Storage>(
     done: &AtomicBool,
     requests: &Requests,
 ) -> (Loss, Counts, EventLog<S>) {
-    let RowOutput { mut record, part_cycles, mut happened, mut progress, cycle_ns } = to;
-    let (mut loss, mut counts) = (Loss::default(), Counts::default());
+    let RowOutput { mut record, part_cycles, mut happened, mut progress, cycle_ns, mut loss } = to;
+    let mut counts = Counts::default();
     rows.run(done, |rows| {
         for (part, rows) in by_part(rows, part_cycles, |row| row.cycle) {
             let Some(last) = rows.last() else { continue };
@@ -247,18 +272,17 @@ fn write_rows<S: Storage>(
             progress.take(last, &counts);
         }
     });
-    finish(&mut loss, record.into_last().finish().map(|_| ()));
+    loss.finish(record.into_last().finish().map(|_| ()));
     (loss, counts, happened)
 }
 
 fn write_frames<S: Storage>(
-    mut log: InParts<'_, BusLog<S>>,
-    part_cycles: u64,
+    to: FrameOutput<'_, S>,
     frames: &Outlet<'_, LoggedFrame>,
     done: &AtomicBool,
     requests: &Requests,
 ) -> Loss {
-    let mut loss = Loss::default();
+    let FrameOutput { mut log, part_cycles, mut loss } = to;
     frames.run(done, |frames| {
         for (part, frames) in by_part(frames, part_cycles, |frame| frame.cycle) {
             let Some(last) = frames.last() else { continue };
@@ -269,26 +293,19 @@ fn write_frames<S: Storage>(
             }
         }
     });
-    finish(&mut loss, log.into_last().finish());
+    loss.finish(log.into_last().finish());
     loss
-}
-
-/// What is not on the disk at the end is lost, however short.
-fn finish(loss: &mut Loss, finished: io::Result<()>) {
-    if let (Err(why), false) = (finished, loss.too_long) {
-        loss.why = Some(why);
-        loss.too_long = true;
-    }
 }
 
 /// Has the disk hold what has been written, again and again until the run has ended. The threads
 /// that write do not wait for it; a slow disk delays it by the time that it takes itself.
 fn hold_on<S: Storage>(
     [record, log, events]: &[OpenFiles<S>; 3],
+    mut losses: [Loss; 2],
     ended: &Receiver<()>,
     requests: &Requests,
 ) -> [Loss; 2] {
-    let (begin, mut losses) = (Instant::now(), [Loss::default(), Loss::default()]);
+    let begin = Instant::now();
     let (mut next, mut next_log) = (begin + HOLD_RECORD, begin + HOLD_LOG);
     while ended.recv_deadline(next) == Err(RecvTimeoutError::Timeout) {
         let now = Instant::now();
@@ -307,15 +324,6 @@ fn hold_on<S: Storage>(
         next = (next + HOLD_RECORD).max(Instant::now());
     }
     losses
-}
-
-/// Has the disk hold record and log at the end.
-fn hold_last<S: Storage>([record, log, _]: &[OpenFiles<S>; 3]) -> [Loss; 2] {
-    [record, log].map(|open| {
-        let mut loss = Loss::default();
-        finish(&mut loss, open.hold());
-        loss
-    })
 }
 
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> Result<T, BenchError> {
@@ -363,11 +371,16 @@ mod tests {
         files: [S; 3],
         path: &Path,
     ) -> (Recording, u64) {
-        recorded_in(seconds, &Given(files, path), PART_CYCLES)
+        recorded_in(seconds, &Given(files, path), PART_CYCLES, Some(1000))
     }
 
-    /// The same with parts of so many cycles.
-    fn recorded_in<P: Place>(seconds: f64, place: P, part_cycles: u64) -> (Recording, u64) {
+    /// The same with parts of so many cycles, and so many that may be lost in a row.
+    fn recorded_in<P: Place>(
+        seconds: f64,
+        place: P,
+        part_cycles: u64,
+        lost_cycles_max: Option<u32>,
+    ) -> (Recording, u64) {
         let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
         let overrides = Overrides { duration_s: Some(seconds), speed_kmh: None };
         let run = Run::load(&scenario, overrides).unwrap();
@@ -383,6 +396,7 @@ mod tests {
         let output = Output {
             place,
             part_cycles,
+            lost_cycles_max,
             bus_names: vec!["memory".to_owned()],
             epoch: Epoch::now(),
             handshake: Vec::new(),
@@ -490,6 +504,19 @@ mod tests {
         std::fs::remove_file(path).unwrap();
     }
 
+    #[test]
+    fn a_run_that_may_lose_its_rows_goes_on_without_them() {
+        let path = place("lost-disk");
+        let disk = |file, every| Flaky { file, every, writes: AtomicU64::new(0) };
+        let files = [disk(File::create(&path).unwrap(), 1), disk(nowhere(), 0), disk(nowhere(), 0)];
+        let (recording, cycles) = recorded_in(5.0, &Given(files, &path), PART_CYCLES, None);
+        assert_eq!((recording.end, cycles), (End::Completed, 7000));
+        assert!(recording.failure.is_none(), "{:?}", recording.failure);
+        assert_eq!(recording.dropped, 7000);
+        assert_eq!(read_record(&path, 1).unwrap().lines.len(), 0);
+        std::fs::remove_file(path).unwrap();
+    }
+
     /// A folder in which every part is a file.
     struct Folder(PathBuf);
 
@@ -521,7 +548,7 @@ mod tests {
         let mut read = Vec::new();
         for (folder, part_cycles) in folders.iter().zip([1500, PART_CYCLES]) {
             std::fs::create_dir_all(&folder.0).unwrap();
-            let (recording, cycles) = recorded_in(3.0, folder, part_cycles);
+            let (recording, cycles) = recorded_in(3.0, folder, part_cycles, Some(1000));
             assert!(recording.failure.is_none() && cycles == 5000, "{recording:?}");
             let record = folder.file(RunFile::Record, 1);
             let series = read_record(&record, 1).unwrap();

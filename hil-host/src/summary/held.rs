@@ -27,6 +27,8 @@ pub(super) struct Counted<'a> {
     pub(super) cycles: u64,
     /// Slots of the clock that were skipped.
     pub(super) skipped: u64,
+    /// Rows and frames that the record has lost.
+    pub(super) unrecorded: u64,
     pub(super) frames: &'a Frames,
     pub(super) dampers: &'a [DamperSummary],
     /// Slots in the order of the dampers: virtual wear rounds its contacts within the limits on
@@ -36,7 +38,7 @@ pub(super) struct Counted<'a> {
 
 /// Why a completed run is not held, one sentence each with what to change.
 pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
-    let Counted { cycles, skipped, frames, dampers, places } = counted;
+    let Counted { cycles, skipped, unrecorded, frames, dampers, places } = counted;
     let mut reasons = Vec::new();
     let slots = cycles + skipped;
     if let Some(percent) = above(*skipped, slots, SKIPPED_MAX) {
@@ -48,6 +50,12 @@ pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
     if let Some(percent) = above(frames.lost, frames.sent, LOST_MAX) {
         reasons.push(format!(
             "{percent} % of the measurements were lost: check cable, termination and bus load"
+        ));
+    }
+    if *unrecorded > 0 {
+        reasons.push(format!(
+            "{unrecorded} rows and frames were not recorded: make room on the disk, or use a \
+             faster one"
         ));
     }
     for (damper, slot) in dampers.iter().zip(*places) {
@@ -99,16 +107,24 @@ mod tests {
         late: 0,
     };
 
+    const HELD: Counted<'_> = Counted {
+        cycles: 10_000,
+        skipped: 0,
+        unrecorded: 0,
+        frames: &FRAMES,
+        dampers: &[],
+        places: &[],
+    };
+
     fn reasons(skipped: u64, lost: u64) -> Vec<String> {
         let frames = Frames { lost, ..FRAMES };
-        not_held(&Counted { cycles: 10_000, skipped, frames: &frames, dampers: &[], places: &[] })
+        not_held(&Counted { skipped, frames: &frames, ..HELD })
     }
 
     #[test]
     fn a_run_in_a_slow_machine_was_completed_with_a_green_tick() {
         // 7,740 of 10,740 slots were skipped.
-        let counted =
-            Counted { cycles: 3000, skipped: 7740, frames: &FRAMES, dampers: &[], places: &[] };
+        let counted = Counted { cycles: 3000, skipped: 7740, ..HELD };
         let reasons = not_held(&counted);
         assert!(reasons.len() == 1 && reasons[0].starts_with("72 % of the slots"), "{reasons:?}");
     }
@@ -119,5 +135,11 @@ mod tests {
         assert_eq!(reasons(10, 10), Vec::<String>::new());
         assert!(reasons(0, 100)[0].contains(" of the measurements were lost"));
         assert_eq!(reasons(20, 100).len(), 2);
+    }
+
+    #[test]
+    fn a_record_with_a_gap_is_not_held() {
+        let reasons = not_held(&Counted { unrecorded: 9, ..HELD });
+        assert!(reasons.len() == 1 && reasons[0].starts_with("9 rows and frames"), "{reasons:?}");
     }
 }

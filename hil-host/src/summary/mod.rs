@@ -126,6 +126,7 @@ impl Summary {
         let counted = Counted {
             cycles: state.line.cycle,
             skipped: state.skipped,
+            unrecorded: outcome.record_dropped,
             frames: &frames,
             dampers: &dampers,
             places: &run.slots,

@@ -89,8 +89,8 @@ pub(super) struct Signal {
     pub(super) limits: &'static [(Limit, f64, f64)],
     /// Most cycles of its debounce; none where it has no debounce.
     pub(super) most_cycles: Option<u32>,
-    /// Whether a force may be held because of it.
-    pub(super) may_hold: bool,
+    /// What may happen beyond its limit.
+    pub(super) actions: &'static [ActionFile],
 }
 
 impl Limit {
@@ -150,7 +150,18 @@ impl Limit {
 }
 
 impl ActionFile {
-    const ALL: [Self; 5] = [Self::Log, Self::Hold, Self::RampOut, Self::Stop, Self::PowerOff];
+    pub(super) const ALL: [Self; 5] =
+        [Self::Log, Self::Hold, Self::RampOut, Self::Stop, Self::PowerOff];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Log => "log",
+            Self::Hold => "hold",
+            Self::RampOut => "ramp out",
+            Self::Stop => "stop",
+            Self::PowerOff => "power off",
+        }
+    }
 
     const fn action(self) -> Action {
         match self {
@@ -235,14 +246,17 @@ impl Check<'_> {
     /// Its action.
     ///
     /// # Errors
-    /// A force is to be held because of a signal that says nothing of a single cycle.
+    /// An action that the signal does not have.
     pub(super) fn action_or(&self, usual: Action) -> Result<Action, ScenarioError> {
         let Some(given) = self.given.and_then(|file| file.action) else { return Ok(usual) };
-        if given == ActionFile::Hold && !self.signal.may_hold {
+        let allowed = self.signal.actions;
+        if !allowed.contains(&given) {
+            let names: Vec<_> = allowed.iter().map(|action| action.name()).collect();
             return Err(self.source.whole_error(format!(
-                "[plausibility] {}: found action = \"hold\", expected log, ramp out, stop or power \
-                 off",
-                self.signal.name
+                "[plausibility] {}: found action = \"{}\", expected one of {}",
+                self.signal.name,
+                given.name(),
+                names.join(", ")
             )));
         }
         Ok(given.action())

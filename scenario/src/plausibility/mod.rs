@@ -20,6 +20,7 @@
 //! lost_in_a_row = { after_cycles = 5, action = "stop" }
 //! lost_of_50 = { limit_cycles = 8.0, action = "ramp out" }
 //! lost_of_250 = { limit_cycles = 18.0, action = "ramp out" }
+//! lost_rows = { after_cycles = 1000, action = "ramp out" }  # or log: the run goes on
 //! ```
 //! A signal is beyond its limit in `after_cycles` cycles in a row before its action follows. The
 //! actions are
@@ -49,8 +50,8 @@ use crate::error::ScenarioError;
 use crate::source::Source;
 use check::{Check, Limit, Signal};
 use firmware_core::supervision::{
-    Checks, Condition, LONG_CYCLES, LossLimits, OLDEST_CYCLES, RESIDUAL_SHARE, Rule, SHORT_CYCLES,
-    WorkLimits,
+    Action, Checks, Condition, LONG_CYCLES, LossLimits, OLDEST_CYCLES, RESIDUAL_SHARE, Rule,
+    SHORT_CYCLES, WorkLimits,
 };
 use serde::{Deserialize, Serialize};
 
@@ -94,6 +95,8 @@ pub struct PlausibilityFile {
     pub lost_of_50: Option<CheckFile>,
     /// The same, of 250.
     pub lost_of_250: Option<CheckFile>,
+    /// Rows of the record, lost in a row.
+    pub lost_rows: Option<CheckFile>,
 }
 
 /// What is believed of the rigs of a run.
@@ -104,6 +107,8 @@ pub struct Plausibility {
     /// The largest believed force.
     pub force: ForceLimit,
     residual: ResidualLimit,
+    /// Cycles in a row that the record may lose before the run ends in order; none: it goes on.
+    pub lost_rows: Option<u32>,
 }
 
 /// The largest believed force.
@@ -133,9 +138,13 @@ pub const BEYOND_STROKE_M: f64 = 2e-3;
 const FORCES_N: (f64, f64) = (100.0, 1e6);
 const LONGEST_CYCLES: Option<u32> = Some(10_000);
 
+/// Actions because of a signal that says nothing of a single force.
+const WITHOUT_HOLD: &[ActionFile] =
+    &[ActionFile::Log, ActionFile::RampOut, ActionFile::Stop, ActionFile::PowerOff];
+
 /// A signal with one limit, a debounce, and a force that can be held.
 const fn signal(name: &'static str, limits: &'static [(Limit, f64, f64)]) -> Signal {
-    Signal { name, limits, most_cycles: LONGEST_CYCLES, may_hold: true }
+    Signal { name, limits, most_cycles: LONGEST_CYCLES, actions: &ActionFile::ALL }
 }
 
 const FORCE: Signal =
@@ -146,9 +155,9 @@ const VELOCITY: Signal = signal("velocity", &[(Limit::Speed, 1e-3, 10.0)]);
 const ACCELERATION: Signal = signal("acceleration", &[(Limit::Acceleration, 1.0, 1e6)]);
 const TRACKING: Signal = signal("tracking", &[(Limit::Displacement, 1e-6, 1.0)]);
 const TEMPERATURE: Signal =
-    Signal { may_hold: false, ..signal("temperature", &[(Limit::Temperature, 0.0, 300.0)]) };
+    Signal { actions: WITHOUT_HOLD, ..signal("temperature", &[(Limit::Temperature, 0.0, 300.0)]) };
 const RESIDUAL: Signal = Signal {
-    may_hold: false,
+    actions: WITHOUT_HOLD,
     ..signal("residual", &[(Limit::Share, 1e-3, 100.0), (Limit::Force, 1.0, FORCES_N.1)])
 };
 const AGE: Signal = signal("age", &[(Limit::Cycles, 1.0, OLDEST_CYCLES as f64)]);
@@ -156,8 +165,11 @@ const INVALID_FORCE: Signal = signal("invalid_force", &[]);
 const INVALID_DISPLACEMENT: Signal = signal("invalid_displacement", &[]);
 const STUCK_FORCE: Signal = signal("stuck_force", &[]);
 const STUCK_DISPLACEMENT: Signal = signal("stuck_displacement", &[]);
-const WORK: Signal =
-    Signal { most_cycles: None, may_hold: false, ..signal("work", &[(Limit::Share, 1e-3, 1.0)]) };
+const WORK: Signal = Signal {
+    most_cycles: None,
+    actions: WITHOUT_HOLD,
+    ..signal("work", &[(Limit::Share, 1e-3, 1.0)])
+};
 const WORK_OF_TEN: Signal = Signal { name: "work_of_ten", ..WORK };
 /// A receiver that has lost more has lost the step of the counters.
 const LOST_IN_A_ROW: Signal =
@@ -170,6 +182,15 @@ const LOST_OF_250: Signal = Signal {
     most_cycles: None,
     ..signal("lost_of_250", &[(Limit::Cycles, 0.0, LONG_CYCLES as f64)])
 };
+
+/// A disk that is full moves no ram: nothing has to stop at once.
+const LOST_ROWS: Signal = Signal {
+    most_cycles: Some(100_000_000),
+    actions: &[ActionFile::Log, ActionFile::RampOut],
+    ..signal("lost_rows", &[])
+};
+/// Cycles in a row that the record may lose: a second.
+const LOST_ROWS_CYCLES: Condition = Condition { cycles: 1000, action: Action::RampOut };
 
 /// The checks where a file says nothing, for commands up to a stroke (m).
 fn usual(stroke_m: f64) -> Checks {
@@ -232,6 +253,7 @@ impl PlausibilityFile {
             lost_in_a_row: condition(&LOST_IN_A_ROW, &self.lost_in_a_row, row),
             lost_of_50: share(&LOST_OF_50, &self.lost_of_50, short, checks.lost_of_50),
             lost_of_250: share(&LOST_OF_250, &self.lost_of_250, long, checks.lost_of_250),
+            lost_rows: condition(&LOST_ROWS, &self.lost_rows, LOST_ROWS_CYCLES),
         }
     }
 
@@ -275,6 +297,7 @@ impl PlausibilityFile {
                 action: check.action_or(usual.action)?,
             })
         };
+        let lost_rows = condition(&LOST_ROWS, &self.lost_rows, LOST_ROWS_CYCLES)?;
         let checks = Checks {
             force: without_limit(&force, usual.force)?,
             force_rate: rule(&FORCE_RATE, &self.force_rate, usual.force_rate)?,
@@ -322,6 +345,7 @@ impl PlausibilityFile {
                 Some((_, share)) => ResidualLimit::Share(share),
                 None => ResidualLimit::Share(RESIDUAL_SHARE),
             },
+            lost_rows: (lost_rows.action != Action::Log).then_some(lost_rows.cycles),
         })
     }
 }
@@ -350,7 +374,6 @@ impl Plausibility {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use firmware_core::supervision::Action;
     use std::path::Path;
 
     fn built(text: &str) -> Result<Plausibility, ScenarioError> {
@@ -369,8 +392,8 @@ mod tests {
     fn the_defaults_written_out_build_the_same_and_name_every_signal() {
         let text = toml::to_string(&PlausibilityFile::default().with_defaults(0.1)).unwrap();
         assert_eq!(built(&text).unwrap(), built("").unwrap());
-        assert_eq!(text.matches("action = ").count(), 18, "{text}");
-        assert_eq!(text.matches("after_cycles = ").count(), 14, "{text}");
+        assert_eq!(text.matches("action = ").count(), 19, "{text}");
+        assert_eq!(text.matches("after_cycles = ").count(), 15, "{text}");
     }
 
     #[test]
@@ -379,9 +402,11 @@ mod tests {
             "velocity = { limit_m_per_s = 0.5 }\ntracking = { after_cycles = 7 }\n\
              work = { action = \"log\" }\nforce = { limit_n = 12e3, action = \"hold\" }\n\
              residual = { limit_n = 900.0, action = \"ramp out\" }\n\
-             lost_in_a_row = { after_cycles = 3 }\nlost_of_50 = { limit_cycles = 4 }\n",
+             lost_in_a_row = { after_cycles = 3 }\nlost_of_50 = { limit_cycles = 4 }\n\
+             lost_rows = { action = \"log\" }",
         )
         .unwrap();
+        assert_eq!((table.lost_rows, built("").unwrap().lost_rows), (None, Some(1000)));
         assert_eq!(table.force, ForceLimit::Force(12e3));
         let (checks, usual) = (table.checks(255, 12e3), Checks::usual(255, CYCLE_S, 12e3));
         let expected = Checks {
@@ -422,8 +447,13 @@ mod tests {
             ),
             (
                 "work = { action = \"hold\" }",
-                "table.toml: [plausibility] work: found action = \"hold\", expected log, ramp out, \
-                 stop or power off",
+                "table.toml: [plausibility] work: found action = \"hold\", expected one of \
+                 log, ramp out, stop, power off",
+            ),
+            (
+                "lost_rows = { action = \"stop\" }",
+                "table.toml: [plausibility] lost_rows: found action = \"stop\", expected one of \
+                 log, ramp out",
             ),
         ] {
             assert_eq!(built(text).unwrap_err().to_string(), expected);
