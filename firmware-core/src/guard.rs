@@ -42,3 +42,19 @@ impl Guard {
         self.force_n
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_is_held_until_the_next_that_is_a_number() {
+        let mut guard = Guard::default();
+        assert_eq!(guard.take(ForceInput::Missing), 0.0);
+        assert_eq!(guard.take(ForceInput::Fresh(1.5e3)), 1.5e3);
+        for bad in [ForceInput::Missing, ForceInput::Invalid, ForceInput::Fresh(f64::NAN)] {
+            assert_eq!(guard.take(bad), 1.5e3);
+        }
+        assert_eq!(guard.take(ForceInput::Fresh(-2.0)), -2.0);
+    }
+}

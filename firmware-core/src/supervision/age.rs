@@ -157,6 +157,25 @@ mod tests {
     }
 
     #[test]
+    fn a_delay_that_shrinks_by_a_cycle_is_in_step_and_by_two_is_not() {
+        let ages: heapless::Vec<Age, 200> = judged(200, |n| if n < 100 { 3 } else { 2 }).collect();
+        assert!(ages[3..99].iter().all(|age| *age == Age::New(3)));
+        assert!(ages[99..].iter().all(|age| *age == Age::New(2)));
+        let ages: heapless::Vec<Age, 200> = judged(200, |n| if n < 100 { 3 } else { 1 }).collect();
+        assert_eq!(ages[99], Age::Old);
+    }
+
+    #[test]
+    fn after_a_restart_any_counter_begins_the_sequence() {
+        let mut judge = AgeJudge::default();
+        assert_eq!(judge.take(3, Some(7), 8, MODULUS), Age::New(1));
+        judge.cycle();
+        assert_eq!(judge.take(12, Some(8), 9, MODULUS), Age::Old);
+        judge.restart();
+        assert_eq!((judge.age_cycles(), judge.take(12, Some(8), 9, MODULUS)), (None, Age::New(1)));
+    }
+
+    #[test]
     fn a_host_that_missed_three_cycles_found_its_rig_out_of_step_for_ever() {
         for missed in 1..=4_u8 {
             let mut judge = AgeJudge::default();

@@ -7,6 +7,7 @@ use firmware_core::supervision::{
     Action, Arrival, Belief, Cause, Checks, Condition, Frames, Growth, Measured, Rule,
     SecondSender, Signal,
 };
+use std::collections::VecDeque;
 
 /// The first cause under a fault, with the cycles since it began.
 fn cause(fault: impl FnMut(u32, Measured) -> Arrival) -> Option<(u32, Cause)> {
@@ -95,6 +96,23 @@ fn what_is_only_logged_or_held_ends_nothing() {
         };
         assert_eq!(bench.run(3000, reversed), None, "{action:?}");
         assert_eq!(bench.belief.action(), None);
+    }
+}
+
+#[test]
+fn a_measurement_of_any_age_is_compared_with_the_command_of_its_cycle() {
+    for age in 0..=5 {
+        let mut bench = Bench::new(0.5e-3);
+        // In a cycle, the command goes on by up to 76 um.
+        bench.checks.tracking = Rule { limit: 20e-6, ..bench.checks.tracking };
+        let mut on_the_way = VecDeque::new();
+        let late = |_: u32, measured: Measured| {
+            on_the_way.push_back(measured);
+            let is_due = on_the_way.len() > age;
+            let come = is_due.then(|| on_the_way.pop_front()).flatten();
+            come.map_or(Arrival::Nothing, Arrival::Frame)
+        };
+        assert_eq!(bench.run(1000, late), None, "{age}");
     }
 }
 
