@@ -1,11 +1,20 @@
 //! How long cycles took, and which frames passed the bus.
 
+use super::traces::line;
 use crate::counts::Counts;
+use crate::options::PaceChoice;
+use crate::statistics::ClockTraces;
 use crate::summary::Summary;
 use hdrhistogram::iterators::IterationValue;
 use report::{Cell, Plot, Section, Table, logarithmic_bins_of_counts};
+use scenario::run::Run;
 
-pub(super) fn timing(summary: &Summary, counts: &Counts) -> Section {
+pub(super) fn timing(
+    run: &Run,
+    summary: &Summary,
+    counts: &Counts,
+    clock: &ClockTraces,
+) -> Section {
     let values = |histogram: &hdrhistogram::Histogram<u64>| -> Vec<(f64, u64)> {
         // A value of the histogram stands for all cycles in its bucket.
         let of_bucket = |bucket: IterationValue<u64>| {
@@ -58,7 +67,48 @@ pub(super) fn timing(summary: &Summary, counts: &Counts) -> Section {
             late.max.into(),
         ]);
     }
-    Section::new("Timing").plot(plot).table(table)
+    let section = Section::new("Timing").plot(plot).table(table);
+    round_trip(run, deadlines(summary.pace, section, clock), clock)
+}
+
+/// Skipped ticks and late wake-ups over time, where a clock sets the pace.
+fn deadlines(pace: PaceChoice, section: Section, clock: &ClockTraces) -> Section {
+    if pace != PaceChoice::Realtime {
+        return section.text(&format!(
+            "Pace {}: no clock sets deadlines, so no tick can be skipped.",
+            pace.name()
+        ));
+    }
+    let plot = Plot::new("Skipped ticks and late wake-ups")
+        .caption("From the first cycle of the record, before RUN, to the last one.")
+        .x("time", "s")
+        .y("ticks skipped", "");
+    let plot = line(plot, "ticks skipped since the first cycle", &clock.skipped, 1.0)
+        .panel_below("wake-up late by", "µs");
+    section.plot(line(plot, "wake-up late by", &clock.lateness_ns, 1e-3))
+}
+
+/// The round trip of every rig over time.
+fn round_trip(run: &Run, section: Section, clock: &ClockTraces) -> Section {
+    let mut plot = Plot::new("Round trip of the rigs")
+        .caption(
+            "Cycles from a command to the cycle that receives the measurement which answers it; a \
+             gap where no valid new one arrived. It is the age in the record plus one.",
+        )
+        .x("time", "s")
+        .y("round trip", "cycles");
+    let mut any = false;
+    for (place, trace) in run.slots.iter().zip(&clock.round_trip_cycles) {
+        if trace.value.iter().any(|cycles| cycles.is_finite()) {
+            any = true;
+            plot = line(plot, &place.place, trace, 1.0);
+        }
+    }
+    if any {
+        section.plot(plot)
+    } else {
+        section.text("No measurement of a rig was received, so there is no round trip to show.")
+    }
 }
 
 pub(super) fn bus(summary: &Summary, plan: &[String]) -> Section {
