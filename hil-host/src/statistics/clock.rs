@@ -19,7 +19,7 @@ pub(crate) struct ClockTraces {
 
 impl ClockTraces {
     /// Of a record of so many rows.
-    pub(super) fn of_rows(rows: u64) -> Self {
+    pub(crate) fn of_rows(rows: u64) -> Self {
         Self {
             skipped: Trace::of_rows(rows),
             lateness_ns: Trace::of_rows(rows),
@@ -28,7 +28,7 @@ impl ClockTraces {
         }
     }
 
-    pub(super) fn take(&mut self, row: &Row) {
+    pub(crate) fn take(&mut self, row: &Row) {
         self.skipped_so_far += u64::from(row.skipped);
         self.skipped.take(row.time_s, self.skipped_so_far as f64, false);
         self.lateness_ns.take(row.time_s, f64::from(row.lateness_ns), false);

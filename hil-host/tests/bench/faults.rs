@@ -43,8 +43,8 @@ fn four_of_five_measurements_lost_ended_as_completed() {
 #[test]
 fn measurements_that_all_had_a_wrong_crc_were_reported_as_lost() {
     let stop = stop_of(Fault::FlipBits { bits: 1, every: 1 }, LASTS).unwrap();
-    assert_eq!((stop.cause.signal, stop.cycle), (Signal::WrongSeal, BEGIN + 4));
     // The fifth cycle with it.
+    assert_eq!((stop.cause.signal, stop.cycle), (Signal::WrongSeal, BEGIN + 4));
     let text = "rig node 1: measurements with a wrong CRC 5 cycles, limit 5 cycles";
     assert!(stop.to_string().ends_with(text), "{stop}");
 }
