@@ -4,7 +4,12 @@
 mod session;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use hil_host::record::Queues;
+use firmware_core::supervision::{Action, Checks, Rule, Signal};
+use hil_host::bus::MemoryBus;
+use hil_host::clock::Tick;
+use hil_host::control::{Buses, Notice, Notices, Session, SessionState};
+use hil_host::record::{Queues, Recorder};
+use scenario::run::BeyondLimits;
 use session::{cycles, ready, scenario, session};
 
 #[global_allocator]
@@ -25,4 +30,48 @@ fn a_control_cycle_with_a_rig_does_not_touch_the_heap() {
     assert!(state.ports[0].watch.view.residual_n.is_some());
     // The check itself works: an allocation inside would abort, one outside is free.
     drop(vec![0_u8; 64]);
+}
+
+#[test]
+fn what_the_loop_finds_leaves_it_without_touching_the_heap() {
+    let run = scenario("ss9-one-worn-of-four.toml", 5.0);
+    let track = run.track.view();
+    let mut session = session(&run, &track);
+    // Any force is noted, and a residual ends the run.
+    let usual = Checks::usual(session.profile.counter_modulus(), session.line.cycle_s, 100e3);
+    let checks = Checks {
+        force: Rule { limit: 1.0, action: Action::Log, ..usual.force },
+        residual: Rule { limit: 10.0, action: Action::RampOut, ..usual.residual },
+        ..usual
+    };
+    for port in &mut session.ports {
+        *port = port.clone().checked(checks, BeyondLimits::Saturate);
+    }
+    let (mut state, mut buses) = ready(&run, &session);
+    let mut queues = Queues::default();
+    let (mut recorder, drain) = queues.split();
+    assert_no_alloc(|| noticed(&session, &mut state, &mut buses, &mut recorder));
+    let found: Vec<Notice> = std::iter::from_fn(|| drain.notices.next()).collect();
+    let noted = |notice: &&Notice| match notice {
+        Notice::Noted(first) => first.cause.signal == Signal::Force,
+        Notice::Cause(_) => false,
+    };
+    assert_eq!(found.iter().filter(noted).count(), session.ports.len());
+    let cause = found.iter().filter(|notice| matches!(notice, Notice::Cause(_)));
+    assert_eq!(cause.collect::<Vec<_>>(), [&Notice::Cause(state.stop.unwrap())]);
+}
+
+/// Runs 3000 cycles and hands over what they find.
+fn noticed(
+    session: &Session<'_>,
+    state: &mut SessionState,
+    buses: &mut [MemoryBus],
+    recorder: &mut Recorder<'_>,
+) {
+    let mut buses = Buses::new(buses, recorder);
+    let mut notices = Notices::default();
+    for _ in 0..3000 {
+        session.cycle(state, &mut buses, Tick::default());
+        session.notify(state, &mut notices, buses.recorder());
+    }
 }

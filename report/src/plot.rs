@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use crate::error::Error;
-use crate::series::{Kind, Trace};
+use crate::series::{Kind, Samples, Trace};
 
 /// One axis: what it carries, in which unit, on which scale.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -159,6 +159,15 @@ impl Plot {
     #[must_use]
     pub fn line(self, name: &str, x: &[f64], y: &[f64]) -> Self {
         self.trace(Trace::new(name, Kind::Line { dashed: false }, x, y))
+    }
+
+    /// Draws a line through samples that were chosen from a longer record; the page states the
+    /// number of samples in the record.
+    #[must_use]
+    pub fn line_of(self, name: &str, x: &[f64], y: &[f64], of: Samples) -> Self {
+        debug_assert!(of.all >= y.len() as u64, "{} of {of:?}", y.len());
+        let trace = Trace::new(name, Kind::Line { dashed: false }, x, y);
+        self.trace(Trace { of: Some(of), ..trace })
     }
 
     /// Draws a dashed line: a model over a record, a nominal curve, a reference.

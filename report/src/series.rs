@@ -9,6 +9,17 @@ pub(crate) struct Trace {
     pub(crate) kind: Kind,
     pub(crate) x: Vec<f64>,
     pub(crate) y: Vec<f64>,
+    /// The record that the samples were chosen from; none where they are all.
+    pub(crate) of: Option<Samples>,
+}
+
+/// How many samples a record has, where only some of them are handed to a plot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Samples {
+    /// All samples of the record.
+    pub all: u64,
+    /// Those of them that are not finite.
+    pub not_finite: u64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +50,7 @@ pub(crate) enum Kind {
 
 impl Trace {
     pub(crate) fn new(name: &str, kind: Kind, x: &[f64], y: &[f64]) -> Self {
-        Self { name: name.to_owned(), kind, x: x.to_vec(), y: y.to_vec() }
+        Self { name: name.to_owned(), kind, x: x.to_vec(), y: y.to_vec(), of: None }
     }
 
     /// Checks that the columns fit each other.

@@ -9,7 +9,7 @@ use crate::thin::{self, MAX_DRAWN};
 pub(crate) fn lines(plot: &Plot) -> Vec<String> {
     let mut lines = Vec::new();
     let traces = || plot.panels.iter().flat_map(|p| p.traces.iter().map(move |t| (p, t)));
-    for (_, trace) in traces().filter(|(_, t)| t.y.len() > MAX_DRAWN) {
+    for (_, trace) in traces().filter(|(_, trace)| all(trace) > MAX_DRAWN as u64) {
         let off_by = || thin::choose(&trace.x, &trace.y, false, plot.x.log, None).off_by;
         let how = match trace.kind {
             Kind::Bars | Kind::Map { .. } | Kind::NamedBars { .. } => continue,
@@ -26,14 +26,20 @@ pub(crate) fn lines(plot: &Plot) -> Vec<String> {
                 }
             }
         };
-        let line =
-            format!("Drawn with at most about {MAX_DRAWN} of {} samples, {how}.", trace.y.len());
+        let drawn = match trace.y.len() {
+            kept if kept > MAX_DRAWN => format!("at most about {MAX_DRAWN}"),
+            kept => kept.to_string(),
+        };
+        let line = format!("Drawn with {drawn} of {} samples, {how}.", all(trace));
         if !lines.contains(&line) {
             lines.push(line);
         }
     }
     for (panel, trace) in traces() {
-        let (gaps, samples) = gaps(trace, plot.x.log, panel.y.log);
+        let (gaps, samples) = match trace.of {
+            Some(of) => (of.not_finite, of.all),
+            None => gaps(trace, plot.x.log, panel.y.log),
+        };
         if gaps > 0 {
             let log = plot.x.log || panel.y.log;
             let why = if log { "not finite or not positive" } else { "not finite" };
@@ -44,14 +50,19 @@ pub(crate) fn lines(plot: &Plot) -> Vec<String> {
     lines
 }
 
+/// The samples of the record that a trace shows.
+fn all(trace: &Trace) -> u64 {
+    trace.of.map_or(trace.y.len() as u64, |of| of.all)
+}
+
 /// How many samples cannot be drawn, and of how many.
-fn gaps(trace: &Trace, log_x: bool, log_y: bool) -> (usize, usize) {
+fn gaps(trace: &Trace, log_x: bool, log_y: bool) -> (u64, u64) {
     let bad = |v: f64, log: bool| !v.is_finite() || (log && v <= 0.0);
     let in_values = |values: &[f64], log: bool| values.iter().filter(|&&v| bad(v, log)).count();
     let in_pairs = |y: &[f64]| {
         trace.x.iter().zip(y).filter(|&(&x, &y)| bad(x, log_x) || bad(y, log_y)).count()
     };
-    match &trace.kind {
+    let (gaps, samples) = match &trace.kind {
         Kind::Map { z, .. } => (in_values(z, false), z.len()),
         Kind::NamedBars { .. } => (in_values(&trace.x, log_x), trace.x.len()),
         // A bar of height zero is an empty bin and no gap.
@@ -60,5 +71,6 @@ fn gaps(trace: &Trace, log_x: bool, log_y: bool) -> (usize, usize) {
         Kind::Line { .. } | Kind::Backdrop | Kind::LineWithPoints | Kind::Scatter => {
             (in_pairs(&trace.y), trace.x.len())
         }
-    }
+    };
+    (gaps as u64, samples as u64)
 }

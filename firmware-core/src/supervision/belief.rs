@@ -69,6 +69,8 @@ pub struct Belief {
     is_new: bool,
     last_echo: Option<u8>,
     measurements: Loss,
+    /// Cycles in a row in which frames came, and all of them failed their check.
+    damaged_cycles: u32,
     commands: Loss,
     invalid_cycles: u32,
     old_cycles: u32,
@@ -109,6 +111,8 @@ impl Belief {
     pub fn take(&mut self, checks: &Checks, arrival: Arrival, sent: Option<u8>) -> ForceInput {
         self.age.cycle();
         self.since_displacement = self.since_displacement.saturating_add(1);
+        let is_damaged = arrival == Arrival::Damaged;
+        self.damaged_cycles = if is_damaged { self.damaged_cycles.saturating_add(1) } else { 0 };
         let input = match (arrival, sent) {
             (Arrival::Frame(measured), Some(sent)) => self.judge(checks, &measured, sent),
             // Before the first command there is nothing to answer.
@@ -223,7 +227,14 @@ impl Belief {
 
     fn count_losses(&mut self, checks: &Checks, came: bool) {
         let verdict = self.measurements.take(&checks.lost, !came);
-        self.on_loss(checks, verdict, Signal::LostMeasurements);
+        // Where all of them came and failed their check, none was lost on the way.
+        let has_come = !came && self.damaged_cycles >= self.measurements.in_a_row();
+        let signal = if has_come && verdict == LossVerdict::Row {
+            Signal::WrongSeal
+        } else {
+            Signal::LostMeasurements
+        };
+        self.on_loss(checks, verdict, signal);
     }
 
     fn on_loss(&mut self, checks: &Checks, verdict: LossVerdict, signal: Signal) {

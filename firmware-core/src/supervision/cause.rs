@@ -45,7 +45,7 @@ pub enum Signal {
     RigFault,
     /// A rig that is silent.
     SilentRig,
-    /// Measurements of a rig that are not sealed by this session.
+    /// Measurements that come and all fail their CRC: damaged, or not sealed by this session.
     WrongSeal,
     /// Commands that the bus has no room for.
     BusQueue,
@@ -153,7 +153,7 @@ impl Signal {
             Self::RigTrip => "guard or limit of the rig",
             Self::RigFault => "fault of the rig",
             Self::SilentRig => "silent rig",
-            Self::WrongSeal => "measurements that this session has not sealed",
+            Self::WrongSeal => "measurements with a wrong CRC",
             Self::BusQueue => "commands without room on the bus",
             Self::BusDown => "bus down",
             Self::Growth => "size of a motion that grows towards the end of the stroke",
@@ -194,12 +194,12 @@ impl Signal {
             | Self::InvalidDisplacement
             | Self::StuckForce
             | Self::StuckDisplacement
+            | Self::WrongSeal
             | Self::BusQueue => Some("cycles"),
             Self::RigState
             | Self::RigTrip
             | Self::RigFault
             | Self::SilentRig
-            | Self::WrongSeal
             | Self::CommandLimit
             | Self::BusDown
             | Self::SecondSender

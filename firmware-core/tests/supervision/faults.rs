@@ -215,5 +215,12 @@ fn row_18_a_rig_that_starts_anew_is_out_of_step() {
 #[test]
 fn a_damaged_frame_is_held_and_five_in_a_row_stop() {
     let cause = found(|n, m| if n >= FAULT { Arrival::Damaged } else { Arrival::Frame(m) });
+    assert_eq!(cause, Some((Signal::WrongSeal, 5, Action::Stop)));
+    // One that is lost among them, and they count as lost.
+    let cause = found(|n, m| match n {
+        n if n == FAULT + 1 => Arrival::Nothing,
+        n if n >= FAULT => Arrival::Damaged,
+        _ => Arrival::Frame(m),
+    });
     assert_eq!(cause, Some((Signal::LostMeasurements, 5, Action::Stop)));
 }

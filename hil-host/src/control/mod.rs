@@ -10,7 +10,8 @@
 //! its buses and the recorder that keeps every frame. [`Session::greet`] meets the rigs and arms
 //! them. A [`Port`] is the host's end of one rig: what
 //! is believed of it, what it says of itself, and a [`Watch`] over its damper. The first cause that
-//! ends a run is a [`Stop`].
+//! ends a run is a [`Stop`]. [`Session::notify`] hands it to the events of the run, and what a
+//! check has noted.
 
 mod arming;
 mod buses;
@@ -19,6 +20,7 @@ mod greeting;
 mod hash;
 mod news;
 mod no_answer;
+mod notices;
 mod overheard;
 mod pacing;
 mod port;
@@ -31,13 +33,14 @@ mod watch;
 
 pub use buses::Buses;
 pub use no_answer::NoAnswer;
+pub use notices::Notices;
 pub(crate) use pacing::Ending;
 pub use pacing::{End, Pace, SILENCE, STOP_CYCLES};
 pub(crate) use port::MOST_FORCE_N;
 pub use port::{Port, PortState};
 pub use requests::Requests;
 pub use session::{Session, SessionState};
-pub use stop::{NotedSummary, Stop, StopSummary};
+pub use stop::{NotedSummary, Notice, Stop, StopSummary};
 pub use terms::Arming;
 pub use watch::{View, Watch, WatchState};
 

@@ -53,7 +53,7 @@ pub enum NoAnswer {
 
 impl NoAnswer {
     /// The error of a run on a bus.
-    pub(crate) fn on(self, bus: &BusChoice) -> BenchError {
+    pub fn on(self, bus: &BusChoice) -> BenchError {
         let bus = bus.to_string();
         match self {
             Self::Silent(nodes) => BenchError::SilentRigs { nodes, bus },

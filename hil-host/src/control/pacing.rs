@@ -1,6 +1,7 @@
 //! Cycle after cycle: who sets the pace, and how a session ends.
 
 use super::buses::Buses;
+use super::notices::Notices;
 use super::requests::Requests;
 use super::session::{Session, SessionState};
 use crate::bus::Bus;
@@ -116,10 +117,12 @@ impl Session<'_> {
         if let Pace::Realtime(pacer) = pace {
             pacer.restart();
         }
-        let mut ending = Ending::default();
+        let (mut ending, mut notices) = (Ending::default(), Notices::default());
         let mut tick = Tick::default();
         let end = loop {
             let row = self.cycle(state, buses, tick);
+            // Before the row: what is found in a cycle is written no later than its row.
+            self.notify(state, &mut notices, buses.recorder());
             buses.recorder().row(row);
             if requests.is_stopping() {
                 self.stop(state, None, Self::fact(Signal::Operator), Action::Stop);
@@ -130,6 +133,7 @@ impl Session<'_> {
             }
             tick = self.wait(state, buses, pace);
         };
+        self.notify(state, &mut notices, buses.recorder());
         self.close(state, buses, end);
         end
     }

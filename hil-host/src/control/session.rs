@@ -10,7 +10,7 @@ use can_protocol::arming::Quiet;
 use can_protocol::{Frame, Heartbeat, Pace as WirePace, Profile, Sender, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
 use firmware_core::line::{Fade, Line, LineState, Slot};
-use firmware_core::supervision::{Action, Cause, Event, Signal};
+use firmware_core::supervision::{Action, Cause, Event, Noted, Signal};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 
@@ -105,13 +105,22 @@ impl Session<'_> {
 
     /// What was beyond a limit of a rig and ended nothing.
     pub fn noted(&self, state: &SessionState) -> std::vec::Vec<NotedSummary> {
-        let time_s = |cycle| state.line.time_of_s(cycle, self.line.cycle_s);
         let ports = self.ports.iter().zip(&state.ports);
         let noted = ports.flat_map(|(port, memory)| {
             let node = port.node.number();
-            memory.belief.noted().map(move |noted| NotedSummary::of(node, &noted, time_s))
+            memory
+                .belief
+                .noted()
+                .map(move |noted| NotedSummary::of(&noted, self.first_of(state, node, &noted)))
         });
         noted.collect()
+    }
+
+    /// The first time that something was noted of a rig.
+    pub(super) fn first_of(&self, state: &SessionState, node: u8, noted: &Noted) -> Stop {
+        let cycle = noted.first_cycle;
+        let time_s = state.line.time_of_s(cycle, self.line.cycle_s);
+        Stop { cycle, time_s, node: Some(node), cause: noted.first }
     }
 
     /// Whether there is anything to fade in and out.

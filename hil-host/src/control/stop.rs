@@ -18,6 +18,15 @@ pub struct Stop {
     pub cause: Cause,
 }
 
+/// Something that the loop has found, for the events of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Notice {
+    /// What stopped the session.
+    Cause(Stop),
+    /// The first time that something was beyond a limit which ends nothing.
+    Noted(Stop),
+}
+
 /// A request to drop the pressure, which is sent twice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PressureRequest {
@@ -82,11 +91,9 @@ pub struct NotedSummary {
 }
 
 impl NotedSummary {
-    /// What was noted of a rig; `time_s` is the time of a cycle.
-    pub(super) fn of(node: u8, noted: &Noted, time_s: impl Fn(u64) -> f64) -> Self {
-        let cycle = noted.first_cycle;
-        let stop = Stop { cycle, time_s: time_s(cycle), node: Some(node), cause: noted.first };
-        Self { first: stop.summary(), times: noted.times, largest: noted.largest }
+    /// What was noted of a rig, and its first time.
+    pub(super) fn of(noted: &Noted, first: Stop) -> Self {
+        Self { first: first.summary(), times: noted.times, largest: noted.largest }
     }
 }
 
@@ -184,6 +191,9 @@ impl fmt::Display for Stop {
         write!(f, "{}", signal.name())?;
         match (self.coded(), signal.unit()) {
             (Some(code), _) => write!(f, " {code}"),
+            // A fact that no limit has counted.
+            (None, Some("cycles")) if !limit.is_finite() => Ok(()),
+            (None, Some("cycles")) => write!(f, " {value:.0} cycles, limit {limit:.0} cycles"),
             (None, Some(unit)) => {
                 write!(f, " {} {unit}", report::significant(value, 4))?;
                 let limit = limit.is_finite().then(|| report::significant(limit, 4));
@@ -211,6 +221,11 @@ mod tests {
             (stop(Signal::RigState, 7.0, f64::INFINITY), "state of the rig FAULT"),
             (stop(Signal::RigFault, 36.0, f64::INFINITY), "fault of the rig EMERGENCY_STOP (36)"),
             (stop(Signal::SecondSender, 513.0, f64::INFINITY), "second sender on 0x201"),
+            (
+                stop(Signal::WrongSeal, 5.0, 5.0),
+                "measurements with a wrong CRC 5 cycles, limit 5 cycles",
+            ),
+            (stop(Signal::WrongSeal, 1.0, f64::INFINITY), "measurements with a wrong CRC"),
             (
                 stop(Signal::RigTrip, 192.0, f64::INFINITY),
                 "guard or limit of the rig GUARD_OPEN, EMERGENCY_STOP",

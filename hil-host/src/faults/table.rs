@@ -77,7 +77,8 @@ const fn for_ever(number: u8, what: &'static str, fault: Fault, expected: Expect
 const LOST: &[Signal] = &[S::LostMeasurements];
 const LOST_EITHER_WAY: &[Signal] = &[S::LostCommands, S::LostMeasurements];
 const LOST_OR_OLD: &[Signal] = &[S::LostMeasurements, S::OldMeasurements];
-const LOST_OR_FOREIGN: &[Signal] = &[S::LostMeasurements, S::SecondSender];
+/// Frames that fail their CRC, unless one passes by chance.
+const LOST_OR_FOREIGN: &[Signal] = &[S::LostMeasurements, S::WrongSeal, S::SecondSender];
 /// The rig may stop first, and say so.
 const NO_COMMANDS: &[Signal] =
     &[S::LostCommands, S::LostMeasurements, S::OldMeasurements, S::RigState, S::RigFault];

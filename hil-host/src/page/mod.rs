@@ -77,7 +77,12 @@ pub(crate) fn page(
     if let Some(section) = watch(run, counts, &statistics.traces) {
         report = report.section(section);
     }
-    report = report.section(spectra(run, &statistics.shown)).section(timing(summary, counts));
+    report = report.section(spectra(run, &statistics.shown)).section(timing(
+        run,
+        summary,
+        counts,
+        &statistics.traces.clock,
+    ));
     if let Some(section) = events(summary) {
         report = report.section(section);
     }

@@ -1,7 +1,7 @@
 //! Time histories and loops: accelerations, damper forces, force over stroke and velocity.
 
-use super::traces::{kilo, milli};
-use crate::statistics::{Trace, Traces};
+use super::traces::{kilo, line, milli};
+use crate::statistics::Traces;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use report::{Plot, Section};
 use scenario::run::Run;
@@ -9,8 +9,7 @@ use scenario::run::Run;
 pub(super) fn accelerations(traces: &Traces) -> Section {
     let plot = |title: &str, offset: usize| {
         let trace = |plot: Plot, name: &str, index: usize| {
-            let Trace { time_s, value, .. } = &traces.acceleration[index];
-            plot.line(name, time_s, value)
+            line(plot, name, &traces.acceleration[index], 1.0)
         };
         let plot = Plot::new(title).x("time", "s").y("wheelset 1", "m/s²");
         let plot = trace(plot, "wheelset 1", 4 + offset).panel_below("bogie, front", "m/s²");
@@ -29,8 +28,7 @@ pub(super) fn forces(run: &Run, traces: &Traces) -> Section {
         let mut plot =
             Plot::new(&format!("Force of {}", names(slots))).x("time", "s").y("force", "kN");
         for (side, slot) in slots.iter().enumerate() {
-            let force = &traces.force[2 * number + side];
-            plot = plot.line(&slot.place, &force.time_s, &kilo(&force.value));
+            plot = line(plot, &slot.place, &traces.force[2 * number + side], 1e-3);
         }
         if let Some(zoom) = &traces.zoom[2 * number] {
             plot = plot.zoom("Enlarged: the dead zone at every reversal", zoom.clone());

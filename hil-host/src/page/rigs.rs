@@ -1,7 +1,7 @@
 //! How well every rig followed, and what its damper did against its model.
 
-use super::traces::{kilo, milli};
-use crate::statistics::{RigTraces, Statistics, Trace};
+use super::traces::line;
+use crate::statistics::{RigTraces, Statistics};
 use report::{Cell, Plot, Section, Table};
 use scenario::run::{Run, SlotForce};
 
@@ -33,20 +33,14 @@ pub(super) fn rigs(run: &Run, statistics: &Statistics) -> Option<Section> {
         ]);
         let RigTraces { command_m, measured_m, error_m, measured_n, model_n } =
             &statistics.traces.rigs[slot];
-        let millimetres = |plot: Plot, name: &str, trace: &Trace| {
-            plot.line(name, &trace.time_s, &milli(&trace.value))
-        };
-        let kilonewtons = |plot: Plot, name: &str, trace: &Trace| {
-            plot.line(name, &trace.time_s, &kilo(&trace.value))
-        };
         let stroke = Plot::new(&format!("Stroke of {}", place.place));
         let stroke = stroke.x("time", "s").y("displacement", "mm");
-        let stroke = millimetres(stroke, "command", command_m);
-        let stroke = millimetres(stroke, "measured", measured_m).panel_below("error", "mm");
-        let stroke = millimetres(stroke, "measured less command", error_m);
+        let stroke = line(stroke, "command", command_m, 1e3);
+        let stroke = line(stroke, "measured", measured_m, 1e3).panel_below("error", "mm");
+        let stroke = line(stroke, "measured less command", error_m, 1e3);
         let force = Plot::new(&format!("Force of {} and of its model", place.place));
-        let force = kilonewtons(force.x("time", "s").y("force", "kN"), "measured", measured_n);
-        section = section.plot(stroke).plot(kilonewtons(force, "model", model_n));
+        let force = line(force.x("time", "s").y("force", "kN"), "measured", measured_n, 1e-3);
+        section = section.plot(stroke).plot(line(force, "model", model_n, 1e-3));
     }
     any.then(|| section.table(table))
 }

@@ -1,5 +1,7 @@
 //! Traces in the units that a report shows, and what is worth showing of them.
 
+use crate::statistics::Trace;
+use report::Plot;
 use signal::spectrum::Welch;
 
 pub(crate) fn kilo(values: &[f64]) -> Vec<f64> {
@@ -8,6 +10,12 @@ pub(crate) fn kilo(values: &[f64]) -> Vec<f64> {
 
 pub(crate) fn milli(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value * 1e3).collect()
+}
+
+/// Draws a trace over time, in a unit of which one of the trace has so many.
+pub(super) fn line(plot: Plot, name: &str, trace: &Trace, scale: f64) -> Plot {
+    let values: Vec<f64> = trace.value.iter().map(|value| value * scale).collect();
+    plot.line_of(name, &trace.time_s, &values, trace.samples())
 }
 
 /// Highest frequency that spectra show (Hz).

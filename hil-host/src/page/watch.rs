@@ -1,5 +1,6 @@
 //! The residual of every watched rig.
 
+use super::traces::line;
 use crate::counts::Counts;
 use crate::statistics::Traces;
 use can_protocol::Watch;
@@ -41,7 +42,7 @@ pub(super) fn watch(run: &Run, counts: &Counts, traces: &Traces) -> Option<Secti
             Plot::new(&format!("Residual of {}", place.place)).x("time", "s").y("rms", "N");
         for (name, trace) in [("running rms", rms), ("limit", limit)] {
             if !trace.value.is_empty() {
-                plot = plot.line(name, &trace.time_s, &trace.value);
+                plot = line(plot, name, trace, 1.0);
             }
         }
         section = section.plot(plot);

@@ -4,7 +4,7 @@ use super::durable::{Appender, Durable};
 use super::input_kind::InputKind;
 use super::row::Row;
 use super::storage::Storage;
-use crate::control::StopSummary;
+use crate::control::{Notice, Stop};
 use can_protocol::{RunState, Watch};
 use files::{Limit, input};
 use firmware_core::vehicle::DAMPER_SLOTS;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub struct RunEvent {
     /// Model time (s).
     pub time_s: f64,
-    /// The control cycle; zero before the first one.
+    /// The control cycle, from one.
     pub cycle: u64,
     /// What it is.
     #[serde(rename = "event")]
@@ -40,17 +40,22 @@ pub struct RunEvent {
 }
 
 impl RunEvent {
-    /// What stopped a run.
-    pub(crate) fn cause(stop: &StopSummary) -> Self {
+    /// What stopped a run, or was noted.
+    pub(crate) fn of(notice: &Notice) -> Self {
+        let (kind, stop) = match notice {
+            Notice::Cause(stop) => ("cause", stop),
+            Notice::Noted(first) => ("noted", first),
+        };
+        let Stop { cycle, time_s, node, cause } = *stop;
         Self {
-            time_s: stop.time_s,
-            cycle: stop.cycle,
-            what: format!("cause: {}", stop.message).into(),
+            time_s,
+            cycle,
+            what: format!("{kind}: {stop}").into(),
             slot: None,
-            value: Some(stop.value),
-            limit: stop.limit,
-            node: stop.node,
-            signal: Some(stop.signal.clone()),
+            value: Some(cause.value),
+            limit: cause.limit.is_finite().then_some(cause.limit),
+            node,
+            signal: Some(cause.signal.key().to_owned()),
         }
     }
 }
@@ -125,7 +130,11 @@ impl<S: Storage> EventLog<S> {
     /// # Errors
     /// The disk is full, or gone.
     pub(crate) fn take(&mut self, row: &Row) -> io::Result<()> {
-        if self.state.replace(row.state) != Some(row.state) {
+        let before = self.state.replace(row.state);
+        if before.is_none() {
+            self.write(&of(row, "run begun"))?;
+        }
+        if before != Some(row.state) {
             self.write(&of(row, entered(row.state)))?;
         }
         for slot in 0..DAMPER_SLOTS {
@@ -231,7 +240,8 @@ mod tests {
         std::fs::write(&path, &text[..text.len() - 9]).unwrap();
         assert_eq!(read_events(&path), read[..read.len() - 1]);
         std::fs::remove_file(path).unwrap();
-        let expected = r#"{"time_s":0.0,"cycle":1,"event":"state RUN","slot":null,"value":null,"limit":null}
+        let expected = r#"{"time_s":0.0,"cycle":1,"event":"run begun","slot":null,"value":null,"limit":null}
+{"time_s":0.0,"cycle":1,"event":"state RUN","slot":null,"value":null,"limit":null}
 {"time_s":0.204,"cycle":205,"event":"no valid force","slot":2,"value":5.0,"limit":5.0}
 {"time_s":0.207,"cycle":208,"event":"valid force again","slot":2,"value":7.0,"limit":5.0}
 {"time_s":0.499,"cycle":500,"event":"drift raised","slot":1,"value":30.0,"limit":20.0}

@@ -2,7 +2,8 @@
 //!
 //! The loop puts entries into two queues that hold four seconds. One ordinary thread per queue
 //! polls it and writes what it finds at once, so that a program that is killed leaves all but the
-//! last hundredths of a second; a third thread has the disk hold it. A full queue drops and
+//! last hundredths of a second; a third thread has the disk hold it. A third queue, for the few
+//! notices of the loop, is emptied by the thread of the rows. A full queue drops and
 //! counts where a clock sets the pace; without a clock the loop waits for room. What the disk does
 //! not take is dropped and counted too. [`measured`] reads a record or a bus log back as a damper
 //! test.

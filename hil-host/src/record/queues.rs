@@ -5,7 +5,9 @@
 
 use super::bus_log::BusEvent;
 use super::row::Row;
+use crate::control::Notice;
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
+use firmware_core::supervision::Signal;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -21,6 +23,9 @@ pub const ROWS: usize = HELD_S * ROWS_PER_S;
 
 /// Frames in a second for each rig: a command and a measurement in every cycle, and slow messages.
 const FRAMES_PER_S: usize = 2 * ROWS_PER_S + 128;
+
+/// What a run can find: one cause, and one note for each signal of each rig.
+const NOTICES: usize = 1 + DAMPER_SLOTS * Signal::ALL.len();
 
 /// Time between two looks into an empty queue.
 const POLL: Duration = Duration::from_millis(10);
@@ -42,6 +47,7 @@ pub struct LoggedFrame {
 pub struct Queues {
     rows: (Sender<Row>, Receiver<Row>),
     events: (Sender<LoggedFrame>, Receiver<LoggedFrame>),
+    notices: (Sender<Notice>, Receiver<Notice>),
 }
 
 impl Default for Queues {
@@ -54,7 +60,11 @@ impl Default for Queues {
 impl Queues {
     /// Queues that hold four seconds of a run with so many rigs.
     pub fn for_rigs(rigs: usize) -> Self {
-        Self { rows: bounded(ROWS), events: bounded(HELD_S * FRAMES_PER_S * rigs.max(1)) }
+        Self {
+            rows: bounded(ROWS),
+            events: bounded(HELD_S * FRAMES_PER_S * rigs.max(1)),
+            notices: bounded(NOTICES),
+        }
     }
 
     /// The loop's end and the recorder's end.
@@ -63,6 +73,7 @@ impl Queues {
             Recorder {
                 rows: &self.rows.0,
                 events: &self.events.0,
+                notices: &self.notices.0,
                 cycle: 1,
                 may_wait: false,
                 rows_lost_at_most: u64::MAX,
@@ -70,7 +81,11 @@ impl Queues {
                 dropped_events: 0,
                 dropped_in_a_row: 0,
             },
-            Drain { rows: Outlet(&self.rows.1), events: Outlet(&self.events.1) },
+            Drain {
+                rows: Outlet(&self.rows.1),
+                events: Outlet(&self.events.1),
+                notices: Outlet(&self.notices.1),
+            },
         )
     }
 }
@@ -79,6 +94,7 @@ impl Queues {
 pub struct Recorder<'a> {
     rows: &'a Sender<Row>,
     events: &'a Sender<LoggedFrame>,
+    notices: &'a Sender<Notice>,
     /// The cycle that frames belong to.
     cycle: u64,
     /// Whether the loop may wait for room: there is no clock that it would miss.
@@ -112,6 +128,12 @@ impl Recorder<'_> {
         }
     }
 
+    /// Hands over what the loop has found.
+    pub fn notice(&mut self, notice: Notice) {
+        // A run has room for all of its own; every one is in the summary too.
+        let _has_room = put(self.notices, notice, false);
+    }
+
     /// Whether more rows were lost one after the other than may be.
     pub const fn is_overrun(&self) -> bool {
         self.dropped_in_a_row > self.rows_lost_at_most
@@ -138,10 +160,13 @@ pub struct Drain<'a> {
     pub rows: Outlet<'a, Row>,
     /// Frames out of the loop.
     pub events: Outlet<'a, LoggedFrame>,
+    /// What the loop has found, before the row of its cycle.
+    pub notices: Outlet<'a, Notice>,
 }
 
 impl Drain<'_> {
-    /// Empties both queues until `done` is set and they are empty, and keeps nothing.
+    /// Empties the queues of rows and frames until `done` is set and they are empty, and keeps
+    /// nothing.
     pub fn discard(self, done: &AtomicBool) {
         std::thread::scope(|scope| {
             scope.spawn(|| self.events.run(done, |_| {}));
@@ -155,6 +180,11 @@ impl Drain<'_> {
 pub struct Outlet<'a, T>(&'a Receiver<T>);
 
 impl<T> Outlet<'_, T> {
+    /// The next entry, if there is one.
+    pub fn next(&self) -> Option<T> {
+        self.0.try_recv().ok()
+    }
+
     /// Hands what is in the queue to `take`, in batches, until `done` is set and nothing is left.
     pub fn run(&self, done: &AtomicBool, mut take: impl FnMut(&[T])) {
         let mut batch = Vec::with_capacity(BATCH);

@@ -4,7 +4,7 @@ use super::handshake::{Epoch, Heard};
 use super::progress::{self, Progress};
 use crate::BenchError;
 use crate::bus::{Bus, BusChoice};
-use crate::control::{Buses, End, Pace, Requests, Session, SessionState};
+use crate::control::{Buses, End, Notice, Pace, Requests, Session, SessionState};
 use crate::counts::Counts;
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
@@ -120,12 +120,9 @@ pub(super) fn record<B: Bus, P: Place>(
         Ok(writer)
     });
     let record = record.map_err(failed(RunFile::Record))?;
-    let of_events = failed(RunFile::Events);
-    let mut happened = EventLog::begin(place.make(RunFile::Events, 1).map_err(&of_events)?);
+    let events = place.make(RunFile::Events, 1).map_err(failed(RunFile::Events))?;
+    let happened = EventLog::begin(events);
     open[2].add(happened.file());
-    happened
-        .write(&of_run(0, state.line.time_s(session.line.cycle_s), "run begun"))
-        .map_err(&of_events)?;
     // The headers, before anything moves.
     open[0].hold().map_err(failed(RunFile::Record))?;
     let mut queues = Queues::for_rigs(session.ports.len());
@@ -135,11 +132,11 @@ pub(super) fn record<B: Bus, P: Place>(
     let (progress, shown) = Progress::new(session.line.speed_m_per_s * 3.6);
     let (running, ended) = bounded::<()>(0);
     std::thread::scope(|scope| {
-        let (done, open, Drain { rows, events }) = (&done, &open, drain);
+        let (done, open, Drain { rows, events, notices }) = (&done, &open, drain);
         let record = scope.spawn(move || {
             let loss = no_loss();
             let to = RowOutput { record, part_cycles, happened, progress, cycle_ns, loss };
-            write_rows(to, &rows, done, requests)
+            write_rows(to, (&rows, &notices), done, requests)
         });
         let log = scope.spawn(move || {
             let to = FrameOutput { log: lines, part_cycles, loss: no_loss() };
@@ -175,9 +172,6 @@ pub(super) fn record<B: Bus, P: Place>(
         let (record, counts, mut happened) = joined(record)?;
         let (cycle, time_s) = (state.line.cycle, state.line.time_s(session.line.cycle_s));
         // A disk that does not take it is named below or has taken all rows.
-        if let Some(stop) = &state.stop {
-            let _ = happened.write(&RunEvent::cause(&stop.summary()));
-        }
         let _ = happened.write(&of_run(cycle, time_s, ended_as(end)));
         let (log, [record_held, log_held]) = (joined(log)?, joined(sync)?);
         let dropped = recorder.dropped_rows + recorder.dropped_events + record.count + log.count;
@@ -248,15 +242,18 @@ const fn ended_as(end: End) -> &'static str {
     }
 }
 
-/// Writes the rows, and counts what progress and summary need.
+/// Writes the rows, and what happened no later than the row of its cycle; counts what progress and
+/// summary need.
 fn write_rows<S: Storage>(
     to: RowOutput<'_, S>,
-    rows: &Outlet<'_, Row>,
+    (rows, notices): (&Outlet<'_, Row>, &Outlet<'_, Notice>),
     done: &AtomicBool,
     requests: &Requests,
 ) -> (Loss, Counts, EventLog<S>) {
     let RowOutput { mut record, part_cycles, mut happened, mut progress, cycle_ns, mut loss } = to;
     let mut counts = Counts::default();
+    let found = || notices.next().map(|notice| RunEvent::of(&notice));
+    let mut next: Option<RunEvent> = None;
     rows.run(done, |rows| {
         for (part, rows) in by_part(rows, part_cycles, |row| row.cycle) {
             let Some(last) = rows.last() else { continue };
@@ -266,12 +263,20 @@ fn write_rows<S: Storage>(
             }
             for row in rows {
                 counts.take(row);
-                // An event that finds no room is also in the rows.
+                // An event that finds no room is also in the rows or in the summary.
+                next = next.take().or_else(found);
+                while let Some(event) = next.take_if(|event| event.cycle <= row.cycle) {
+                    let _ = happened.write(&event);
+                    next = found();
+                }
                 let _ = happened.take(row);
             }
             progress.take(last, &counts);
         }
     });
+    for event in next.into_iter().chain(std::iter::from_fn(found)) {
+        let _ = happened.write(&event);
+    }
     loss.finish(record.into_last().finish().map(|_| ()));
     (loss, counts, happened)
 }
@@ -341,6 +346,7 @@ mod tests {
     use crate::statistics::Statistics;
     use can_protocol::{Node, Profile};
     use scenario::run::{Overrides, Run};
+    use scenario::source::Source;
     use std::fs::File;
     use std::os::unix::fs::FileExt as _;
     use std::path::Path;
@@ -381,9 +387,23 @@ mod tests {
         part_cycles: u64,
         lost_cycles_max: Option<u32>,
     ) -> (Recording, u64) {
+        let (recording, state) = recorded_with("", seconds, place, part_cycles, lost_cycles_max);
+        (recording, state.line.cycle)
+    }
+
+    /// The same of a scenario with further tables in its file.
+    fn recorded_with<P: Place>(
+        tables: &str,
+        seconds: f64,
+        place: P,
+        part_cycles: u64,
+        lost_cycles_max: Option<u32>,
+    ) -> (Recording, SessionState) {
         let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
         let overrides = Overrides { duration_s: Some(seconds), speed_kmh: None };
-        let run = Run::load(&scenario, overrides).unwrap();
+        let text = std::fs::read_to_string(&scenario).unwrap();
+        let source = Source::from_text(&scenario, &format!("{text}\n{tables}"));
+        let run = Run::from_source(&source, overrides).unwrap();
         let plan = Plan::new(&run, &BusChoice::Memory).unwrap();
         let track = run.track.view();
         let terms = Terms::in_memory(Profile::Classical);
@@ -411,7 +431,7 @@ mod tests {
         };
         let recording = record(task, &RealtimeOptions::NONE, &output, &stop).unwrap();
         assert_eq!(recording.counts.last.0, state.line.cycle);
-        (recording, state.line.cycle)
+        (recording, state)
     }
 
     fn place(name: &str) -> PathBuf {
@@ -540,6 +560,59 @@ mod tests {
         fn path(&self, file: RunFile) -> PathBuf {
             self.file(file, 1)
         }
+    }
+
+    /// The events that a run of three seconds with these tables has written, line by line.
+    fn events_of(name: &str, tables: &str) -> (Vec<RunEvent>, Recording, SessionState) {
+        let folder = Folder(place(name).with_extension(""));
+        std::fs::create_dir_all(&folder.0).unwrap();
+        let (recording, state) = recorded_with(tables, 3.0, &folder, PART_CYCLES, Some(1000));
+        let text = std::fs::read_to_string(folder.file(RunFile::Events, 1)).unwrap();
+        std::fs::remove_dir_all(folder.0).unwrap();
+        let events = text.lines().map(|line| serde_json::from_str(line).unwrap());
+        (events.collect(), recording, state)
+    }
+
+    #[test]
+    fn a_run_begins_with_the_time_of_its_first_row() {
+        // It was -0.001 s, without the fades.
+        let (events, ..) = events_of("begun", "");
+        assert_eq!((&*events[0].what, events[0].time_s, events[0].cycle), ("run begun", -1.0, 1));
+        assert_eq!((&*events[1].what, events[1].time_s), ("state RAMP_IN", -1.0));
+        assert!(events.is_sorted_by_key(|event| event.cycle), "{events:?}");
+    }
+
+    #[test]
+    fn what_a_check_only_logs_was_no_event() {
+        let table = "[plausibility]\nforce = { limit_n = 2e3, action = \"log\" }\n";
+        let (events, recording, state) = events_of("noted", table);
+        assert_eq!((recording.end, state.stop), (End::Completed, None));
+        let noted = |event: &&RunEvent| event.signal.as_deref() == Some("force");
+        let noted: Vec<&RunEvent> = events.iter().filter(noted).collect();
+        let [first] = *noted else { panic!("{events:?}") };
+        assert!(first.what.starts_with("noted: at ") && first.what.contains("measured force"));
+        assert_eq!((first.limit, first.node), (Some(2e3), Some(1)));
+        // In its place, long before the end.
+        let last = state.ports[0].belief.noted().next().unwrap();
+        assert_eq!((first.cycle, first.value), (last.first_cycle, Some(last.first.value)));
+        assert!(events.is_sorted_by_key(|event| event.cycle), "{events:?}");
+    }
+
+    #[test]
+    fn a_cause_is_an_event_before_the_run_has_faded_out() {
+        let table = "[plausibility]\nresidual = { limit_n = 100.0, action = \"ramp out\" }\n";
+        let (events, recording, state) = events_of("cause", table);
+        let stop = state.stop.unwrap();
+        assert_eq!(recording.end, End::RampedOut);
+        let what: Vec<&str> = events.iter().map(|event| &*event.what).collect();
+        let at = |begin: &str| what.iter().position(|what| what.starts_with(begin)).unwrap();
+        let (cause, ramp_out) = (at("cause: "), at("state RAMP_OUT"));
+        assert!(cause < ramp_out && ramp_out < at("run ended: ramped out"), "{what:?}");
+        assert_eq!(what[cause], format!("cause: {stop}"));
+        let event = &events[cause];
+        assert_eq!((event.cycle, event.time_s, event.node), (stop.cycle, stop.time_s, Some(1)));
+        assert!(state.line.cycle > stop.cycle + 500, "{stop}");
+        assert_eq!(what.iter().filter(|what| what.starts_with("cause")).count(), 1);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! A row counts if it belongs to RUN and comes after the run-in. A run that ended before its run-in
 //! was over has no figures; its report shows the whole of it.
 
+mod clock;
 mod energy;
 mod liveliest;
 mod power;
@@ -12,6 +13,7 @@ mod trace;
 mod traces;
 mod tracking;
 
+pub(crate) use clock::ClockTraces;
 pub(crate) use liveliest::Liveliest;
 pub(crate) use sums::{SPECTRA_OF, SlotSums, Sums};
 pub(crate) use trace::Trace;
@@ -45,9 +47,11 @@ impl Statistics {
         run_in_s: f64,
         mut each: impl FnMut(&Row),
     ) -> Result<Self, BenchError> {
-        let (mut shown, mut is_over, mut run_rows) = (Sums::default(), false, 0);
+        let (mut shown, mut is_over) = (Sums::default(), false);
+        let (mut all_rows, mut run_rows) = (0, 0);
         read(record, |row| {
             each(row);
+            all_rows += 1;
             if row.state != RunState::Run {
                 return;
             }
@@ -58,9 +62,10 @@ impl Statistics {
             shown.take(row);
         })?;
         let from_s = if is_over { run_in_s } else { f64::NEG_INFINITY };
-        let mut traces = Traces::new(&shown, run_rows);
+        let mut traces = Traces::new(&shown, all_rows, run_rows);
         shown.begin_cycles();
         read(record, |row| {
+            traces.clock.take(row);
             if row.state != RunState::Run {
                 return;
             }
@@ -145,6 +150,8 @@ mod tests {
         let spectrum = Spectrum::welch(&stroke, 1.0 / CYCLE_S, SEGMENT_S).unwrap();
         assert_eq!(slot.spectrum.spectrum().unwrap(), spectrum);
         assert_eq!(found.traces.force[1].value, force);
+        // From the first row on: the ramp too.
+        assert_eq!(found.traces.clock.skipped.value.len(), rows.len());
         let acceleration: Vec<f64> = of(&|row| row.acceleration_m_per_s2[2]);
         assert_eq!(sums.acceleration[2].rms(), statistics::rms(&acceleration));
     }

@@ -1,5 +1,7 @@
 //! A trace that is drawn, with a bounded number of points.
 
+use report::Samples;
+
 /// Rows up to which a trace holds every sample.
 pub(super) const WHOLE_ROWS: u64 = 60_000;
 
@@ -12,6 +14,8 @@ const STEPS: u64 = 10_000;
 pub(crate) struct Trace {
     pub(crate) time_s: Vec<f64>,
     pub(crate) value: Vec<f64>,
+    /// What was taken in, drawn or not.
+    samples: Samples,
     /// Rows of a step.
     step_rows: u64,
     /// Rows of the present step, and its smallest and largest sample with their times.
@@ -27,8 +31,15 @@ impl Trace {
         Self { step_rows, ..Self::default() }
     }
 
+    /// How many samples were taken in; those that it holds are fewer in a long trace.
+    pub(crate) const fn samples(&self) -> Samples {
+        self.samples
+    }
+
     /// Takes in the next sample; `whole` keeps it in any case.
     pub(super) fn take(&mut self, time_s: f64, value: f64, whole: bool) {
+        self.samples.all += 1;
+        self.samples.not_finite += u64::from(!value.is_finite());
         if whole || self.step_rows <= 1 {
             self.finish();
             self.put((time_s, value));
@@ -95,6 +106,7 @@ mod tests {
             let long = trace(rows, peak, |n| (500..600).contains(&n));
             assert!(long.value.len() as u64 <= 2 * STEPS + 300, "{}", long.value.len());
             assert!(long.time_s.is_sorted());
+            assert_eq!(long.samples(), Samples { all: rows, not_finite: 1 });
             for time_s in [777.0, 40_000.0, 500.0, 555.0, 599.0] {
                 assert!(long.time_s.contains(&time_s), "{time_s}");
             }

@@ -1,5 +1,6 @@
 //! What a report draws over time, and the loops.
 
+use super::clock::ClockTraces;
 use super::sums::{Sums, ZOOM_S};
 use super::trace::{Trace, WHOLE_ROWS};
 use crate::record::{InputKind, Row};
@@ -22,6 +23,8 @@ pub(crate) struct Traces {
     pub(crate) residual_rms: [Trace; DAMPER_SLOTS],
     /// Where drift is raised (N).
     pub(crate) residual_limit: [Trace; DAMPER_SLOTS],
+    /// Deadlines and round trips, from the first row of the record.
+    pub(crate) clock: ClockTraces,
     /// Force over stroke and velocity of each slot.
     pub(crate) loops: [Loop; DAMPER_SLOTS],
     /// Where the loops begin if they do not hold the whole run (s).
@@ -47,8 +50,8 @@ pub(crate) struct Loop {
 }
 
 impl Traces {
-    /// Before the second pass over rows whose figures are known, of so many rows of RUN.
-    pub(super) fn new(shown: &Sums, run_rows: u64) -> Self {
+    /// Before the second pass over rows whose figures are known, of so many rows in all and of RUN.
+    pub(super) fn new(shown: &Sums, all_rows: u64, run_rows: u64) -> Self {
         let trace = || Trace::of_rows(shown.rows);
         let rig = || RigTraces {
             command_m: trace(),
@@ -71,6 +74,7 @@ impl Traces {
             rigs: std::array::from_fn(|_| rig()),
             residual_rms: std::array::from_fn(|_| Trace::of_rows(run_rows)),
             residual_limit: std::array::from_fn(|_| Trace::of_rows(run_rows)),
+            clock: ClockTraces::of_rows(all_rows),
             loops: Default::default(),
             loops_from_s,
         }
@@ -129,5 +133,6 @@ impl Traces {
         let all = self.acceleration.iter_mut().chain(&mut self.force).chain(rigs);
         let all = all.chain(&mut self.residual_rms).chain(&mut self.residual_limit);
         all.for_each(Trace::finish);
+        self.clock.finish();
     }
 }

@@ -41,6 +41,15 @@ fn four_of_five_measurements_lost_ended_as_completed() {
 }
 
 #[test]
+fn measurements_that_all_had_a_wrong_crc_were_reported_as_lost() {
+    let stop = stop_of(Fault::FlipBits { bits: 1, every: 1 }, LASTS).unwrap();
+    // The fifth cycle with it.
+    assert_eq!((stop.cause.signal, stop.cycle), (Signal::WrongSeal, BEGIN + 4));
+    let text = "rig node 1: measurements with a wrong CRC 5 cycles, limit 5 cycles";
+    assert!(stop.to_string().ends_with(text), "{stop}");
+}
+
+#[test]
 fn a_force_ten_cycles_old_was_believed() {
     let cause = found(Fault::Delay(10));
     assert!(cause.is_some_and(|(_, cycles)| cycles <= 6), "{cause:?}");

@@ -8,6 +8,7 @@ use can_protocol::{
     Sender,
 };
 use firmware_core::supervision::{Action, Signal};
+use hil_host::BenchError;
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::control::{NoAnswer, Requests, Stop};
 use hil_host::faults::{Fault, FaultyBus, Injection, inject};
@@ -65,6 +66,19 @@ fn a_rig_that_refuses_the_session_was_reported_as_silent() {
     let met = session.meet(&mut state, &mut bus, Duration::from_secs(10), &requests);
     let Err(NoAnswer::RefusedSync { node: 1, session: refused }) = met else { panic!("{met:?}") };
     assert_eq!((refused.pace, refused.slow_down.get()), (WirePace::Clock, 1));
+    // What is printed has its node, its bus and the session.
+    let error = met.unwrap_err().on(&"socketcan:can0".parse().unwrap());
+    let found = BenchError::RefusedSync { node: 1, bus: "socketcan:can0".into(), session: refused };
+    assert_eq!(error.to_string(), found.to_string());
+    assert_eq!(
+        error.to_string(),
+        format!(
+            "rig node 1 on socketcan:can0 refuses the session (CONFIGURATION_MISMATCH), expected one that \
+             it can follow; found {refused}"
+        )
+    );
+    assert!(refused.to_string().contains("period"), "{refused}");
+    assert!(error.is_safe_state() && !error.is_bad_input());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use report::{Error, Plot, Report, Section, Table, Tile};
+use report::{Error, Plot, Report, Samples, Section, Table, Tile};
 
 use crate::demo_report;
 
@@ -194,6 +194,20 @@ fn thinning_and_gaps_are_stated_under_the_plot() {
     assert!(page.contains("Drawn with at most about 4000 of 10000 samples"));
     // The first x is zero and has no place on a log axis.
     assert!(page.contains("a: 2 of 10000 samples are not finite or not positive and left out."));
+}
+
+#[test]
+fn the_caption_of_a_thinned_plot_had_the_number_of_samples_that_were_kept() {
+    // Two of every hundred samples of a record were kept.
+    let x: Vec<f64> = (0..10_000).map(f64::from).collect();
+    let of = Samples { all: 500_000, not_finite: 3 };
+    let short = &x[..1000];
+    for (x, drawn) in [(&*x, "at most about 4000"), (short, "1000")] {
+        let plot = Plot::new("P").line_of("a", x, x, of);
+        let page = skeleton(&Report::new("R").section(Section::new("S").plot(plot)));
+        assert!(page.contains(&format!("Drawn with {drawn} of 500000 samples, the smallest")));
+        assert!(page.contains("a: 3 of 500000 samples are not finite and left out."));
+    }
 }
 
 /// A report that carries the same text in every place that takes one.
