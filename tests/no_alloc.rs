@@ -4,6 +4,8 @@
 mod session;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use hil_host::clock::Tick;
+use hil_host::control::{Buses, Course};
 use hil_host::record::Queues;
 use session::{cycles, ready, scenario, session};
 
@@ -25,4 +27,33 @@ fn a_control_cycle_with_a_rig_does_not_touch_the_heap() {
     assert!(state.ports[0].watch.view.residual_n.is_some());
     // The check itself works: an allocation inside would abort, one outside is free.
     drop(vec![0_u8; 64]);
+}
+
+#[test]
+fn a_change_of_the_stretch_of_track_does_not_touch_the_heap() {
+    let run = scenario("ss9-one-worn-of-four.toml", 5.0).in_stretches_of(1024);
+    let stretches = run.stretches.as_ref().map_or(0, |stretches| stretches.count());
+    let track = run.track.view();
+    let session = session(&run, &track);
+    let (mut state, mut buses) = ready(&run, &session);
+    let mut queues = Queues::default();
+    let (mut recorder, _drain) = queues.split();
+    let mut buses = Buses::new(&mut buses, &mut recorder);
+    let mut course = Course::new(&run, &track);
+    // The fourth change is the second after a buffer has gone back.
+    for change in 1..=4 {
+        assert!(change < stretches, "{stretches} stretches");
+        while !course.is_ready() {
+            std::thread::yield_now();
+        }
+        assert_no_alloc(|| {
+            let track = course.track();
+            while !course.is_passed(&state.line) {
+                session.cycle_on(&track, &mut state, &mut buses, Tick::default());
+            }
+            assert_eq!(course.change(), Ok(()));
+        });
+    }
+    assert!(!state.line.is_safe());
+    assert!(course.track().irregularity.before > 3 * 512);
 }

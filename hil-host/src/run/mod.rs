@@ -16,14 +16,13 @@ mod space;
 pub use late_report::{LateReport, report};
 pub(crate) use plan::Plan;
 pub use plan::is_on_a_bus;
-pub(crate) use progress::bar;
 pub(crate) use setup::{Terms, session};
 pub use setup::{line, watch_of};
 
 use crate::BenchError;
 use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
 use crate::comparison::{self, Cycles, SecondRun};
-use crate::control::{End, Requests, Session, SessionState};
+use crate::control::{Course, End, Requests, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
 use crate::page::{Ending, SHOWN_CYCLES, page};
 use crate::realtime::{self, RealtimeOptions};
@@ -134,6 +133,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     };
     let task = Task {
         session: &session,
+        course: Course::new(run, &track),
         state: &mut state,
         buses: &mut buses,
         bus: &options.bus,

@@ -4,7 +4,7 @@ use super::handshake::{Epoch, Heard};
 use super::progress::{self, Progress};
 use crate::BenchError;
 use crate::bus::{Bus, BusChoice};
-use crate::control::{Buses, End, Pace, Requests, Session, SessionState};
+use crate::control::{Buses, Course, End, Pace, Requests, Session, SessionState};
 use crate::counts::Counts;
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
@@ -22,6 +22,8 @@ use std::time::{Duration, Instant};
 /// The loop with everything that it changes.
 pub(super) struct Task<'a, 's, B> {
     pub(super) session: &'a Session<'s>,
+    /// Its thread has begun: it must not inherit what the loop asks of the kernel.
+    pub(super) course: Course<'s>,
     pub(super) state: &'a mut SessionState,
     pub(super) buses: &'a mut [B],
     /// The bus as it was given.
@@ -93,7 +95,7 @@ pub(super) fn record<B: Bus, P: Place>(
     output: &Output<P>,
     requests: &Requests,
 ) -> Result<Recording, BenchError> {
-    let Task { session, state, buses, bus, pace, cycles } = task;
+    let Task { session, mut course, state, buses, bus, pace, cycles } = task;
     let cycle_ns = session.line.cycle_s * 1e9 * f64::from(session.slow_down.get());
     let cycle_ns = (cycle_ns as u64).max(1);
     let Output { place, part_cycles, epoch, .. } = output;
@@ -159,7 +161,7 @@ pub(super) fn record<B: Bus, P: Place>(
         }
         let begin = Instant::now();
         let mut buses = Buses::new(buses, &mut recorder).counted_from(epoch.begin);
-        let end = session.run(state, &mut buses, pace, cycles, requests);
+        let end = session.run(&mut course, state, &mut buses, pace, cycles, requests);
         let wall_s = begin.elapsed().as_secs_f64();
         done.store(true, Ordering::Release);
         drop(running);
@@ -389,6 +391,7 @@ mod tests {
         };
         let task = Task {
             session: &session,
+            course: Course::new(&run, &track),
             state: &mut state,
             buses: &mut buses,
             bus: &BusChoice::Memory,
