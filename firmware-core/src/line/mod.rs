@@ -162,7 +162,7 @@ impl Line<'_> {
         self.step_on(self.track, state, inputs);
     }
 
-    /// The same on another stretch of the line's track, which has to hold the whole vehicle.
+    /// The same on any stretch of the line's track that holds the whole vehicle.
     pub fn step_on(
         &self,
         track: &Track<'_>,

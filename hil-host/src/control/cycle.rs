@@ -47,7 +47,8 @@ pub(super) struct Timing {
 }
 
 impl Session<'_> {
-    /// One cycle, as README draws it; returns the row for the record.
+    /// One cycle, as README draws it; returns the row for the record. It is one on the first stretch
+    /// of the track: a loop that may leave it follows a [`Course`](super::Course).
     pub fn cycle<B: Bus>(
         &self,
         state: &mut SessionState,
@@ -57,7 +58,7 @@ impl Session<'_> {
         self.cycle_on(self.line.track, state, buses, tick)
     }
 
-    /// The same on another stretch of the track, which has to hold the whole vehicle.
+    /// The same on any stretch of the track that holds the whole vehicle.
     pub fn cycle_on<B: Bus>(
         &self,
         track: &Track<'_>,

@@ -106,6 +106,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         pace: pace.on_the_wire(),
         slow_down: options.slow_down,
         arming: arming(&plan, options)?,
+        shows_progress: true,
     };
     let session = session(run, &track, &plan.rigs, terms)?;
     let mut state = session.start(session.line.start(run.start.state.clone()));
