@@ -73,8 +73,8 @@ pub struct Run {
     pub substeps: u32,
     /// The track; its first stretch where there are [`Run::stretches`].
     pub track: OwnedTrack,
-    /// The stretches of its random irregularity; none for a measured or a perfect track. A run of
-    /// ten minutes has one.
+    /// The stretches of its random irregularity; none for a measured or a perfect track. Up to
+    /// 26 km there is one.
     pub stretches: Option<Stretches>,
     /// What its random irregularity is made from; none for a measured or a perfect track.
     pub band: Option<Band>,

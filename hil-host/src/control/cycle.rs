@@ -47,8 +47,8 @@ pub(super) struct Timing {
 }
 
 impl Session<'_> {
-    /// One cycle, as README draws it; returns the row for the record. It is one on the first stretch
-    /// of the track: a loop that may leave it follows a [`Course`](super::Course).
+    /// One cycle, as README draws it, on the first stretch of the track; returns the row for the
+    /// record. A loop that may leave that stretch follows a [`Course`](super::Course).
     pub fn cycle<B: Bus>(
         &self,
         state: &mut SessionState,

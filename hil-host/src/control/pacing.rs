@@ -103,7 +103,8 @@ impl Ending {
 
 impl Session<'_> {
     /// Runs along a course until as many cycles of RUN are done, the user stops it, the record
-    /// cannot be kept or a cause ends it. Rigs are ramped out, or brought to rest in the safe state.
+    /// cannot be kept or a cause ends it. Rigs are ramped out, or brought to rest in the safe
+    /// state.
     pub fn run<B: Bus>(
         &self,
         course: &mut Course<'_>,
