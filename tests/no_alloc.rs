@@ -7,6 +7,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use hil_host::clock::Tick;
 use hil_host::control::{Buses, Course};
 use hil_host::record::Queues;
+use scenario::irregularity::Stretches;
 use session::{cycles, ready, scenario, session};
 
 #[global_allocator]
@@ -32,7 +33,7 @@ fn a_control_cycle_with_a_rig_does_not_touch_the_heap() {
 #[test]
 fn a_change_of_the_stretch_of_track_does_not_touch_the_heap() {
     let run = scenario("ss9-one-worn-of-four.toml", 5.0).in_stretches_of(1024);
-    let stretches = run.stretches.as_ref().map_or(0, |stretches| stretches.count());
+    let stretches = run.stretches.as_ref().map_or(0, Stretches::count);
     let track = run.track.view();
     let session = session(&run, &track);
     let (mut state, mut buses) = ready(&run, &session);

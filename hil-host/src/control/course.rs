@@ -182,6 +182,20 @@ mod tests {
     }
 
     #[test]
+    fn a_course_without_a_next_stretch_says_so_once_and_stays() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
+        let overrides = Overrides { duration_s: Some(3.0), speed_kmh: None };
+        let run = Run::load(&path, overrides).unwrap().in_stretches_of(1024);
+        let track = run.track.view();
+        let mut course = Course::new(&run, &track);
+        assert!(course.change_m < 100.0);
+        // As if the thread had failed.
+        course.ahead.as_mut().unwrap().made = bounded(0).1;
+        assert_eq!((course.change(), course.change_m), (Err(NoStretch), f64::INFINITY));
+        assert_eq!(course.track(), track);
+    }
+
+    #[test]
     fn a_short_run_has_one_stretch_and_no_thread() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
         let overrides = Overrides { duration_s: Some(500.0), speed_kmh: None };
