@@ -7,8 +7,9 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use firmware_core::supervision::{Action, Checks, Rule, Signal};
 use hil_host::bus::MemoryBus;
 use hil_host::clock::Tick;
-use hil_host::control::{Buses, Notice, Notices, Session, SessionState};
+use hil_host::control::{Buses, Course, Notice, Notices, Session, SessionState};
 use hil_host::record::{Queues, Recorder};
+use scenario::irregularity::Stretches;
 use scenario::run::BeyondLimits;
 use session::{cycles, ready, scenario, session};
 
@@ -74,4 +75,33 @@ fn noticed(
         session.cycle(state, &mut buses, Tick::default());
         session.notify(state, &mut notices, buses.recorder());
     }
+}
+
+#[test]
+fn a_change_of_the_stretch_of_track_does_not_touch_the_heap() {
+    let run = scenario("ss9-one-worn-of-four.toml", 5.0).in_stretches_of(1024);
+    let stretches = run.stretches.as_ref().map_or(0, Stretches::count);
+    let track = run.track.view();
+    let session = session(&run, &track);
+    let (mut state, mut buses) = ready(&run, &session);
+    let mut queues = Queues::default();
+    let (mut recorder, _drain) = queues.split();
+    let mut buses = Buses::new(&mut buses, &mut recorder);
+    let mut course = Course::new(&run, &track);
+    // The fourth change is the second after a buffer has gone back.
+    for change in 1..=4 {
+        assert!(change < stretches, "{stretches} stretches");
+        while !course.is_ready() {
+            std::thread::yield_now();
+        }
+        assert_no_alloc(|| {
+            let track = course.track();
+            while !course.is_passed(&state.line) {
+                session.cycle_on(&track, &mut state, &mut buses, Tick::default());
+            }
+            assert_eq!(course.change(), Ok(()));
+        });
+    }
+    assert!(!state.line.is_safe());
+    assert!(course.track().irregularity.before > 3 * 512);
 }

@@ -32,7 +32,13 @@ pub(crate) fn run() {
     let samples = black_box([IrregularitySample::default(); 8]);
     let mut track = Track {
         layout: Layout::tangent(),
-        irregularity: Irregularity { samples: black_box(&samples), first_m: 0.0, step_m: 1.0 },
+        irregularity: Irregularity {
+            samples: black_box(&samples),
+            before: black_box(0),
+            behind: 0,
+            first_m: 0.0,
+            step_m: 1.0,
+        },
     };
     curve(&mut track);
     let table = table();

@@ -35,6 +35,7 @@ mod error;
 pub mod faults;
 mod options;
 mod page;
+mod progress_bar;
 pub mod realtime;
 pub mod record;
 mod reset;

@@ -14,7 +14,7 @@ use crate::effective::effective;
 use crate::equilibrium::{self, Equilibrium, NoEquilibrium};
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
-use crate::irregularity::Band;
+use crate::irregularity::{Band, Stretches};
 use crate::kind::Kind;
 use crate::minimum_speed::minimum_speed_m_per_s;
 use crate::quantity::Quantity;
@@ -71,8 +71,11 @@ pub struct Run {
     pub run_in_s: f64,
     /// Substeps per cycle.
     pub substeps: u32,
-    /// The track.
+    /// The track; its first stretch where there are [`Run::stretches`].
     pub track: OwnedTrack,
+    /// The stretches of its random irregularity; none for a measured or a perfect track. Up to
+    /// 26 km there is one.
+    pub stretches: Option<Stretches>,
     /// What its random irregularity is made from; none for a measured or a perfect track.
     pub band: Option<Band>,
     /// The damper slots.
@@ -220,9 +223,9 @@ impl Run {
         let plausibility = file.plausibility.build(source, motion.stroke_m)?;
         let ramps_s = if on_rigs(&slots) { motion.ramps_s() } else { 0.0 };
         let end_m = START_M + speed_m_per_s * (duration_s + ramps_s) + 20.0;
-        let track = file.track.build(source, (0.0, end_m), &mut inputs)?;
-        let irregularity = file.track.irregularity.as_ref();
-        let band = irregularity.map(|rough| rough.band(source)).transpose()?.flatten();
+        let reach_m = vehicle.bodies.iter().map(|body| body.station_m.abs()).fold(0.0, f64::max);
+        let (track, stretches) = file.track.build(source, (0.0, end_m), reach_m, &mut inputs)?;
+        let band = stretches.as_ref().map(|stretches| *stretches.band());
         let mut about: Vec<String> =
             vehicle_file.about.iter().map(|about| escaped(about)).collect();
         if let Some(contact) = &contact {
@@ -254,6 +257,7 @@ impl Run {
             run_in_s,
             substeps,
             track,
+            stretches,
             band,
             slots,
             motion,
@@ -279,6 +283,16 @@ impl Run {
         let mut start = equilibrium::running(vehicle, table, speed_m_per_s)?;
         start.state.distance_m.0[0] = START_M;
         Ok(start)
+    }
+
+    /// The same run with its random track in stretches of so many samples.
+    #[must_use]
+    pub fn in_stretches_of(self, samples: usize) -> Self {
+        let Some(stretches) = self.stretches else { return self };
+        let stretches = stretches.of_samples(samples);
+        let mut track = self.track;
+        stretches.make(0, &mut track.samples, &|| true);
+        Self { track, stretches: Some(stretches), ..self }
     }
 
     /// Number of control cycles.

@@ -2,10 +2,10 @@
 
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
-use crate::irregularity::{IrregularityFile, Samples};
+use crate::irregularity::{IrregularityFile, Samples, Stretches};
 use crate::quantity::Quantity;
 use crate::source::Source;
-use firmware_core::track::{Irregularity, Layout, Track};
+use firmware_core::track::{Layout, Track};
 use serde::{Deserialize, Serialize};
 
 /// Distance between the rail heads, over which cant is measured (m).
@@ -52,7 +52,7 @@ pub struct CurveFile {
     pub length_m: Quantity,
 }
 
-/// A track in memory.
+/// A track in memory, or a stretch of one.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OwnedTrack {
     /// Curvature and cant.
@@ -64,19 +64,13 @@ pub struct OwnedTrack {
 impl OwnedTrack {
     /// The track as a step sees it.
     pub fn view(&self) -> Track<'_> {
-        Track {
-            layout: self.layout.clone(),
-            irregularity: Irregularity {
-                samples: &self.samples.samples,
-                first_m: self.samples.first_m,
-                step_m: self.samples.step_m,
-            },
-        }
+        Track { layout: self.layout.clone(), irregularity: self.samples.view() }
     }
 }
 
 impl TrackFile {
-    /// Builds the track between two distances.
+    /// Builds the track between two distances for a vehicle whose bodies reach so far from its
+    /// reference point (m): of a random track the first stretch, and what makes the others.
     ///
     /// # Errors
     /// The first number that does not fit, with file and line.
@@ -84,17 +78,26 @@ impl TrackFile {
         &self,
         source: &Source,
         between_m: (f64, f64),
+        reach_m: f64,
         inputs: &mut Inputs,
-    ) -> Result<OwnedTrack, ScenarioError> {
+    ) -> Result<(OwnedTrack, Option<Stretches>), ScenarioError> {
         let layout = match &self.curve {
             Some(curve) => curve.layout(source)?,
             None => Layout::tangent(),
         };
-        let samples = match &self.irregularity {
-            Some(irregularity) => irregularity.samples(source, between_m, inputs)?,
-            None => Samples::default(),
+        let mut samples = Samples::default();
+        let Some(irregularity) = &self.irregularity else {
+            return Ok((OwnedTrack { layout, samples }, None));
         };
-        Ok(OwnedTrack { layout, samples })
+        let band = irregularity.band(source)?;
+        let stretches = band.map(|band| Stretches::new(band, between_m, reach_m));
+        if let Some(stretches) = &stretches {
+            stretches.make(0, &mut samples, &|| true);
+        }
+        if let Some(measured) = irregularity.measured(source, between_m, inputs)? {
+            samples = measured;
+        }
+        Ok((OwnedTrack { layout, samples }, stretches))
     }
 }
 

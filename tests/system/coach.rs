@@ -4,7 +4,7 @@
 //! `evidence/src/validation/coach.rs`.
 
 use firmware_core::lanes::Lanes;
-use firmware_core::track::{Irregularity, Layout, Track};
+use firmware_core::track::{Layout, Track};
 use firmware_core::vehicle::{Running, Vehicle, VehicleState};
 use firmware_core::wheel_rail::table::ContactTable;
 use scenario::equilibrium;
@@ -36,12 +36,7 @@ fn it_runs_over_irregular_track() {
     let mut state = equilibrium::running(&vehicle, Some(&table), SPEED_M_PER_S).unwrap().state;
     let band = Band { seed: 1, shortest: 1.0, longest: 100.0, scale: 1.0 };
     let samples = aar6(&band, 0.0, 20.0 + SPEED_M_PER_S * 5.0 + 20.0);
-    let irregularity = Irregularity {
-        samples: &samples.samples,
-        first_m: samples.first_m,
-        step_m: samples.step_m,
-    };
-    let track = Track { layout: Layout::tangent(), irregularity };
+    let track = Track { layout: Layout::tangent(), irregularity: samples.view() };
     let running = Running {
         speed_m_per_s: Lanes([SPEED_M_PER_S]),
         track: &track,

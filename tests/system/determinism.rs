@@ -4,6 +4,8 @@ use crate::support::session::{cycles, ready, scenario, session};
 use crate::support::whole_run::run_through;
 use hil_host::control::End;
 use hil_host::record::Queues;
+use scenario::irregularity::Stretches;
+use scenario::run::Run;
 
 /// Hash of 3 s of `ss9-160kmh.toml` and their ramps. It changes with the physics and with nothing
 /// else: not with the build profile, the processor or the load of the machine. After a change of
@@ -17,6 +19,15 @@ fn a_scenario_gives_its_known_hash_twice() {
     assert_eq!(first, run_through(&run));
     assert_eq!(first.0, End::Completed);
     assert_eq!(first.1, GOLDEN_160_KMH, "trajectory hash {:#018x}", first.1);
+}
+
+#[test]
+fn a_track_in_stretches_gives_the_hash_of_a_track_in_one_piece() {
+    let whole = scenario("ss9-160kmh.toml", 3.0);
+    let cut = whole.clone().in_stretches_of(1024);
+    let count = |run: &Run| run.stretches.as_ref().map(Stretches::count);
+    assert_eq!((count(&whole), count(&cut)), (Some(1), Some(5)));
+    assert_eq!(run_through(&cut), run_through(&whole));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use super::locomotive::{Locomotive, SUBSTEP_S};
 use super::steps::stepped;
 use crate::error::EvidenceError;
 use firmware_core::lanes::Lanes;
-use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
+use firmware_core::track::{IrregularitySample, Layout, Track};
 use firmware_core::vehicle::{LATERAL, ROLL, Running, Vehicle, VehicleState, YAW};
 use nalgebra::Vector3;
 use scenario::irregularity::{Band, Samples, aar6};
@@ -133,9 +133,7 @@ fn bumpy_run(
     samples: &Samples,
     stop: &AtomicBool,
 ) -> Result<VehicleState, EvidenceError> {
-    let Samples { samples, first_m, step_m } = samples;
-    let irregularity = Irregularity { samples, first_m: *first_m, step_m: *step_m };
-    let track = Track { layout: curve(sign)?, irregularity };
+    let track = Track { layout: curve(sign)?, irregularity: samples.view() };
     let running = Running {
         speed_m_per_s: Lanes([SPEED_M_PER_S]),
         track: &track,

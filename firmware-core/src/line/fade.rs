@@ -68,7 +68,7 @@ impl Line<'_> {
     /// # Errors
     /// A ram that stands too far away.
     pub fn couple(&self, state: &mut LineState, rams_m: [f64; DAMPER_SLOTS]) -> Result<(), TooFar> {
-        let motions = self.vehicle.damper_motions(&state.vehicle, &self.running());
+        let motions = self.vehicle.damper_motions(&state.vehicle, &self.running(self.track));
         let mut fade = self.fade;
         let rams = self.slots.iter().zip(&mut state.slots).zip(motions).zip(rams_m).enumerate();
         for (slot, (((kind, memory), (extension, _)), ram_m)) in rams {

@@ -32,7 +32,7 @@ use slot::SlotForces;
 pub struct Line<'a> {
     /// The vehicle.
     pub vehicle: &'a Vehicle,
-    /// The track.
+    /// The track, or its first stretch.
     pub track: &'a Track<'a>,
     /// The contact table of wheels that run on profiles.
     pub contact: Option<&'a ContactTable>,
@@ -97,11 +97,11 @@ impl LineState {
     }
 }
 
-impl<'a> Line<'a> {
-    fn running(&self) -> Running<'a> {
+impl Line<'_> {
+    fn running<'t>(&'t self, track: &'t Track<'t>) -> Running<'t> {
         Running {
             speed_m_per_s: Lanes([self.speed_m_per_s]),
-            track: self.track,
+            track,
             contact: self.contact,
             substep_s: self.cycle_s / f64::from(self.substeps),
         }
@@ -142,7 +142,7 @@ impl<'a> Line<'a> {
             // There is nobody to agree with.
             state.state = State::Run;
         }
-        let running = self.running();
+        let running = self.running(self.track);
         self.vehicle.start(&mut state.vehicle, &running);
         let motions = self.vehicle.damper_motions(&state.vehicle, &running);
         for ((slot, memory), (extension_m, _)) in
@@ -159,6 +159,16 @@ impl<'a> Line<'a> {
 
     /// One cycle: takes what arrived, leaves the commands in the slots.
     pub fn step(&self, state: &mut LineState, inputs: &[ForceInput; DAMPER_SLOTS]) {
+        self.step_on(self.track, state, inputs);
+    }
+
+    /// The same on any stretch of the line's track that holds the whole vehicle.
+    pub fn step_on(
+        &self,
+        track: &Track<'_>,
+        state: &mut LineState,
+        inputs: &[ForceInput; DAMPER_SLOTS],
+    ) {
         self.assert_configured();
         debug_assert!(state.state.moves() || state.is_safe(), "a step in {:?}", state.state);
         let mut held_n = [0.0; DAMPER_SLOTS];
@@ -189,7 +199,7 @@ impl<'a> Line<'a> {
             );
             return;
         }
-        let running = self.running();
+        let running = self.running(track);
         let mut forces = SlotForces { line: self, slots: &mut state.slots, held_n };
         self.vehicle.step(&mut state.vehicle, &running, &mut forces, self.substeps);
         let motions = self.vehicle.damper_motions(&state.vehicle, &running);

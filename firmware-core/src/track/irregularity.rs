@@ -2,7 +2,8 @@
 //!
 //! Four channels as track recording cars give them: vertical, alignment, cross level, gauge. The
 //! samples are made or read off-line; a step looks four of them up and joins them by a Catmull-Rom
-//! cubic, which is smooth in its first derivative. Outside the samples the track is perfect.
+//! cubic, which is smooth in its first derivative. Outside the track that has samples the rails are
+//! perfect. Of a long track a step sees a stretch that holds the whole vehicle.
 
 /// The four channels at one place.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -28,12 +29,16 @@ impl IrregularitySample {
     }
 }
 
-/// Samples of irregularity along the track.
+/// Samples of irregularity along the track, or along a stretch of it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Irregularity<'a> {
     /// The samples.
     pub samples: &'a [IrregularitySample],
-    /// Distance of the first sample (m).
+    /// Samples of the whole track before the first of these.
+    pub before: usize,
+    /// Samples of the whole track behind the last of these.
+    pub behind: usize,
+    /// Distance of the whole track's first sample (m).
     pub first_m: f64,
     /// Distance between samples (m); ignored when there are none.
     pub step_m: f64,
@@ -48,15 +53,17 @@ impl Irregularity<'_> {
             self.step_m,
             self.first_m
         );
+        // A place counts from the first sample of the whole track, so that every stretch gives the
+        // same bits.
         let place = (distance_m - self.first_m) / self.step_m.max(f64::MIN_POSITIVE);
-        if !(place >= 1.0 && place < self.samples.len() as f64) {
-            return IrregularitySample::default();
-        }
         let index = place as usize;
-        let t = place - index as f64;
-        let Some([before, from, to, after]) = self.samples.get(index - 1..index + 3) else {
+        debug_assert!(self.is_held(index), "{distance_m} m is outside the stretch");
+        let start = index.checked_sub(self.before + 1);
+        let held = start.and_then(|start| self.samples.get(start..));
+        let Some([before, from, to, after]) = held.and_then(|held| held.first_chunk()) else {
             return IrregularitySample::default();
         };
+        let t = place - index as f64;
         let join = |channel: fn(&IrregularitySample) -> f64| {
             let (y0, y1, y2, y3) = (channel(before), channel(from), channel(to), channel(after));
             y1 + 0.5
@@ -71,6 +78,15 @@ impl Irregularity<'_> {
             gauge_m: join(|s| s.gauge_m),
         }
     }
+
+    /// Whether the stretch holds the four samples around an index of the whole track, or the whole
+    /// track does not.
+    fn is_held(&self, index: usize) -> bool {
+        let end = index.saturating_add(3);
+        let is_within = |from: usize, to: usize| index > from && end <= to;
+        let to = self.before + self.samples.len();
+        is_within(self.before, to) || !is_within(0, to + self.behind)
+    }
 }
 
 #[cfg(test)]
@@ -81,10 +97,14 @@ mod tests {
         IrregularitySample { vertical_m: value, alignment_m: 2.0 * value, ..Default::default() }
     }
 
+    fn whole(samples: &[IrregularitySample], first_m: f64, step_m: f64) -> Irregularity<'_> {
+        Irregularity { samples, first_m, step_m, ..Irregularity::default() }
+    }
+
     #[test]
     fn samples_are_met_and_a_parabola_is_exact() {
         let samples: [_; 8] = core::array::from_fn(|i| sample((i * i) as f64));
-        let track = Irregularity { samples: &samples, first_m: 10.0, step_m: 0.5 };
+        let track = whole(&samples, 10.0, 0.5);
         assert_eq!(track.at(11.5).vertical_m, 9.0);
         let between = track.at(10.0 + 0.5 * 3.25);
         assert!((between.vertical_m - 3.25 * 3.25).abs() < 1e-12);
@@ -94,11 +114,36 @@ mod tests {
     #[test]
     fn outside_the_samples_the_track_is_perfect() {
         let samples = [sample(1.0); 8];
-        let track = Irregularity { samples: &samples, first_m: 0.0, step_m: 1.0 };
+        let track = whole(&samples, 0.0, 1.0);
         for distance in [-1e9, -0.1, 0.5, 6.5, 7.5, 1e9, f64::NAN] {
             assert_eq!(track.at(distance), IrregularitySample::default(), "{distance}");
         }
         assert_eq!(Irregularity::default().at(3.0), IrregularitySample::default());
+    }
+
+    #[test]
+    fn a_stretch_gives_the_bits_of_the_whole_track() {
+        let samples: [_; 40] = core::array::from_fn(|i| sample(libm::sin(i as f64)));
+        let track = whole(&samples, 0.7, 0.1);
+        let stretch = Irregularity { samples: &samples[16..32], before: 16, behind: 8, ..track };
+        // Four samples are needed: from 17 up to 29.
+        for distance_m in (0..130).map(|n| 0.7 + 0.1 * (17.05 + 0.0923 * f64::from(n))) {
+            assert_eq!(stretch.at(distance_m), track.at(distance_m), "{distance_m}");
+            assert!(track.at(distance_m).vertical_m != 0.0);
+        }
+        // Outside the whole track it is perfect all the same.
+        for distance_m in [-1.0, 0.75, 4.6, 1e9, f64::NAN] {
+            assert_eq!(stretch.at(distance_m), IrregularitySample::default(), "{distance_m}");
+        }
+    }
+
+    #[test]
+    #[cfg(debug_assertions)]
+    #[should_panic(expected = "outside the stretch")]
+    fn a_stretch_that_does_not_hold_the_place_stops_a_debug_build() {
+        let samples = [sample(1.0); 8];
+        let track = Irregularity { behind: 8, ..whole(&samples, 0.0, 1.0) };
+        track.at(6.5);
     }
 
     #[test]

@@ -3,22 +3,22 @@
 use crate::BenchError;
 use crate::bus::{BusChoice, MemoryBus};
 use crate::clock::Tick;
-use crate::control::{Buses, End, Ending, Requests};
+use crate::control::{Buses, Course, End, Ending, NoStretch, Requests};
 use crate::counts::Counts;
+use crate::progress_bar::LateBar;
 use crate::record::{
     InParts, NpyWriter, OpenFiles, PART_CYCLES, Queues, ROWS, Row, by_part, parts,
 };
 use crate::rig::RigNode;
-use crate::run::{Plan, Terms, bar, session};
+use crate::run::{Plan, Terms, session};
 use crate::statistics::Statistics;
 use can_protocol::Profile;
-use indicatif::ProgressDrawTarget;
 use scenario::run::Run;
 use std::fs::File;
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The second run, done.
 #[derive(Debug, Clone)]
@@ -44,8 +44,8 @@ pub(crate) struct Cycles {
     pub(crate) run: u64,
 }
 
-/// A run that takes longer shows its progress.
-const SILENT: Duration = Duration::from_secs(2);
+/// How long the rigs in memory may take to answer.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 impl SecondRun {
     /// Runs through a scenario with as many cycles before and in RUN as the main run had, and
@@ -81,12 +81,13 @@ fn through(
     let failed = |why| BenchError::File { file: path.clone(), why };
     let plan = Plan::new(run, &BusChoice::Memory)?;
     let track = run.track.view();
+    let mut course = Course::new(run, &track);
     let session = session(run, &track, &plan.rigs, Terms::in_memory(profile))?;
     let rigs = plan.rigs.iter().map(|rig| RigNode::new(&run.rig, rig.node, profile));
     let mut buses = vec![MemoryBus::new(rigs)];
     let mut state = session.start(session.line.start(run.start.state.clone()));
     session
-        .greet(&mut state, &mut buses, SILENT, &Requests::armed())
+        .greet(&mut state, &mut buses, PATIENCE, &Requests::armed())
         .map_err(|why| why.on(&BusChoice::Memory))?;
     state.line.delay_run(ramp_in);
     let mut queues = Queues::default();
@@ -108,35 +109,34 @@ fn through(
     };
     let mut counts = Counts::default();
     let mut rows: Vec<Row> = Vec::with_capacity(ROWS);
-    let bar = bar(cycles, ProgressDrawTarget::hidden());
-    bar.set_message("the same with the other damper");
-    let begin = Instant::now();
+    let mut bar = LateBar::new("the same with the other damper", cycles);
     let mut ending = Ending::default();
-    let end = loop {
-        if stop.load(Ordering::Relaxed) {
-            for part in parts(&path) {
-                std::fs::remove_file(part).map_err(failed)?;
+    let end = 'run: loop {
+        let track = course.track();
+        while !course.is_passed(&state.line) {
+            if stop.load(Ordering::Relaxed) {
+                for part in parts(&path) {
+                    std::fs::remove_file(part).map_err(failed)?;
+                }
+                return Ok(None);
             }
-            return Ok(None);
-        }
-        let row = session.cycle(&mut state, &mut buses, Tick::default());
-        counts.take(&row);
-        rows.push(row);
-        if rows.len() == ROWS {
-            write(&rows).map_err(failed)?;
-            rows.clear();
-            if bar.is_hidden() && begin.elapsed() > SILENT {
-                bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(10));
+            let row = session.cycle_on(&track, &mut state, &mut buses, Tick::default());
+            counts.take(&row);
+            rows.push(row);
+            if rows.len() == ROWS {
+                write(&rows).map_err(failed)?;
+                rows.clear();
+                bar.at(counts.run_cycles);
             }
-            bar.set_position(counts.run_cycles);
+            if let Some(end) = ending.take(&session, &mut state, cycles, false) {
+                break 'run end;
+            }
         }
-        if let Some(end) = ending.take(&session, &mut state, cycles, false) {
-            break end;
-        }
+        course.change().map_err(|NoStretch| BenchError::Thread { name: "makes the track" })?;
     };
     write(&rows).map_err(failed)?;
     record.into_last().finish().and_then(|_| open.hold()).map_err(failed)?;
-    bar.finish_and_clear();
+    bar.finish();
     let statistics = Statistics::of(&path, run.run_in_s, |_| {})?;
     Ok(Some(SecondRun { counts, statistics, watched: session.watched, hash: state.hash, end }))
 }

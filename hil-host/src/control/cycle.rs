@@ -12,6 +12,7 @@ use core::time::Duration;
 use firmware_core::guard::ForceInput;
 use firmware_core::line::Slot;
 use firmware_core::supervision::{Action, Cause, Signal, State};
+use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 use std::time::Instant;
@@ -46,9 +47,21 @@ pub(super) struct Timing {
 }
 
 impl Session<'_> {
-    /// One cycle, as README draws it; returns the row for the record.
+    /// One cycle, as README draws it, on the first stretch of the track; returns the row for the
+    /// record. A loop that may leave that stretch follows a [`Course`](super::Course).
     pub fn cycle<B: Bus>(
         &self,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        tick: Tick,
+    ) -> Row {
+        self.cycle_on(self.line.track, state, buses, tick)
+    }
+
+    /// The same on any stretch of the track that holds the whole vehicle.
+    pub fn cycle_on<B: Bus>(
+        &self,
+        track: &Track<'_>,
         state: &mut SessionState,
         buses: &mut Buses<'_, '_, B>,
         tick: Tick,
@@ -61,7 +74,7 @@ impl Session<'_> {
         self.receive(state, buses);
         let inputs = self.decode(state);
         self.judge(state, &inputs);
-        let compute = self.guard_step_and_compensate(state, &inputs);
+        let compute = self.guard_step_and_compensate(track, state, &inputs);
         self.judge_commands(state);
         self.watch_growth(state);
         let commands = self.encode(state);
@@ -138,9 +151,14 @@ impl Session<'_> {
     }
 
     /// Guard, vehicle step, compensate: the three arrows of [`firmware_core::line`].
-    fn guard_step_and_compensate(&self, state: &mut SessionState, inputs: &Inputs) -> Duration {
+    fn guard_step_and_compensate(
+        &self,
+        track: &Track<'_>,
+        state: &mut SessionState,
+        inputs: &Inputs,
+    ) -> Duration {
         let (begin, cycle) = (Instant::now(), state.line.cycle);
-        self.line.step(&mut state.line, &inputs.force);
+        self.line.step_on(track, &mut state.line, &inputs.force);
         debug_assert_eq!(state.line.cycle, cycle + 1, "a step is one cycle");
         if state.line.is_safe() && state.stop.is_none() {
             self.stop(state, None, Self::fact(Signal::Vehicle), Action::Stop);

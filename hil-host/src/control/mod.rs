@@ -6,7 +6,8 @@
 //! and then the wait for the next tick. [`Session::cycle`] is that line. Between receive and send
 //! it neither allocates nor locks, logs or calls through a pointer.
 //!
-//! A [`Session`] holds the parameters and [`SessionState`] everything that changes. [`Buses`] are
+//! A [`Session`] holds the parameters and [`SessionState`] everything that changes; a [`Course`] is
+//! the track under a long run. [`Buses`] are
 //! its buses and the recorder that keeps every frame. [`Session::greet`] meets the rigs and arms
 //! them. A [`Port`] is the host's end of one rig: what
 //! is believed of it, what it says of itself, and a [`Watch`] over its damper. The first cause that
@@ -15,6 +16,7 @@
 
 mod arming;
 mod buses;
+mod course;
 mod cycle;
 mod greeting;
 mod hash;
@@ -32,6 +34,7 @@ mod terms;
 mod watch;
 
 pub use buses::Buses;
+pub use course::{Course, NoStretch};
 pub use no_answer::NoAnswer;
 pub use notices::Notices;
 pub(crate) use pacing::Ending;

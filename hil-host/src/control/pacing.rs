@@ -1,6 +1,7 @@
 //! Cycle after cycle: who sets the pace, and how a session ends.
 
 use super::buses::Buses;
+use super::course::Course;
 use super::notices::Notices;
 use super::requests::Requests;
 use super::session::{Session, SessionState};
@@ -102,10 +103,12 @@ impl Ending {
 }
 
 impl Session<'_> {
-    /// Runs until as many cycles of RUN are done, the user stops it, the record cannot be kept or a
-    /// cause ends it. Rigs are ramped out, or brought to rest in the safe state.
+    /// Runs along a course until as many cycles of RUN are done, the user stops it, the record
+    /// cannot be kept or a cause ends it. Rigs are ramped out, or brought to rest in the safe
+    /// state.
     pub fn run<B: Bus>(
         &self,
+        course: &mut Course<'_>,
         state: &mut SessionState,
         buses: &mut Buses<'_, '_, B>,
         pace: &mut Pace,
@@ -119,17 +122,28 @@ impl Session<'_> {
         }
         let (mut ending, mut notices) = (Ending::default(), Notices::default());
         let mut tick = Tick::default();
-        let end = loop {
-            let row = self.cycle(state, buses, tick);
-            // Before the row: what is found in a cycle is written no later than its row.
-            self.notify(state, &mut notices, buses.recorder());
-            buses.recorder().row(row);
-            if requests.is_stopping() {
-                self.stop(state, None, Self::fact(Signal::Operator), Action::Stop);
+        let end = 'run: loop {
+            let track = course.track();
+            loop {
+                let row = self.cycle_on(&track, state, buses, tick);
+                // Before the row: what is found in a cycle is written no later than its row.
+                self.notify(state, &mut notices, buses.recorder());
+                buses.recorder().row(row);
+                if requests.is_stopping() {
+                    self.stop(state, None, Self::fact(Signal::Operator), Action::Stop);
+                }
+                let is_stopped = requests.is_ending() || buses.recorder().is_overrun();
+                if let Some(end) = ending.take(self, state, cycles, is_stopped) {
+                    break 'run end;
+                }
+                if course.is_passed(&state.line) {
+                    break;
+                }
+                tick = self.wait(state, buses, pace);
             }
-            let is_stopped = requests.is_ending() || buses.recorder().is_overrun();
-            if let Some(end) = ending.take(self, state, cycles, is_stopped) {
-                break end;
+            // The commands are sent. Without a track the vehicle stands.
+            if course.change().is_err() {
+                self.stop(state, None, Self::fact(Signal::Vehicle), Action::Stop);
             }
             tick = self.wait(state, buses, pace);
         };

@@ -5,7 +5,7 @@ use super::kind::Fault;
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::clock::Tick;
-use crate::control::{Buses, End, Ending, NoAnswer, Requests, Session, SessionState, Stop};
+use crate::control::{Buses, Course, End, Ending, NoAnswer, Requests, Session, SessionState, Stop};
 use crate::record::Queues;
 use crate::run::{Plan, Terms, session};
 use can_protocol::{Node, Profile, RunState};
@@ -165,10 +165,20 @@ pub fn inject(
     let (mut recorder, _drain) = queues.split();
     let mut ending = Ending::default();
     let (mut end, mut violation, mut safe_since) = (None, None, None);
+    let mut course = Course::new(run, session.line.track);
+    let mut track = course.track();
     while state.line.cycle < injection.until && end.is_none() {
+        if course.is_passed(&state.line) {
+            drop(track);
+            if course.change().is_err() {
+                end = Some(End::Stopped);
+                break;
+            }
+            track = course.track();
+        }
         let (before, tick) = (state.line.slots, injection.tick(state.line.cycle));
         let mut buses = Buses::new(std::slice::from_mut(bus), &mut recorder);
-        session.cycle(&mut state, &mut buses, tick);
+        session.cycle_on(&track, &mut state, &mut buses, tick);
         violation = violation
             .or_else(|| violated(session, &state, &before))
             .or_else(|| stops_unsafely(session, &state, &mut safe_since));

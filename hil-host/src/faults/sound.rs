@@ -11,7 +11,7 @@
 use crate::BenchError;
 use crate::bus::{BusChoice, MemoryBus};
 use crate::clock::Tick;
-use crate::control::{Buses, Requests};
+use crate::control::{Buses, Course, NoStretch, Requests};
 use crate::draw::Draw;
 use crate::record::Queues;
 use crate::rig::RigNode;
@@ -142,6 +142,7 @@ impl SoundCase {
         let run = self.run(scenarios, seconds, track_seed, noise_seed)?;
         let plan = Plan::new(&run, &BusChoice::Memory)?;
         let track = run.track.view();
+        let mut course = Course::new(&run, &track);
         let session = session(&run, &track, &plan.rigs, Terms::in_memory(Profile::Classical))?;
         let rigs = plan.rigs.iter().map(|rig| RigNode::new(&run.rig, rig.node, Profile::Classical));
         let mut bus = MemoryBus::new(rigs);
@@ -154,8 +155,17 @@ impl SoundCase {
         let (mut recorder, _drain) = queues.split();
         let mut alarms = Vec::new();
         let mut is_drifting = false;
+        let mut track = course.track();
         while state.line.run_cycles() < run.cycles() && state.stop.is_none() {
-            session.cycle(&mut state, &mut Buses::new(bus, &mut recorder), Tick::default());
+            if course.is_passed(&state.line) {
+                drop(track);
+                course
+                    .change()
+                    .map_err(|NoStretch| BenchError::Thread { name: "makes the track" })?;
+                track = course.track();
+            }
+            let mut buses = Buses::new(bus, &mut recorder);
+            session.cycle_on(&track, &mut state, &mut buses, Tick::default());
             let drifts = state.ports.iter().any(|port| port.watch.view.verdict == Watch::Drift);
             if drifts && !is_drifting {
                 let time_s = state.line.time_s(CYCLE_S);

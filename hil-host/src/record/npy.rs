@@ -150,6 +150,13 @@ impl RowReader {
         Ok(now.map(|now| Self { next: parts, now, done: Vec::new(), row: Vec::new() }))
     }
 
+    /// How many rows there are, by the sizes of all files.
+    pub(crate) fn rows(&self) -> io::Result<u64> {
+        let parts = self.next.iter().chain(&self.done);
+        let rows = parts.map(|(_, file)| Ok(file.metadata()?.len() / Row::size() as u64));
+        Ok(self.now.rows + rows.sum::<io::Result<u64>>()?)
+    }
+
     /// The next row.
     pub(super) fn next_row(&mut self) -> io::Result<Option<&[u8]>> {
         while !self.now.read(&mut self.row)? {

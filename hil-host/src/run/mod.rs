@@ -16,14 +16,13 @@ mod space;
 pub use late_report::{LateReport, report};
 pub(crate) use plan::Plan;
 pub use plan::is_on_a_bus;
-pub(crate) use progress::bar;
 pub(crate) use setup::{Terms, session};
 pub use setup::{line, watch_of};
 
 use crate::BenchError;
 use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
 use crate::comparison::{self, Cycles, SecondRun};
-use crate::control::{End, Requests, Session, SessionState};
+use crate::control::{Course, End, Requests, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
 use crate::page::{Ending, SHOWN_CYCLES, page};
 use crate::realtime::{self, RealtimeOptions};
@@ -86,13 +85,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     let plan = Plan::new(run, &options.bus)?;
     plan.check_pace(options.pace)?;
     let load = plan.load(options)?;
-    let mut folder =
-        ResultFolder::fresh(options.out.as_deref(), &options.name, "run", options.overwrite)?;
-    let names = file_names(run.cycles());
-    folder.check(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
-    folder.refuse_inputs(options.inputs.iter().map(PathBuf::as_path))?;
-    let needed = space::needed_bytes(run, &plan, options.profile);
-    space::check(folder.path(), folder.free_bytes(), needed, run.cycles())?;
+    let mut folder = checked_folder(run, options, &plan)?;
     let other = run.compared(|slot| plan.is_emulated(slot))?;
     let mut buses = open_buses(run, options, &plan)?;
     // Only now: where the bus is refused, the error stands alone.
@@ -107,6 +100,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         pace: pace.on_the_wire(),
         slow_down: options.slow_down,
         arming: arming(&plan, options)?,
+        shows_progress: true,
     };
     let session = session(run, &track, &plan.rigs, terms)?;
     let mut state = session.start(session.line.start(run.start.state.clone()));
@@ -135,6 +129,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     };
     let task = Task {
         session: &session,
+        course: Course::new(run, &track),
         state: &mut state,
         buses: &mut buses,
         bus: &options.bus,
@@ -191,6 +186,22 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         eprintln!("interrupted: the comparison is omitted");
     }
     Ok(Finished { summary, folder: folder.path().to_owned(), interrupted })
+}
+
+/// The folder of the results, with room for them.
+fn checked_folder(
+    run: &Run,
+    options: &RunOptions,
+    plan: &Plan,
+) -> Result<ResultFolder, BenchError> {
+    let folder =
+        ResultFolder::fresh(options.out.as_deref(), &options.name, "run", options.overwrite)?;
+    let names = file_names(run.cycles());
+    folder.check(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
+    folder.refuse_inputs(options.inputs.iter().map(PathBuf::as_path))?;
+    let needed = space::needed_bytes(run, plan, options.profile);
+    space::check(folder.path(), folder.free_bytes(), needed, run.cycles())?;
+    Ok(folder)
 }
 
 /// Names of the files that a run of so many cycles may write.

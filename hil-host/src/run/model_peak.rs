@@ -7,6 +7,7 @@
 //! as possible. A damper that is half as strong again as its model is still a possible damper; a
 //! thousandfold force is none.
 
+use crate::progress_bar::LateBar;
 use firmware_core::guard::ForceInput;
 use firmware_core::line::{Line, Slot};
 use firmware_core::vehicle::DAMPER_SLOTS;
@@ -18,8 +19,15 @@ const LEAST_N: f64 = 5e3;
 /// Cycles that are looked at: two minutes, which take a second.
 const CYCLES_MAX: u64 = 120_000;
 
-/// The largest believed force of every slot (N).
-pub(super) fn believed_forces_n(run: &Run, mut line: Line<'_>) -> [f64; DAMPER_SLOTS] {
+/// Cycles after which progress is shown again.
+const SHOWN: u64 = 1000;
+
+/// The largest believed force of every slot (N). The line's track has to reach as far as is looked.
+pub(super) fn believed_forces_n(
+    run: &Run,
+    mut line: Line<'_>,
+    shows_progress: bool,
+) -> [f64; DAMPER_SLOTS] {
     let ratio = match run.plausibility.force {
         ForceLimit::Ratio(ratio) => ratio,
         ForceLimit::Force(force_n) => return [force_n; DAMPER_SLOTS],
@@ -33,7 +41,12 @@ pub(super) fn believed_forces_n(run: &Run, mut line: Line<'_>) -> [f64; DAMPER_S
     let mut most_n = [0.0_f64; DAMPER_SLOTS];
     // The ramps run over the same track.
     let cycles = run.cycles() + 4 * u64::from(run.motion.ramp_cycles);
-    for _ in 0..cycles.min(CYCLES_MAX) {
+    let cycles = cycles.min(CYCLES_MAX);
+    let mut bar = shows_progress.then(|| LateBar::new("forces of the models", cycles));
+    for cycle in 0..cycles {
+        if let Some(bar) = bar.as_mut().filter(|_| cycle.is_multiple_of(SHOWN)) {
+            bar.at(cycle);
+        }
         line.step(&mut state, &[ForceInput::Missing; DAMPER_SLOTS]);
         for (most, force) in most_n.iter_mut().zip(&state.vehicle.damper_n) {
             *most = most.max(force.lane(0).abs());
@@ -41,6 +54,9 @@ pub(super) fn believed_forces_n(run: &Run, mut line: Line<'_>) -> [f64; DAMPER_S
         if state.is_safe() {
             break;
         }
+    }
+    if let Some(bar) = bar {
+        bar.finish();
     }
     most_n.map(|most| (ratio * most).max(LEAST_N))
 }
@@ -58,11 +74,11 @@ mod tests {
         let overrides = Overrides { duration_s: Some(10.0), speed_kmh: None };
         let mut run = Run::load(&path, overrides).unwrap();
         let track = run.track.view();
-        let believed_n = believed_forces_n(&run, line(&run, &track));
+        let believed_n = believed_forces_n(&run, line(&run, &track), false);
         // The model reaches 20 kN.
         assert!((25e3..35e3).contains(&believed_n[0]), "{believed_n:?}");
         run.plausibility.force = ForceLimit::Force(12e3);
         let track = run.track.view();
-        assert_eq!(believed_forces_n(&run, line(&run, &track)), [12e3; DAMPER_SLOTS]);
+        assert_eq!(believed_forces_n(&run, line(&run, &track), false), [12e3; DAMPER_SLOTS]);
     }
 }

@@ -2,11 +2,11 @@
 //! hold up the record.
 
 use crate::counts::{Counts, Watched};
+use crate::progress_bar::bar;
 use crate::record::Row;
 use crate::summary::microseconds;
 use can_protocol::Watch;
 use crossbeam_channel::{Receiver, Sender, bounded};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
@@ -60,21 +60,12 @@ impl Progress {
 
 /// Draws lines until there are no more.
 pub(super) fn show(lines: &Receiver<Line>, cycles: u64) {
-    let bar = bar(cycles, ProgressDrawTarget::stderr_with_hz(10));
+    let bar = bar(cycles);
     for line in lines {
         bar.set_position(line.cycle);
         bar.set_message(line.text);
     }
     bar.finish_and_clear();
-}
-
-/// A bar for so many cycles.
-pub(crate) fn bar(cycles: u64, target: ProgressDrawTarget) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(cycles), target);
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %  {msg}") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 /// The residual of every watched rig whose usual residual is known.

@@ -19,20 +19,23 @@ use scenario::run::{CYCLE_S, Run, SlotForce};
 use std::num::NonZeroU8;
 use std::time::Duration;
 
-/// What the rigs are given in the handshake.
+/// What the rigs are given in the handshake, and whether the user sees what goes on before it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Terms {
     pub(crate) profile: Profile,
     pub(crate) pace: WirePace,
     pub(crate) slow_down: NonZeroU8,
     pub(crate) arming: Arming,
+    /// Whether set-up that takes long shows its progress.
+    pub(crate) shows_progress: bool,
 }
 
 impl Terms {
     /// Those of rigs on the memory bus without a clock.
     pub(crate) fn in_memory(profile: Profile) -> Self {
         let arming = Arming::in_memory();
-        Self { profile, pace: WirePace::LockStep, slow_down: NonZeroU8::MIN, arming }
+        let (pace, slow_down) = (WirePace::LockStep, NonZeroU8::MIN);
+        Self { profile, pace, slow_down, arming, shows_progress: false }
     }
 }
 
@@ -43,12 +46,12 @@ pub(crate) fn session<'a>(
     rigs: &[RigPlace],
     terms: Terms,
 ) -> Result<Session<'a>, can_protocol::Error> {
-    let Terms { profile, pace, slow_down, arming } = terms;
+    let Terms { profile, pace, slow_down, arming, shows_progress } = terms;
     // A second of work, which a run without rigs does not need.
     let forces_n = if rigs.is_empty() {
         [f64::INFINITY; DAMPER_SLOTS]
     } else {
-        believed_forces_n(run, line(run, track))
+        believed_forces_n(run, line(run, track), shows_progress)
     };
     let port = |rig: &RigPlace| {
         let force_n = forces_n[rig.slot].min(MOST_FORCE_N);

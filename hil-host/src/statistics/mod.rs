@@ -20,6 +20,7 @@ pub(crate) use trace::Trace;
 pub(crate) use traces::{RigTraces, Traces};
 
 use crate::BenchError;
+use crate::progress_bar::LateBar;
 use crate::record::{Row, RowReader};
 use can_protocol::RunState;
 use std::path::Path;
@@ -49,7 +50,8 @@ impl Statistics {
     ) -> Result<Self, BenchError> {
         let (mut shown, mut is_over) = (Sums::default(), false);
         let (mut all_rows, mut run_rows) = (0, 0);
-        read(record, |row| {
+        let mut bar = LateBar::new("reading the record", 2 * PARTS);
+        read(record, (&mut bar, 0), |row| {
             each(row);
             all_rows += 1;
             if row.state != RunState::Run {
@@ -64,7 +66,7 @@ impl Statistics {
         let from_s = if is_over { run_in_s } else { f64::NEG_INFINITY };
         let mut traces = Traces::new(&shown, all_rows, run_rows);
         shown.begin_cycles();
-        read(record, |row| {
+        read(record, (&mut bar, PARTS), |row| {
             traces.clock.take(row);
             if row.state != RunState::Run {
                 return;
@@ -75,6 +77,7 @@ impl Statistics {
                 traces.take(row);
             }
         })?;
+        bar.finish();
         traces.finish();
         let counted = (!is_over).then(Sums::default);
         Ok(Self { shown, counted, traces })
@@ -86,12 +89,26 @@ impl Statistics {
     }
 }
 
-/// Hands the rows of a record to `take`.
-fn read(record: &Path, mut take: impl FnMut(&Row)) -> Result<(), BenchError> {
+/// Parts of a pass over a record, for its progress.
+const PARTS: u64 = 1000;
+
+/// Hands the rows of a record to `take`, and shows progress in a pass that begins at a part.
+fn read(
+    record: &Path,
+    (bar, begin): (&mut LateBar, u64),
+    mut take: impl FnMut(&Row),
+) -> Result<(), BenchError> {
     let failed = |why| BenchError::File { file: record.to_owned(), why };
     let mut reader = RowReader::open(record)?;
+    // Not less than one row: rows may be lost.
+    let rows_of_part = (reader.rows().map_err(failed)? / PARTS).max(1);
+    let mut rows = 0_u64;
     while let Some(row) = reader.next().map_err(failed)? {
         take(&row);
+        rows += 1;
+        if rows.is_multiple_of(rows_of_part) {
+            bar.at(begin + (rows / rows_of_part).min(PARTS));
+        }
     }
     Ok(())
 }

@@ -5,7 +5,9 @@ use crate::support::locomotive::{NODE, scenario, session};
 use can_protocol::{Frame, MessageId, Pace as WirePace, Profile};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::{Pacer, Tick};
-use hil_host::control::{Buses, End, NoAnswer, Pace, Requests, STOP_CYCLES, Session, SessionState};
+use hil_host::control::{
+    Buses, Course, End, NoAnswer, Pace, Requests, STOP_CYCLES, Session, SessionState,
+};
 use hil_host::record::{Queues, ROWS};
 use hil_host::rig::RigNode;
 use scenario::run::Run;
@@ -127,7 +129,8 @@ fn a_host_whose_rig_falls_silent_goes_safe_in_the_fifth_cycle_and_ends_after_the
     let mut buses = Buses::new(std::slice::from_mut(&mut bus), &mut recorder);
     // A clock that waits for nothing and skips nothing.
     let mut pace = Pace::Realtime(Pacer::virtual_time(1_000_000));
-    let end = session.run(&mut state, &mut buses, &mut pace, 5000, &Requests::armed());
+    let mut course = Course::new(&run, &track);
+    let end = session.run(&mut course, &mut state, &mut buses, &mut pace, 5000, &Requests::armed());
     assert_eq!(end, End::Safe);
     // The last measurement is used in cycle 301; the guard trips in the fifth cycle after it.
     assert_eq!(state.line.cycle, 301 + 5 + STOP_CYCLES);
@@ -166,7 +169,9 @@ fn a_loop_whose_rows_find_no_room_for_more_than_a_second_ends_in_order() {
     let (mut state, mut bus) = greeted(&session, &run);
     let mut buses = Buses::new(std::slice::from_mut(&mut bus), &mut recorder);
     let mut pace = Pace::Realtime(Pacer::virtual_time(1_000_000));
-    let end = session.run(&mut state, &mut buses, &mut pace, 20_000, &Requests::armed());
+    let mut course = Course::new(&run, &track);
+    let end =
+        session.run(&mut course, &mut state, &mut buses, &mut pace, 20_000, &Requests::armed());
     // Coupling and motion are faded out, for half a second each.
     assert_eq!((end, state.line.cycle), (End::Stopped, ROWS as u64 + 1001 + 1000));
     assert!(!state.line.is_safe());

@@ -6,7 +6,9 @@ use firmware_core::command::Command;
 use firmware_core::supervision::{Action, Cause, Event, Signal, State};
 use hil_host::bus::MemoryBus;
 use hil_host::clock::{Pacer, Tick};
-use hil_host::control::{Buses, End, NoAnswer, Pace, Requests, Session, SessionState, Stop};
+use hil_host::control::{
+    Buses, Course, End, NoAnswer, Pace, Requests, Session, SessionState, Stop,
+};
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
 use proptest::prelude::*;
@@ -46,6 +48,7 @@ fn commands(
 
 /// Runs to the end of so many cycles of RUN, on a clock that waits for nothing.
 fn run_through(
+    run: &Run,
     session: &Session<'_>,
     state: &mut SessionState,
     bus: &mut MemoryBus,
@@ -55,7 +58,8 @@ fn run_through(
     let (mut recorder, _drain) = queues.split();
     let mut buses = Buses::new(std::slice::from_mut(bus), &mut recorder);
     let mut pace = Pace::Realtime(Pacer::virtual_time(1_000_000));
-    session.run(state, &mut buses, &mut pace, cycles, &Requests::armed())
+    let mut course = Course::new(run, session.line.track);
+    session.run(&mut course, state, &mut buses, &mut pace, cycles, &Requests::armed())
 }
 
 #[test]
@@ -69,7 +73,7 @@ fn a_run_begins_where_the_ram_stands_and_ends_there_at_rest() {
     let start_m = state.line.slots[0].command.displacement_m;
     assert!((start_m - 2.5232e-3).abs() < 1e-6, "{start_m}");
 
-    let end = run_through(&session, &mut state, &mut bus, 3000);
+    let end = run_through(&run, &session, &mut state, &mut bus, 3000);
     assert_eq!((end, state.line.state), (End::Completed, State::Standby));
     // Twice 0.5 s before RUN, twice after it.
     assert_eq!(state.line.cycle, 1000 + 3000 + 1000);
@@ -163,7 +167,7 @@ fn a_cause_that_asks_to_ramp_out_ends_at_rest_and_not_in_the_safe_state() {
     commands(&session, &mut state, &mut bus, 2000);
     state.line.on(Event::End);
     state.stop = Some(Stop { cycle: 2000, time_s: 1.0, node: None, cause: stop });
-    let end = run_through(&session, &mut state, &mut bus, 20_000);
+    let end = run_through(&run, &session, &mut state, &mut bus, 20_000);
     assert_eq!((end, state.line.state, state.line.cycle), (End::RampedOut, State::Standby, 3000));
 }
 
@@ -179,7 +183,7 @@ fn hunting_that_grows_towards_the_end_of_the_stroke_is_ramped_out() {
         let session = session(&run, &track, WirePace::Clock);
         let mut bus = bus_with_ram_at(&run, 0.0);
         let mut state = greet(&session, &run, &mut bus).unwrap();
-        let end = run_through(&session, &mut state, &mut bus, 20_000);
+        let end = run_through(&run, &session, &mut state, &mut bus, 20_000);
         let signal = state.stop.map(|stop| stop.cause.signal);
         let expected =
             if is_found { (End::RampedOut, Some(Signal::Growth)) } else { (End::Completed, None) };

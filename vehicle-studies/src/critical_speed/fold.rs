@@ -109,7 +109,11 @@ fn swinging(
             let samples = burst(speed_m_per_s / burst_hz);
             let track = Track {
                 layout: Layout::tangent(),
-                irregularity: Irregularity { samples: &samples, first_m: 0.0, step_m: SAMPLE_M },
+                irregularity: Irregularity {
+                    samples: &samples,
+                    step_m: SAMPLE_M,
+                    ..Irregularity::default()
+                },
             };
             let trip = Trip::new(equipped, &track, speed_m_per_s, procedure.substeps);
             let mut state = trip.begin(&[])?;
