@@ -239,4 +239,20 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn units_and_forces_that_are_not_believed_go_with_the_name() {
+        for signal in Signal::ALL {
+            let named = signal.name().contains("force");
+            // What a command or the work says of the force, its name does not say.
+            assert_eq!(signal.is_of_force(), named || signal == Signal::Work, "{signal:?}");
+            let is_counted = signal.name().contains("cycles")
+                || signal.name().contains("measurements")
+                || signal.name().starts_with("lost")
+                || signal == Signal::BusQueue;
+            assert_eq!(signal.unit() == Some("cycles"), is_counted, "{signal:?}");
+        }
+        let forces = [Signal::Force, Signal::Residual].map(Signal::unit);
+        assert_eq!((forces, Signal::Operator.unit()), ([Some("N"); 2], None));
+    }
 }

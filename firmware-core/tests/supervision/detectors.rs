@@ -100,6 +100,32 @@ fn what_is_only_logged_or_held_ends_nothing() {
 }
 
 #[test]
+fn a_force_beyond_its_limit_or_its_step_is_held_over_at_once() {
+    // 40 kN are the limit, 25 kN the largest change in a cycle.
+    for (jump_n, is_believed) in [(24e3, true), (26e3, false)] {
+        let mut bench = Bench::new(0.5e-3);
+        let still = Measured { force_n: Some(-5e3), ..bench.measured(0) };
+        let taken = |bench: &mut Bench, cycle: u8, force_n| {
+            bench.belief.sent(bench.command(u32::from(cycle)));
+            let counters = (cycle % MODULUS, Some(cycle % MODULUS));
+            let measured =
+                Measured { counter: counters.0, echo: counters.1, force_n: Some(force_n), ..still };
+            bench.belief.take(&bench.checks, Arrival::Frame(measured), counters.1)
+        };
+        assert_eq!(taken(&mut bench, 0, -5e3), ForceInput::Fresh(-5e3));
+        let next = taken(&mut bench, 1, -5e3 + jump_n);
+        let expected =
+            if is_believed { ForceInput::Fresh(-5e3 + jump_n) } else { ForceInput::Invalid };
+        assert_eq!(next, expected);
+        // A force that creeps over its limit.
+        if is_believed {
+            assert_eq!(taken(&mut bench, 2, 39.9e3), ForceInput::Fresh(39.9e3));
+            assert_eq!(taken(&mut bench, 3, 40.1e3), ForceInput::Invalid);
+        }
+    }
+}
+
+#[test]
 fn a_measurement_of_any_age_is_compared_with_the_command_of_its_cycle() {
     for age in 0..=5 {
         let mut bench = Bench::new(0.5e-3);
