@@ -129,4 +129,60 @@ mod tests {
             assert_eq!(growth.take(slow + ripple, 50e-3), None);
         }
     }
+
+    /// Size at which growth is found in cycles of these sizes, mm, at a limit of 50 mm. The motion
+    /// begins in the middle and goes to `sign` first.
+    fn found_in(sizes_mm: &[f64], sign: f64) -> Option<f64> {
+        let mut growth = Growth::default();
+        let cycles = sizes_mm.iter().flat_map(|size| [*size, -size]);
+        // The last cycle is whole when the motion has turned.
+        let mut way = core::iter::once(0.0).chain(cycles).chain([1.0]);
+        let found = way.find_map(|at| growth.take(sign * at * 1e-3, 50e-3));
+        found.map(|size_m| libm::round(size_m * 1e7) / 1e4)
+    }
+
+    #[test]
+    fn three_cycles_grow_and_the_second_from_now_passes_the_limit() {
+        assert_eq!(found_in(&[20.0, 26.0, 33.8], 1.0), Some(33.8));
+        // Two cycles are too few, and each has to be larger than the one before.
+        assert_eq!(found_in(&[20.0, 33.8], 1.0), None);
+        assert_eq!(found_in(&[26.0, 26.0, 33.8], 1.0), None);
+        assert_eq!(found_in(&[30.0, 26.0, 33.8], 1.0), None);
+        assert_eq!(found_in(&[30.0, 40.0, 40.0], 1.0), None);
+        // 0.6 of the limit are 30 mm.
+        assert_eq!(found_in(&[10.0, 18.0, 29.9], 1.0), None);
+        assert_eq!(found_in(&[10.0, 18.0, 30.1], 1.0), Some(30.1));
+        // 39 mm grow to 48.4 mm in two cycles, and 40 mm to 52.2 mm.
+        assert_eq!(found_in(&[30.0, 35.0, 39.0], 1.0), None);
+        assert_eq!(found_in(&[30.0, 35.0, 40.0], 1.0), Some(40.0));
+    }
+
+    #[test]
+    fn a_motion_that_falls_first_is_judged_from_its_first_whole_cycle() {
+        // Cycles begin at a lower turn: their sizes are 21, 28, 34.5 mm here.
+        assert_eq!(found_in(&[18.0, 24.0, 32.0, 37.0], -1.0), Some(34.5));
+        assert_eq!(found_in(&[24.0, 32.0, 37.0], -1.0), None);
+    }
+
+    #[test]
+    fn a_step_within_the_ripple_neither_begins_a_motion_nor_turns_it() {
+        let found = |way_mm: &[f64]| {
+            let mut growth = Growth::default();
+            way_mm.iter().find_map(|at| growth.take(at * 1e-3, 50e-3))
+        };
+        // Ripples of 0.9 mm, where 1 mm counts: at the start, and before each turn.
+        let way = [0.0, 0.9, 0.0, 20.0, 19.1, -20.0, -19.1, 26.0, 25.1, -26.0, -25.1];
+        let end = [33.8, 32.9, -33.8, -32.9, 0.0];
+        assert_eq!(found(&[way.as_slice(), &end].concat()), Some(33.8e-3));
+        let mut growth = Growth::default();
+        growth.take(0.0, 50e-3);
+        growth.take(-0.9e-3, 50e-3);
+        assert_eq!(growth.rises, None);
+        growth.take(-1.1e-3, 50e-3);
+        assert_eq!((growth.rises, growth.extreme_m), (Some(false), -1.1e-3));
+        growth.take(-0.2e-3, 50e-3);
+        assert_eq!((growth.rises, growth.extreme_m), (Some(false), -1.1e-3));
+        growth.take(0.0, 50e-3);
+        assert_eq!((growth.rises, growth.extreme_m), (Some(true), 0.0));
+    }
 }
