@@ -31,7 +31,7 @@ mod simulation;
 mod structure;
 
 pub use benchmark::{
-    Aim, BaselineRow, Benchmark, COMPENSATORS, DelayRow, NOISE_SEEDS, NominalRow, PLANTS,
+    Aim, BaselineRow, Benchmark, COMPENSATORS, DelayRow, NOISE_SEEDS, NominalRow, Outside, PLANTS,
     PerturbedRow, Statistics, run,
 };
 pub use case::{CASES, Case};

@@ -44,7 +44,7 @@ fn every_run_has_its_row_and_another_record_has_no_published_table() {
     assert_eq!(FOUND.baseline.len(), 4);
     assert_eq!(FOUND.nominal.len(), 4 * COMPENSATORS.len());
     assert_eq!((FOUND.perturbed.len(), FOUND.extra_delay.len()), (5, 12));
-    assert_eq!(FOUND.is_reproduced(), None);
+    assert_eq!(FOUND.outside(), None);
 }
 
 #[test]
