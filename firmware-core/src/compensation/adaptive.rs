@@ -92,14 +92,15 @@ pub struct AdaptiveState {
 
 impl Adaptive {
     /// Usual bounds around start values, which come from an identification of the rig: 10 % of the
-    /// gain, half of the delay and 2 ms, and a gain at the mode of the rig that is at most a
-    /// quarter higher.
+    /// gain, half of the delay and 2 ms, what such a delay changes in the second order, and a gain
+    /// at the mode of the rig that is at most a quarter higher.
     pub fn new(start: Series, gain_check_hz: f64) -> Self {
         let [a0, a1, a2, _] = start.0.map(f64::abs);
+        let delay = 0.5 * a1 + 2e-3;
         Self {
             start,
             known_delay_s: 0.0,
-            reach: [0.1 * a0, 0.5 * a1 + 2e-3, 0.6 * a2 + 0.05 * a1 * a1],
+            reach: [0.1 * a0, delay, 0.5 * (a2 + a1 * delay)],
             rate_per_s: [0.2 * a0, 5e-3, a2 + 0.1 * a1 * a1],
             gain_check_hz,
             gain_ratio: 1.25,
@@ -252,21 +253,20 @@ impl Adaptive {
         state.coefficients = self.within_gain(next, a3);
     }
 
-    /// The coefficients with the second order so far reduced that the gain at the mode is at its
-    /// bound; the start values where that is not enough.
+    /// The coefficients, of which the first order and then the second are brought so near to their
+    /// start values that the gain at the mode keeps its bound.
     fn within_gain(&self, [a0, a1, a2]: [f64; 3], a3: f64) -> [f64; 3] {
         let omega = TAU * self.gain_check_hz;
         let square = omega * omega;
+        let [start_0, _, start_2, _] = self.start.0;
+        let start_real = start_0 - start_2 * square;
         let most = self.gain_ratio * self.start.gain(self.gain_check_hz);
+        // The imaginary part w (a1 - a3 w^2) leaves room for the real part of the start values.
+        let imaginary_most = libm::sqrt((most * most - start_real * start_real).max(0.0));
+        let a1 = within(a1, a3 * square, imaginary_most / omega);
         let imaginary = omega * (a1 - a3 * square);
-        let room = most * most - imaginary * imaginary;
-        if room < 0.0 {
-            let [a0, a1, a2, _] = self.start.0;
-            return [a0, a1, a2];
-        }
-        // |a0 - a2 w^2| <= real
-        let real = libm::sqrt(room);
-        [a0, a1, a2.max((a0 - real) / square).min((a0 + real) / square)]
+        let real_most = libm::sqrt((most * most - imaginary * imaginary).max(0.0));
+        [a0, a1, within(a2, a0 / square, real_most / square)]
     }
 }
 

@@ -245,6 +245,28 @@ fn the_gain_at_the_mode_of_the_rig_is_bounded() {
 }
 
 #[test]
+fn a_gain_at_its_bound_does_not_make_the_coefficients_jump() {
+    // A start of first order has little gain: the first order reaches the bound too.
+    let parameters = Adaptive::new(Series([1.0, 0.005, 0.0, 0.0]), 60.0);
+    let compensator = Compensator::Adaptive(parameters);
+    let (mut state, mut rig) = (compensator.start(), Rig::new(1.0, 0.007, 0));
+    let mut measured_m = 0.0;
+    let mut last = compensator.series(&state);
+    for k in 0..6000_u32 {
+        let answer = Some(Answer { displacement_m: measured_m, age_cycles: 1 });
+        let motion = wanted(f64::from(k) * PERIOD_S);
+        let command = compensator.step(&mut state, motion, answer, PERIOD_S);
+        measured_m = rig.answer(command.displacement_m);
+        let series = compensator.series(&state);
+        assert!(series.gain(60.0) <= 1.25 * parameters.start.gain(60.0) * (1.0 + 1e-12));
+        let change = (series.0[1] - last.0[1]).abs();
+        assert!(change <= parameters.rate_per_s[1] * PERIOD_S * 1.001, "cycle {k}: {change}");
+        last = series;
+    }
+    assert!(last.0[1] > 0.0065, "{last:?}");
+}
+
+#[test]
 fn a_wanted_motion_that_is_no_number_passes_and_leaves_no_trace() {
     let compensator = Compensator::Adaptive(adaptive());
     let mut state = compensator.start();
