@@ -108,7 +108,9 @@ impl Benchmark {
             }));
         }
         // A difference that is no number is outside too.
-        outside.retain(|criterion| !(criterion.difference.abs() <= criterion.most));
+        outside.retain(|criterion| {
+            criterion.difference.is_nan() || criterion.difference.abs() > criterion.most
+        });
         Some(outside)
     }
 }

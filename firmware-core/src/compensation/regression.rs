@@ -31,7 +31,7 @@ impl Regression {
         [xx, yy, zz]
     }
 
-    /// The unknowns; `ridge` pulls each towards its `prior`. Not finite where the equations are not.
+    /// The unknowns; `ridge` pulls each towards its `prior`. Not finite if the equations are not.
     pub(super) fn solve(&self, prior: [f64; 3], ridge: [f64; 3]) -> [f64; 3] {
         let [xx, xy, xz, yy, yz, zz] = self.normal;
         let [p, q, r] = prior;
