@@ -11,6 +11,7 @@ use files::{FolderError, InputError};
 use hil_host::BenchError;
 use identification::IdentificationError;
 use measurement::MeasurementError;
+use rths::RthsError;
 use scenario::source::ScenarioError;
 use signal::SignalError;
 use std::fmt;
@@ -96,6 +97,8 @@ command_error! {
     Study(StudyError) => |why| input_or_failure(why.is_bad_input());
     /// A campaign, a reproduction or a reference that cannot be computed.
     Evidence(EvidenceError) => |why| input_or_failure(why.is_bad_input());
+    /// A record of the ground that cannot be read.
+    Rths(RthsError) => |why| input_or_failure(why.is_bad_input());
     /// A virtual visit that cannot be made.
     Visit(VisitError) => |why| input_or_failure(why.is_bad_input());
     /// A report page that is not written.

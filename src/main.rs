@@ -23,6 +23,7 @@ mod reproduce;
 mod ride;
 mod rig;
 mod rig_reset;
+mod rths_benchmark;
 mod run;
 mod simulate;
 mod stop;
@@ -102,6 +103,10 @@ enum Command {
         after_help = "Example: yawbench ride scenarios/ss9-160kmh.toml --vary speed_kmh=80:180:11"
     )]
     Ride(ride::RideArgs),
+    /// Run the virtual benchmark of real-time hybrid simulation with our delay compensators, and
+    /// with its own controller next to the published table.
+    #[command(after_help = "Example: yawbench rths-benchmark --record el-centro-1940.csv")]
+    RthsBenchmark(rths_benchmark::RthsBenchmarkArgs),
     /// Assess the vehicle of a scenario in its curve: guiding forces, derailment, wheel load, wear,
     /// stability. The duration of the scenario is not used.
     #[command(
@@ -175,6 +180,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
         Command::CriticalSpeed(args) => critical_speed::command(args)?,
         Command::Reproduce(args) => reproduce::command(args)?,
         Command::Ride(args) => ride::command(args)?,
+        Command::RthsBenchmark(args) => rths_benchmark::command(args)?,
         Command::Curve(args) => curve::command(args)?,
     })
 }

@@ -23,7 +23,8 @@
 //! ```text
 //! line -> vehicle -> wheel_rail, track -> lanes
 //!      -> supervision -> guard, command
-//!      -> compensation, damper
+//!      -> compensation -> command
+//!      -> damper
 //! ```
 //!
 //! Parameters are `&self`, memory is `&mut state`; every state can be copied as a snapshot.

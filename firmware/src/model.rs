@@ -8,6 +8,10 @@
 
 use core::hint::black_box;
 
+use firmware_core::command::Command;
+use firmware_core::compensation::{
+    Adaptive, Answer, Compensator, Feedforward, Series, damping_energy_lost,
+};
 use firmware_core::damper::effects::{CATALOGUE, EffectInfo};
 use firmware_core::damper::{
     Curve, Damper, DamperState, Effect, EmpiricalMap, Factors, MapCoordinate, MapKnot, Motion,
@@ -51,6 +55,7 @@ pub(crate) fn run() {
     }
     damper();
     laws();
+    compensation();
 }
 
 /// The control cycle with every kind of slot and of input.
@@ -151,6 +156,29 @@ fn laws() {
     for law in black_box(laws) {
         black_box(law.force(&patch, black_box(Creepage::default())));
     }
+}
+
+/// Every compensator, with and without an answer.
+#[inline(never)]
+fn compensation() {
+    let series = black_box(Series::IDENTITY).with_delay(black_box(0.0));
+    let fixed = black_box(Feedforward::polynomial(black_box(2), black_box(0.0)));
+    let adaptive = Adaptive::new(series, black_box(1.0)).with_known_delay(black_box(0.0));
+    for compensator in black_box([
+        Compensator::None,
+        Compensator::Feedforward(fixed),
+        Compensator::Adaptive(adaptive),
+    ]) {
+        let mut state = compensator.start();
+        black_box(&mut state);
+        let answer = Some(Answer { displacement_m: 0.0, age_cycles: 0 });
+        let (wanted, answer) = (black_box(Command::default()), black_box(answer));
+        let command = compensator.step(&mut state, wanted, answer, black_box(1e-3));
+        state.sent(black_box(command));
+        let series = compensator.series(&state);
+        black_box((state.has_run_away(), series.delay_s(black_box(1.0)), series.gain(1.0)));
+    }
+    black_box(damping_energy_lost(black_box(0.0), black_box(1.0), black_box(0.0)));
 }
 
 /// Look-ups on a track with a curve.

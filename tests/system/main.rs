@@ -32,6 +32,7 @@ mod physics;
 mod real_records;
 mod reproduce;
 mod ride;
+mod rths_benchmark;
 mod run_command;
 mod stale_answers;
 mod watch;

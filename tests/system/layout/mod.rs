@@ -21,7 +21,7 @@ const LAYERS: [&[&str]; 9] = [
     &["report", "signal"],
     &["scenario"],
     &["measurement"],
-    &["virtual-bench", "identification", "vehicle-studies", "hil-host"],
+    &["virtual-bench", "identification", "vehicle-studies", "rths", "hil-host"],
     &["evidence"],
     &["yawbench"],
     &["firmware", "fuzz", "xtask"],

@@ -1,0 +1,46 @@
+//! Acceleration and jerk of the wanted motion, by backward differences of its velocity.
+
+use crate::command::Command;
+
+/// A motion with its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Kinematics {
+    /// Displacement and velocity, which the vehicle knows exactly.
+    pub(super) wanted: Command,
+    /// Acceleration, m/s2.
+    pub(super) acceleration_m_per_s2: f64,
+    /// Jerk, m/s3.
+    pub(super) jerk_m_per_s3: f64,
+}
+
+/// The velocities of the last two cycles.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Differences {
+    last_m_per_s: [f64; 2],
+    /// How many of them are known.
+    known: u8,
+}
+
+impl Differences {
+    /// Takes the motion of this cycle. A derivative is zero until its difference has all its
+    /// samples. From then on both are exact for a velocity of second degree.
+    pub(super) fn take(&mut self, wanted: Command, period_s: f64) -> Kinematics {
+        debug_assert!(period_s > 0.0, "period of {period_s} s");
+        let v = wanted.velocity_m_per_s;
+        let [v1, v2] = self.last_m_per_s;
+        let slope = (v - v1) / period_s;
+        let bend = (v - 2.0 * v1 + v2) / (period_s * period_s);
+        let (acceleration_m_per_s2, jerk_m_per_s3) = match self.known {
+            0 => (0.0, 0.0),
+            1 => (slope, 0.0),
+            _ => (slope + 0.5 * period_s * bend, bend),
+        };
+        if v.is_finite() {
+            self.last_m_per_s = [v, v1];
+            self.known = self.known.saturating_add(1).min(2);
+        } else {
+            *self = Self::default();
+        }
+        Kinematics { wanted, acceleration_m_per_s2, jerk_m_per_s3 }
+    }
+}
