@@ -20,7 +20,7 @@ use super::findings::{Findings, Noted};
 use super::loss::{Loss, LossVerdict};
 use super::rule::{Action, Rule, RuleState};
 use super::stuck::Stuck;
-use super::work::Work;
+use super::work::{GivenBack, Work};
 use crate::command::Command;
 use crate::guard::ForceInput;
 
@@ -333,12 +333,12 @@ impl Belief {
     fn judge_work(&mut self, checks: &Checks, displacement_m: f64, force_n: f64) {
         self.work.take(&checks.work, displacement_m, force_n);
         let found = [
-            (self.work.has_wrong_sign(), checks.wrong_sign),
-            (self.work.has_wrong_phase(), checks.wrong_phase),
+            (self.work.wrong_sign(), checks.wrong_sign),
+            (self.work.wrong_phase(), checks.wrong_phase),
         ];
-        for (_, action) in found.into_iter().filter(|(is_so, _)| *is_so) {
-            let value = self.work.last_cycle_j();
-            self.found.act(Cause { signal: Signal::Work, value, limit: 0.0, action });
+        for (given, action) in found {
+            let Some(GivenBack { work_j: value, limit_j: limit }) = given else { continue };
+            self.found.act(Cause { signal: Signal::Work, value, limit, action });
         }
     }
 

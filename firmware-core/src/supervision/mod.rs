@@ -50,4 +50,7 @@ pub use rule::{Action, Rule, RuleState};
 pub use second_sender::{Frames, SecondSender};
 pub use state::{Event, Outcome, State, write_diagram};
 pub use stuck::{FEWEST_CYCLES, Stuck};
-pub use work::{LEAST_AMPLITUDE_M, LEAST_FORCE_N, SUMMED, Work, WorkLimits, WorkVerdict};
+pub use work::{
+    LEAST_AMPLITUDE_M, LEAST_FORCE_N, LEAST_STIFFNESS_N_PER_M, SUMMED, Work, WorkLimits,
+    WorkVerdict,
+};
