@@ -117,6 +117,11 @@ mod tests {
         assert_eq!(trips_at(&[2.0, 2.0, 0.0, 2.0, 2.0, 0.0]), None);
         // The limit itself is within it.
         assert_eq!(trips_at(&[1.0, 1.0, 1.0, 1.0]), None);
+        let mut state = RuleState::default();
+        for value in [2.0, -3.0, 4.0, 5.0] {
+            RULE.take(&mut state, value);
+        }
+        assert_eq!((state.tripped_at(), state.largest()), (Some(4.0), 5.0));
     }
 
     #[test]
@@ -147,5 +152,9 @@ mod tests {
     #[test]
     fn actions_are_ordered_by_what_they_do() {
         assert!(Action::ALL.is_sorted());
+        assert_eq!(
+            Action::ALL.map(Action::name).join(", "),
+            "log, hold, ramp out, stop, power off"
+        );
     }
 }

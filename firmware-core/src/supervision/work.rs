@@ -265,6 +265,35 @@ mod tests {
         assert_eq!(cycle_of(WorkVerdict::WrongSign, 0.4e-3, |_| -QUARTER), None);
     }
 
+    #[test]
+    fn cycles_about_a_mean_that_drifts_are_counted_with_their_work() {
+        // A dashpot at 4 Hz takes pi A F: 151 J. The motion begins at its top and drifts by 0.1 mm/s.
+        let mut work = Work::default();
+        for n in 0..10_000 {
+            let phase = core::f64::consts::TAU * 4e-3 * f64::from(n);
+            let drift_m = 20e-3 + 1e-7 * f64::from(n);
+            let force_n = -16e3 * libm::sin(phase);
+            work.take(&WorkLimits::USUAL, drift_m + 3e-3 * libm::cos(phase), force_n);
+            if n > 5000 {
+                assert!((work.last_cycle_j() - 150.8).abs() < 2.0, "{}", work.last_cycle_j());
+            }
+        }
+        // 40 cycles, less those until the slow mean is within the motion.
+        assert!((36..=39).contains(&work.counted), "{}", work.counted);
+        assert_eq!(work.verdict(), WorkVerdict::Passive);
+    }
+
+    #[test]
+    fn a_small_ripple_at_the_mean_ends_no_cycle() {
+        let mut work = Work::default();
+        for n in 0..10_000 {
+            let turn = core::f64::consts::TAU * 1e-3 * f64::from(n);
+            let at_m = 3e-3 * libm::sin(turn) + 0.3e-3 * libm::sin(20.0 * turn);
+            work.take(&WorkLimits::USUAL, at_m, 16e3 * libm::cos(turn));
+        }
+        assert!((8..=9).contains(&work.counted), "{}", work.counted);
+    }
+
     /// Displacement (mm) and force (N) of a sound rig, every eight control cycles, from the begin of
     /// a cycle of the motion to its end: a new damper with a clearance of 1 mm in a curve. Its spring
     /// relaxes from 8 kN, most of the way is within the clearance.

@@ -100,6 +100,23 @@ fn what_is_only_logged_or_held_ends_nothing() {
 }
 
 #[test]
+fn a_force_that_is_late_ramps_out_after_ten_cycles_of_the_motion() {
+    // 10 kN that lag the displacement by 0.15 rad give back a quarter of the most.
+    let (cycles, found) = cause(|cycle, mut measured: Measured| {
+        let phase = std::f64::consts::TAU * 3.5e-3 * f64::from(cycle);
+        if cycle >= FAULT {
+            measured.force_n = Some(10e3 * (phase - 0.15).sin());
+        }
+        Arrival::Frame(measured)
+    })
+    .unwrap();
+    assert_eq!((found.signal, found.action), (Signal::Work, Action::RampOut));
+    // The sums hold cycles of the sound damper first.
+    assert!((5 * 286..11 * 286).contains(&cycles), "{cycles}");
+    assert!(found.value < found.limit && found.limit < 0.0, "{found:?}");
+}
+
+#[test]
 fn a_force_beyond_its_limit_or_its_step_is_held_over_at_once() {
     // 40 kN are the limit, 25 kN the largest change in a cycle.
     for (jump_n, is_believed) in [(24e3, true), (26e3, false)] {

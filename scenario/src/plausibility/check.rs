@@ -153,16 +153,6 @@ impl ActionFile {
     pub(super) const ALL: [Self; 5] =
         [Self::Log, Self::Hold, Self::RampOut, Self::Stop, Self::PowerOff];
 
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Log => "log",
-            Self::Hold => "hold",
-            Self::RampOut => "ramp out",
-            Self::Stop => "stop",
-            Self::PowerOff => "power off",
-        }
-    }
-
     const fn action(self) -> Action {
         match self {
             Self::Log => Action::Log,
@@ -251,11 +241,11 @@ impl Check<'_> {
         let Some(given) = self.given.and_then(|file| file.action) else { return Ok(usual) };
         let allowed = self.signal.actions;
         if !allowed.contains(&given) {
-            let names: Vec<_> = allowed.iter().map(|action| action.name()).collect();
+            let names: Vec<_> = allowed.iter().map(|action| action.action().name()).collect();
             return Err(self.source.whole_error(format!(
                 "[plausibility] {}: found action = \"{}\", expected one of {}",
                 self.signal.name,
-                given.name(),
+                given.action().name(),
                 names.join(", ")
             )));
         }
