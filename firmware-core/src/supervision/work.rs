@@ -4,10 +4,10 @@
 //! W = closed integral of F dx,   positive for a damper        x, F of one instant
 //! ```
 //!
-//! A passive damper cannot give work back over a cycle that ends as it began. A force with the wrong
-//! sign gives back as much as the damper should take, in the first cycle; a wrong phase gives back a
-//! little in every cycle. So two sums are judged, each as a share of what force and stroke could do
-//! at most, `|F| |x|` over the same cycles:
+//! A passive damper cannot give work back over a cycle that ends as it began. A force with the
+//! wrong sign gives back as much as the damper should take, in the first cycle; a wrong phase gives
+//! back a little in every cycle. So two sums are judged, each as a share of what force and stroke
+//! could do at most, `|F| |x|` over the same cycles:
 //!
 //! ```text
 //! one cycle       W < -1/3 of the most - E       sign
