@@ -267,7 +267,8 @@ mod tests {
 
     #[test]
     fn cycles_about_a_mean_that_drifts_are_counted_with_their_work() {
-        // A dashpot at 4 Hz takes pi A F: 151 J. The motion begins at its top and drifts by 0.1 mm/s.
+        // A dashpot at 4 Hz takes pi A F: 151 J. The motion begins at its top and drifts by
+        // 0.1 mm/s.
         let mut work = Work::default();
         for n in 0..10_000 {
             let phase = core::f64::consts::TAU * 4e-3 * f64::from(n);
@@ -294,9 +295,9 @@ mod tests {
         assert!((8..=9).contains(&work.counted), "{}", work.counted);
     }
 
-    /// Displacement (mm) and force (N) of a sound rig, every eight control cycles, from the begin of
-    /// a cycle of the motion to its end: a new damper with a clearance of 1 mm in a curve. Its spring
-    /// relaxes from 8 kN, most of the way is within the clearance.
+    /// Displacement (mm) and force (N) of a sound rig, every eight control cycles, from the begin
+    /// of a cycle of the motion to its end: a new damper with a clearance of 1 mm in a curve. Its
+    /// spring relaxes from 8 kN, and most of the way is within the clearance.
     const RELAXING: &[(f64, f64)] = &[
         (15.225, 7953.0),
         (15.244, 7412.0),
@@ -351,7 +352,7 @@ mod tests {
             high_m: first_m,
             ..Work::default()
         };
-        // The points are a little coarse: a third of the most was passed by 2 % in the rig's record.
+        // These points are coarse. In the record of the rig, a third of the most was passed by 2 %.
         let limits = WorkLimits { one_cycle: 0.3, ..WorkLimits::USUAL };
         for ends in RELAXING.windows(2) {
             let ((from_mm, from_n), (to_mm, to_n)) = (ends[0], ends[1]);
