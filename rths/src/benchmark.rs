@@ -1,6 +1,7 @@
 //! All runs of the benchmark, and what became of them.
 
 use crate::case::CASES;
+use crate::controllers::{ADAPTIVE, BASELINE, COMPENSATORS, Candidate, INVERSE, ON_PLANTS};
 use crate::criteria::{Criteria, deviation, mean};
 use crate::error::RthsError;
 use crate::plant::Plant;
@@ -8,9 +9,8 @@ use crate::plants::perturbed;
 use crate::published::{AIM_J4_PERCENT, TABLE_3, TOLERANCE};
 use crate::random::Random;
 use crate::record::Record;
-use crate::simulation::{self, Controller, INTENSITY, SAMPLES_PER_S, STEP_S, Setup};
+use crate::simulation::{self, INTENSITY, SAMPLES_PER_S, STEP_S, Setup};
 use crate::structure::{FLOORS, Structure};
-use firmware_core::compensation::{Adaptive, Compensator, Feedforward, Series};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -20,56 +20,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 pub const NOISE_SEEDS: usize = 64;
 /// Plants of case 1 that are drawn.
 pub const PLANTS: usize = 20;
-/// The name of the baseline.
-const BASELINE: &str = "PI + lead";
-/// The name of the compensator that the aims are asked of.
-const ADAPTIVE: &str = "adaptive";
-/// Names of all compensators.
-pub const COMPENSATORS: [&str; 7] = [
-    "none",
-    "polynomial 2, 18 ms",
-    "polynomial 2, 20 ms",
-    "inverse",
-    "inverse, force delay",
-    ADAPTIVE,
-    "adaptive, force delay",
-];
-/// How many of them, from the last, run on perturbed plants.
-const ON_PLANTS: usize = 4;
 /// Unknown delays in addition, samples: 0.49, 0.98, 1.95 and 2.9 ms.
 const EXTRA_SAMPLES: [usize; 4] = [2, 4, 8, 12];
 
 /// First stream of the noise and of the plants.
 const NOISE_STREAM: u64 = 1000;
 const PLANT_STREAM: u64 = 2000;
-
-/// The inverse of the nominal plant up to its third order.
-const INVERSE: [f64; 4] = [0.9925, 0.024_89, 1.066e-4, 3.86e-7];
-/// A mode of the plant, at which a large second-order coefficient makes the loop chatter, Hz.
-const PLANT_MODE_HZ: f64 = 68.0;
-/// The mean delay of the force on its way to the simulated frame, s: a sample.
-const FORCE_DELAY_S: f64 = STEP_S;
-
-/// A compensator by its name.
-fn compensator(name: &str) -> Compensator {
-    let inverse = Feedforward::inverse(INVERSE);
-    let [a0, a1, a2, _] = INVERSE;
-    let adaptive = Adaptive::new(Series([a0, a1, a2, 0.0]), PLANT_MODE_HZ);
-    match name {
-        "polynomial 2, 18 ms" => Compensator::Feedforward(Feedforward::polynomial(2, 18e-3)),
-        "polynomial 2, 20 ms" => Compensator::Feedforward(Feedforward::polynomial(2, 20e-3)),
-        "inverse" => Compensator::Feedforward(inverse),
-        "inverse, force delay" => Compensator::Feedforward(inverse.with_known_delay(FORCE_DELAY_S)),
-        ADAPTIVE => Compensator::Adaptive(adaptive),
-        "adaptive, force delay" => Compensator::Adaptive(adaptive.with_known_delay(FORCE_DELAY_S)),
-        _ => Compensator::None,
-    }
-}
-
-/// A controller by its name.
-fn controller(name: &str) -> Controller {
-    if name == BASELINE { Controller::Baseline } else { Controller::Compensator(compensator(name)) }
-}
 
 /// All results.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -224,7 +180,7 @@ pub struct Aim {
 /// One run: which, and what of it differs from the nominal run.
 #[derive(Debug, Clone, Copy)]
 struct Job {
-    controller: &'static str,
+    controller: Candidate,
     case: usize,
     noise: u64,
     has_displacement_noise: bool,
@@ -233,7 +189,7 @@ struct Job {
 }
 
 impl Job {
-    const fn nominal(controller: &'static str, case: usize) -> Self {
+    const fn nominal(controller: Candidate, case: usize) -> Self {
         let has_displacement_noise = true;
         Self { controller, case, noise: 0, has_displacement_noise, plant: None, extra_samples: 0 }
     }
@@ -279,7 +235,7 @@ impl Ground {
             random: Random::new(self.seed, NOISE_STREAM + job.noise),
             has_displacement_noise: job.has_displacement_noise,
             extra_samples: job.extra_samples,
-            controller: controller(job.controller),
+            controller: job.controller.controller(),
         });
         Outcome {
             criteria: Criteria::of(&trace, reference, STEP_S),
@@ -307,25 +263,24 @@ pub fn run(
         .collect();
     let nominal: Vec<Job> = COMPENSATORS
         .into_iter()
-        .flat_map(|name| cases().map(move |case| Job::nominal(name, case)))
+        .flat_map(|candidate| cases().map(move |case| Job::nominal(candidate, case)))
         .flat_map(|job| [job, Job { has_displacement_noise: false, ..job }])
         .collect();
-    let compared =
-        || [BASELINE].into_iter().chain(COMPENSATORS.into_iter().rev().take(ON_PLANTS).rev());
-    let perturbed: Vec<Job> = compared()
-        .flat_map(|name| {
+    let perturbed: Vec<Job> = ON_PLANTS
+        .into_iter()
+        .flat_map(|candidate| {
             let plants = 0..PLANTS as u64;
             plants.map(move |plant| Job {
                 noise: plant,
                 plant: Some(plant),
-                ..Job::nominal(name, 0)
+                ..Job::nominal(candidate, 0)
             })
         })
         .collect();
-    let delayed: Vec<Job> = [BASELINE, "inverse", ADAPTIVE]
+    let delayed: Vec<Job> = [BASELINE, INVERSE, ADAPTIVE]
         .into_iter()
-        .flat_map(|name| {
-            EXTRA_SAMPLES.map(|extra_samples| Job { extra_samples, ..Job::nominal(name, 0) })
+        .flat_map(|candidate| {
+            EXTRA_SAMPLES.map(|extra_samples| Job { extra_samples, ..Job::nominal(candidate, 0) })
         })
         .collect();
     let jobs = [&*baseline, &*nominal, &*perturbed, &*delayed].concat();
@@ -389,7 +344,7 @@ fn nominal_rows(runs: &[(Job, Outcome)]) -> Vec<NominalRow> {
     });
     pairs
         .map(|(job, noisy, quiet)| NominalRow {
-            compensator: job.controller,
+            compensator: job.controller.name,
             case: CASES[job.case].number,
             criteria: noisy.criteria,
             j2_without_noise_percent: quiet.criteria.j(2),
@@ -401,7 +356,7 @@ fn nominal_rows(runs: &[(Job, Outcome)]) -> Vec<NominalRow> {
 
 /// One row per controller, of its plants.
 fn perturbed_rows(runs: &[(Job, Outcome)]) -> Vec<PerturbedRow> {
-    runs.chunk_by(|(a, _), (b, _)| a.controller == b.controller)
+    runs.chunk_by(|(a, _), (b, _)| a.controller.name == b.controller.name)
         .map(|runs| {
             let statistics = |number: usize| {
                 Statistics::of(
@@ -411,7 +366,7 @@ fn perturbed_rows(runs: &[(Job, Outcome)]) -> Vec<PerturbedRow> {
             let count =
                 |is: fn(&Outcome) -> bool| runs.iter().filter(|(_, run)| is(run)).count() as u64;
             PerturbedRow {
-                controller: runs.first().map_or("", |(job, _)| job.controller),
+                controller: runs.first().map_or("", |(job, _)| job.controller.name),
                 j2_percent: statistics(2),
                 j4_percent: statistics(4),
                 saturated: count(|run| run.is_saturated),
@@ -423,7 +378,7 @@ fn perturbed_rows(runs: &[(Job, Outcome)]) -> Vec<PerturbedRow> {
 
 fn delay_row((job, run): &(Job, Outcome)) -> DelayRow {
     DelayRow {
-        controller: job.controller,
+        controller: job.controller.name,
         delay_s: job.extra_samples as f64 / SAMPLES_PER_S,
         criteria: run.criteria,
         is_saturated: run.is_saturated,
@@ -434,9 +389,9 @@ fn delay_row((job, run): &(Job, Outcome)) -> DelayRow {
 /// What is asked of the adaptive compensator.
 fn aims(nominal: &[NominalRow], perturbed: &[PerturbedRow]) -> Vec<Aim> {
     let [most_of_cases, most_of_plants] = AIM_J4_PERCENT;
-    let ours = nominal.iter().filter(|row| row.compensator == ADAPTIVE);
+    let ours = nominal.iter().filter(|row| row.compensator == ADAPTIVE.name);
     let worst = ours.map(|row| row.criteria.j(4)).fold(f64::NEG_INFINITY, f64::max);
-    let plants = perturbed.iter().find(|row| row.controller == ADAPTIVE);
+    let plants = perturbed.iter().find(|row| row.controller == ADAPTIVE.name);
     let mean = plants.map_or(f64::NAN, |row| row.j4_percent.mean);
     [
         ("J4 of the worst case", worst, most_of_cases),

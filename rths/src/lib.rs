@@ -3,8 +3,7 @@
 //! one part is a specimen on an actuator, simulated too. It asks how well a compensator makes the
 //! actuator follow, and how close the coupled motion comes to that of the whole frame.
 //!
-//! The crate is built from the published numbers and contains neither code nor data of the
-//! benchmark. Its results can be compared with the published table of its baseline controller.
+//! The crate is built from the published numbers and contains no code of the benchmark. Its results can be compared with the published table of its baseline controller.
 //!
 //! Read in this order:
 //!
@@ -14,11 +13,12 @@
 //! 4. `simulation`: one run in steps of 1/4096 s, with noise, converters and delays; `baseline`:
 //!    the controller of the published table, the alternative to a compensator of `firmware-core`.
 //! 5. [`Criteria`]: J1 to J9.
-//! 6. [`Benchmark`]: all runs, and [`published`], what they are compared with.
+//! 6. `controllers`: what is compared; [`Benchmark`]: all runs, and [`published`], what they are compared with.
 
 mod baseline;
 mod benchmark;
 mod case;
+mod controllers;
 mod criteria;
 mod error;
 mod integration;
@@ -31,10 +31,11 @@ mod simulation;
 mod structure;
 
 pub use benchmark::{
-    Aim, BaselineRow, Benchmark, COMPENSATORS, DelayRow, NOISE_SEEDS, NominalRow, Outside, PLANTS,
-    PerturbedRow, Statistics, run,
+    Aim, BaselineRow, Benchmark, DelayRow, NOISE_SEEDS, NominalRow, Outside, PLANTS, PerturbedRow,
+    Statistics, run,
 };
 pub use case::{CASES, Case};
+pub use controllers::{COMPENSATORS, Candidate};
 pub use criteria::{Criteria, NAMES};
 pub use error::RthsError;
 pub use record::{Record, SYNTHETIC_DURATION_S};

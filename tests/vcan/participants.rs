@@ -16,6 +16,9 @@ use std::process::{Child, Output, Stdio};
 /// A rig that stays when its host has gone.
 const PATIENT_RIG: &[&str] = &["--fifo-priority", "0"];
 
+/// What a rig sends every 20 cycles.
+const HEARTBEAT: MessageId = MessageId::Heartbeat(Sender::Rig(Node::ALL[0]));
+
 /// What a rig sends when it goes safe by itself.
 const FAULT: MessageId = MessageId::Fault(Sender::Rig(Node::ALL[0]));
 
@@ -114,13 +117,11 @@ fn a_rig_that_starts_anew_in_mid_run_is_not_moved_again() {
     println!("a new rig: {}", end["cause"]["message"]);
     // The new rig has answered no command of the old session.
     let frames = candump.stop();
-    let mut states = frames.iter().filter_map(parts).filter_map(|(id, data)| {
-        let heartbeat = MessageId::Heartbeat(Sender::Rig(Node::ALL[0]));
-        match Message::decode(id, &data) {
-            Ok(Message::Heartbeat(rig)) if id == heartbeat.raw() => Some(rig.state),
+    let mut states =
+        frames.iter().filter_map(parts).filter_map(|(id, data)| match Message::decode(id, &data) {
+            Ok(Message::Heartbeat(rig)) if id == HEARTBEAT.raw() => Some(rig.state),
             _ => None,
-        }
-    });
+        });
     assert!(states.all(|state| matches!(state, RunState::Init | RunState::Standby)));
     let measured = frames.iter().filter_map(parts).filter(|(id, _)| *id == MEASUREMENT.raw());
     assert_eq!(measured.count(), 0, "the new rig measured in a session that it does not know");
@@ -140,9 +141,16 @@ fn a_rig_that_stands_still_and_goes_on_is_not_moved_again() {
     let end = summary(&host);
     assert_eq!((host.status.code(), &end["state"]), (Some(3), &"safe".into()), "{end}");
     println!("a rig that stands still: {}", end["cause"]["message"]);
-    // Awake again, it finds no host and goes safe by itself.
+    // Awake again, it takes what the host has sent last, or finds no host.
     resume(rig.id());
-    assert_eq!(hear(&socket, FAULT, 1).len(), 1, "the rig did not go safe");
+    let mut states = std::iter::repeat_with(|| hear(&socket, HEARTBEAT, 1)).take(200);
+    let stopped = states.find_map(|data| {
+        let Message::Heartbeat(rig) = Message::decode(HEARTBEAT.raw(), data.first()?).ok()? else {
+            return None;
+        };
+        (!matches!(rig.state, RunState::RampIn | RunState::Run)).then_some(rig.state)
+    });
+    assert_eq!(stopped, Some(RunState::Safe));
     assert_no_jump(&candump.stop());
     let _ = std::fs::remove_dir_all(folder);
 }
@@ -179,7 +187,6 @@ fn a_log_that_is_played_again_moves_no_ram() {
     // The same rig, started again, and whatever the host had sent to it.
     let _rig = Rig::start(&vcan, PATIENT_RIG);
     let socket = listener(&vcan);
-    let heartbeat = MessageId::Heartbeat(Sender::Rig(Node::ALL[0]));
     let after = Candump::start(&vcan);
     let player = CanFdSocket::open(&vcan).expect("a CAN socket");
     let from_host = |frame: &&CanAnyFrame| {
@@ -193,11 +200,11 @@ fn a_log_that_is_played_again_moves_no_ram() {
         count += 1;
     }
     assert!(count > 3000, "{count} frames played");
-    assert_eq!(hear(&socket, heartbeat, 3).len(), 3, "the rig is silent");
+    assert_eq!(hear(&socket, HEARTBEAT, 3).len(), 3, "the rig is silent");
     for (id, data) in after.stop().iter().filter_map(parts) {
         assert_ne!(id, MEASUREMENT.raw(), "the rig answered an old command");
         if let Ok(Message::Heartbeat(rig)) = Message::decode(id, &data)
-            && id == heartbeat.raw()
+            && id == HEARTBEAT.raw()
         {
             let is_idle = matches!(rig.state, RunState::Init | RunState::Standby);
             assert!(is_idle, "an old log brought the rig to {}", rig.state.name());

@@ -265,6 +265,15 @@ mod tests {
     }
 
     #[test]
+    fn a_force_acts_where_the_ram_follows_the_vehicle() {
+        let coupled = State::ALL.map(State::is_coupled);
+        let moves_with = |state| matches!(state, State::RampIn | State::Run | State::RampOut);
+        assert_eq!(coupled, State::ALL.map(moves_with));
+        let open_loop = State::OpenLoop;
+        assert!(open_loop.moves() && !open_loop.is_coupled());
+    }
+
+    #[test]
     fn nothing_moves_that_was_not_armed() {
         for from in State::ALL {
             for event in Event::ALL {

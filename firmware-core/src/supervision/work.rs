@@ -86,6 +86,7 @@ pub struct Work {
 
 /// A cycle of the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[expect(clippy::struct_field_names, reason = "they end with their unit")]
 struct Cycle {
     /// Work of the damper, J.
     taken_j: f64,

@@ -105,7 +105,7 @@ fn a_force_that_is_late_ramps_out_after_ten_cycles_of_the_motion() {
     let (cycles, found) = cause(|cycle, mut measured: Measured| {
         let phase = std::f64::consts::TAU * 3.5e-3 * f64::from(cycle);
         if cycle >= FAULT {
-            measured.force_n = Some(10e3 * (phase - 0.15).sin());
+            measured.force_n = Some(10e3 * libm::sin(phase - 0.15));
         }
         Arrival::Frame(measured)
     })
