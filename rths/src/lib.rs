@@ -3,7 +3,8 @@
 //! one part is a specimen on an actuator, simulated too. It asks how well a compensator makes the
 //! actuator follow, and how close the coupled motion comes to that of the whole frame.
 //!
-//! The crate is built from the published numbers and contains no code of the benchmark. Its results can be compared with the published table of its baseline controller.
+//! The crate is built from the published numbers and contains no code of the benchmark. Its results
+//! can be compared with the published table of the benchmark's own controller.
 //!
 //! Read in this order:
 //!
@@ -13,7 +14,8 @@
 //! 4. `simulation`: one run in steps of 1/4096 s, with noise, converters and delays; `baseline`:
 //!    the controller of the published table, the alternative to a compensator of `firmware-core`.
 //! 5. [`Criteria`]: J1 to J9.
-//! 6. `controllers`: what is compared; [`Benchmark`]: all runs, and [`published`], what they are compared with.
+//! 6. `controllers`: what is compared; [`Benchmark`]: all runs, and [`published`], what they are
+//!    compared with.
 
 mod baseline;
 mod benchmark;
