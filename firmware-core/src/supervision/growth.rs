@@ -174,6 +174,11 @@ mod tests {
         let way = [0.0, 0.9, 0.0, 20.0, 19.1, -20.0, -19.1, 26.0, 25.1, -26.0, -25.1];
         let end = [33.8, 32.9, -33.8, -32.9, 0.0];
         assert_eq!(found(&[way.as_slice(), &end].concat()), Some(33.8e-3));
+        // A motion may begin anywhere.
+        let mut growth = Growth::default();
+        growth.take(10e-3, 50e-3);
+        growth.take(9.1e-3, 50e-3);
+        assert_eq!(growth.rises, None);
         let mut growth = Growth::default();
         growth.take(0.0, 50e-3);
         growth.take(-0.9e-3, 50e-3);
