@@ -97,7 +97,7 @@ fn smallest(run: &mut Run, program: &Path, name: &str, grown: &Path, kept: &Path
         return Outcome::Failed(format!("{}: {why}", merged.display()));
     }
     let mut command = cargo_fuzz_command(run, program, "run", name);
-    command.arg(&merged).arg(kept).arg(grown).args(["--", "-merge=1"]);
+    command.arg(&merged).arg(kept).arg(grown).args(["--", "-set_cover_merge=1"]);
     let done = run.checked(&mut command);
     if !matches!(done, Outcome::Passed) {
         return done;
