@@ -2,17 +2,18 @@
 
 use crate::case::CASES;
 use crate::controllers::{ADAPTIVE, BASELINE, COMPENSATORS, Candidate, INVERSE, ON_PLANTS};
-use crate::criteria::{Criteria, deviation, mean};
+use crate::criteria::{Criteria, deviation};
 use crate::error::RthsError;
 use crate::plant::Plant;
 use crate::plants::perturbed;
 use crate::published::{AIM_J4_PERCENT, TABLE_3, TOLERANCE};
-use crate::random::Random;
 use crate::record::Record;
 use crate::simulation::{self, INTENSITY, SAMPLES_PER_S, STEP_S, Setup};
 use crate::structure::{FLOORS, Structure};
 use rayon::prelude::*;
 use serde::Serialize;
+use signal::random::Random;
+use signal::statistics::mean;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Realisations of the noise over which the baseline is averaged: J3 and J5 are peaks, in which one

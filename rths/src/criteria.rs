@@ -17,6 +17,7 @@
 use crate::simulation::Trace;
 use crate::structure::FLOORS;
 use serde::Serialize;
+use signal::statistics::mean;
 
 /// Names with units, in the order of [`Criteria`].
 pub const NAMES: [&str; 9] =
@@ -77,11 +78,6 @@ impl Criteria {
         };
         [each(mean), each(deviation)]
     }
-}
-
-/// The mean.
-pub(crate) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// The standard deviation of a sample.

@@ -27,7 +27,6 @@ mod integration;
 mod plant;
 mod plants;
 pub mod published;
-mod random;
 mod record;
 mod simulation;
 mod structure;

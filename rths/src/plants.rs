@@ -1,7 +1,7 @@
 //! Plants that differ from the nominal one.
 
 use crate::plant::Plant;
-use crate::random::Random;
+use signal::random::Random;
 
 /// Standard deviation of the stiffness of the specimen, N/m.
 const STIFFNESS_N_PER_M: f64 = 5e4;

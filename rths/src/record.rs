@@ -1,8 +1,8 @@
 //! The motion of the ground: a record of the user, or a synthetic one.
 
 use crate::error::RthsError;
-use crate::random::Random;
 use files::{Limit, number, quoted};
+use signal::random::Random;
 use std::f64::consts::TAU;
 use std::path::Path;
 

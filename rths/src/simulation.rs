@@ -3,10 +3,10 @@
 use crate::baseline::Baseline;
 use crate::integration::runge_kutta;
 use crate::plant::Plant;
-use crate::random::Random;
 use crate::structure::{FLOORS, Structure};
 use firmware_core::command::Command;
 use firmware_core::compensation::{Answer, Compensator, CompensatorState};
+use signal::random::Random;
 use std::collections::VecDeque;
 
 /// Samples, and steps of integration, per second.

@@ -6,6 +6,7 @@
 //! | [`spectrum`] | power spectral density by Welch's method |
 //! | [`response`] | a filter given by its frequency response |
 //! | [`guiding_force`] | the filters of EN 14363 for guiding forces |
+//! | [`random`] | uniform and Gaussian numbers from a seed |
 //! | [`shards`] | many independent items, in shards that can be stopped, continued and merged |
 //! | [`error`] | what can go wrong in any of them |
 //!
@@ -15,6 +16,7 @@
 pub mod error;
 pub mod guiding_force;
 mod origin;
+pub mod random;
 pub mod response;
 mod shard;
 pub mod shards;

@@ -9,6 +9,7 @@ use crate::rig::{
     summary, suspend,
 };
 use can_protocol::{Message, MessageId, Node, RunState, Sender};
+use serde_json::Value;
 use socketcan::{CanAnyFrame, CanFdSocket, Socket};
 use std::path::Path;
 use std::process::{Child, Output, Stdio};
@@ -36,6 +37,14 @@ fn start(interface: &Interface, seconds: &str, folder: &Path) -> Child {
 
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The summary of a host, which has to end in the safe state.
+fn ended_safe(host: Child) -> Value {
+    let host = host.wait_with_output().expect("the host");
+    let end = summary(&host);
+    assert_eq!((host.status.code(), &end["state"]), (Some(3), &"safe".into()), "{end}");
+    end
 }
 
 /// Displacements in the measurements of the first session in a log, m.
@@ -111,9 +120,7 @@ fn a_rig_that_starts_anew_in_mid_run_is_not_moved_again() {
     drop(rig);
     let candump = Candump::start(&vcan);
     let _new = Rig::start(&vcan, PATIENT_RIG);
-    let host = host.wait_with_output().expect("the host");
-    let end = summary(&host);
-    assert_eq!((host.status.code(), &end["state"]), (Some(3), &"safe".into()), "{end}");
+    let end = ended_safe(host);
     println!("a new rig: {}", end["cause"]["message"]);
     // The new rig has answered no command of the old session.
     let frames = candump.stop();
@@ -137,9 +144,7 @@ fn a_rig_that_stands_still_and_goes_on_is_not_moved_again() {
     let host = start(&vcan, "60", &folder);
     assert_eq!(hear(&socket, MEASUREMENT, 500).len(), 500, "the run did not start");
     suspend(rig.id());
-    let host = host.wait_with_output().expect("the host");
-    let end = summary(&host);
-    assert_eq!((host.status.code(), &end["state"]), (Some(3), &"safe".into()), "{end}");
+    let end = ended_safe(host);
     println!("a rig that stands still: {}", end["cause"]["message"]);
     // Awake again, it takes what the host has sent last, or finds no host.
     resume(rig.id());
@@ -166,9 +171,7 @@ fn a_host_that_stands_still_finds_its_rig_safe_and_ends() {
     suspend(host.id());
     assert_eq!(hear(&socket, FAULT, 1).len(), 1, "the rig did not go safe");
     resume(host.id());
-    let host = host.wait_with_output().expect("the host");
-    let end = summary(&host);
-    assert_eq!((host.status.code(), &end["state"]), (Some(3), &"safe".into()), "{end}");
+    let end = ended_safe(host);
     println!("a host that stood still: {}", end["cause"]["message"]);
     assert_no_jump(&candump.stop());
     let _ = std::fs::remove_dir_all(folder);

@@ -15,7 +15,7 @@
 //! ```
 //!
 //! What is wrong with an input is one line ([`VisitError`]). Every random number comes from a seed
-//! ([`random`]).
+//! ([`signal::random`]).
 //!
 //! Layers: above `measurement`, whose [`Measurement`](measurement::Measurement) a record becomes;
 //! the identification uses this crate in its tests only.
@@ -29,7 +29,6 @@ mod heat;
 pub mod hydraulic;
 pub mod laboratory;
 mod modelled;
-pub mod random;
 pub mod series_model;
 pub mod specimen;
 

@@ -8,7 +8,7 @@ use super::motion::{Extent, Tests};
 use super::noise::{recorded, sensors};
 use firmware_core::damper::Nominal;
 use firmware_core::damper::effects::CATALOGUE;
-use virtual_bench::bench_visit::random::Random;
+use signal::random::Random;
 use virtual_bench::bench_visit::sensors::Sensors;
 use virtual_bench::series_model::SeriesModel;
 

@@ -8,7 +8,7 @@
 //! the first cases of a campaign are a fair sample of all; beyond its length it is dealt again.
 
 use firmware_core::damper::effects::CATALOGUE;
-use virtual_bench::bench_visit::random::Random;
+use signal::random::Random;
 use virtual_bench::series_model::neighbour::NEIGHBOURS;
 
 /// Disturbances outside the catalogue.

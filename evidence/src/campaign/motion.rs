@@ -7,8 +7,8 @@
 //! made small enough to stay within the speed and the stroke of the tests to fit.
 
 use super::design::Motion;
+use signal::random::Random;
 use virtual_bench::bench_visit::protocol::{ROUNDING_S, Test, service};
-use virtual_bench::bench_visit::random::Random;
 use virtual_bench::excitation::{Excitation, Stretch, Sweep, Tone};
 
 /// Middle of the test away from mid-stroke, mm.

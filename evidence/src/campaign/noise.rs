@@ -15,7 +15,7 @@
 //! | coloured | white, and AR(1) of half to twice its size, correlation 0.9 to 0.98 over 1 ms |
 
 use super::design::Noise;
-use virtual_bench::bench_visit::random::Random;
+use signal::random::Random;
 use virtual_bench::bench_visit::sensors::{Channel, Coloured, Drift, Processing, Sensors};
 
 /// Share of benches with a thermometer, and of those with 500 samples per second.

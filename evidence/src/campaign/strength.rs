@@ -7,7 +7,7 @@
 use super::motion::Extent;
 use firmware_core::damper::effects::{CATALOGUE, Draw, EffectInfo, Scale};
 use firmware_core::damper::{Effect, Nominal};
-use virtual_bench::bench_visit::random::Random;
+use signal::random::Random;
 
 /// An effect of a drawn shape, whose strength is still open.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use crate::BenchError;
 use crate::bus::{BusChoice, MemoryBus};
 use crate::clock::Tick;
-use crate::control::{Buses, Course, End, Ending, NoStretch, Requests};
+use crate::control::{Buses, Course, End, Ending, Requests};
 use crate::counts::Counts;
 use crate::progress_bar::LateBar;
 use crate::record::{
@@ -132,7 +132,7 @@ fn through(
                 break 'run end;
             }
         }
-        course.change().map_err(|NoStretch| BenchError::Thread { name: "makes the track" })?;
+        course.change()?;
     };
     write(&rows).map_err(failed)?;
     record.into_last().finish().and_then(|_| open.hold()).map_err(failed)?;

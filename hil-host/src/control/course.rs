@@ -12,6 +12,7 @@
 //! A stretch is ready minutes before it is needed. If one is not, the loop waits for it; the slots
 //! that pass meanwhile are counted as skipped, and rigs act as on any host that is late.
 
+use crate::BenchError;
 use crossbeam_channel::{Receiver, Sender, bounded};
 use firmware_core::line::LineState;
 use firmware_core::track::Track;
@@ -56,6 +57,12 @@ struct Ahead {
 /// The thread that makes the track has failed: there is no next stretch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoStretch;
+
+impl From<NoStretch> for BenchError {
+    fn from(NoStretch: NoStretch) -> Self {
+        Self::Thread { name: "makes the track" }
+    }
+}
 
 impl<'a> Course<'a> {
     /// The course of a run, which begins with `first`: the track of the run as a step sees it.

@@ -11,7 +11,7 @@
 use crate::BenchError;
 use crate::bus::{BusChoice, MemoryBus};
 use crate::clock::Tick;
-use crate::control::{Buses, Course, NoStretch, Requests};
+use crate::control::{Buses, Course, Requests};
 use crate::draw::Draw;
 use crate::record::Queues;
 use crate::rig::RigNode;
@@ -159,9 +159,7 @@ impl SoundCase {
         while state.line.run_cycles() < run.cycles() && state.stop.is_none() {
             if course.is_passed(&state.line) {
                 drop(track);
-                course
-                    .change()
-                    .map_err(|NoStretch| BenchError::Thread { name: "makes the track" })?;
+                course.change()?;
                 track = course.track();
             }
             let mut buses = Buses::new(bus, &mut recorder);

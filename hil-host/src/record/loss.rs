@@ -66,6 +66,7 @@ mod tests {
         assert_eq!((loss.count, loss.too_long), (50, true));
         assert!(loss.why.is_some());
     }
+
     #[test]
     fn a_run_that_may_go_on_counts_its_loss_for_ever() {
         let full = || Err(io::ErrorKind::StorageFull.into());

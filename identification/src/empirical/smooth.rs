@@ -202,7 +202,7 @@ impl Penalty {
 mod tests {
     use super::*;
     use firmware_core::damper::{MapCoordinate, MapKnot};
-    use virtual_bench::bench_visit::random::Random;
+    use signal::random::Random;
 
     const PIECES: usize = 6;
     const SAMPLES: usize = 500;

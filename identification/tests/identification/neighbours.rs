@@ -2,7 +2,7 @@
 
 use crate::support::{SERIES, investigate, names, sensors};
 use identification::result::Errors;
-use virtual_bench::random::Random;
+use signal::random::Random;
 use virtual_bench::series_model::neighbour::{Draw, NEIGHBOURS, NeighbourDamper, Reach};
 
 /// How far the sines of the tests reach.

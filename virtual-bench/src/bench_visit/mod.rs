@@ -36,6 +36,6 @@ pub use crate::heat::HeatBalance;
 pub use crate::modelled::Modelled;
 pub use crate::series_model::NullGenerator;
 pub use crate::specimen::Specimen;
-pub use crate::{excitation, random, specimen};
+pub use crate::{excitation, specimen};
 pub use raw_record::RawRecord;
 pub use recording::{LABORATORY_DEGC, measurements, record, record_from, visit, visit_until};

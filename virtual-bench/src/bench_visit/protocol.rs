@@ -8,7 +8,7 @@
 //! those of a yaw damper of the SS9's class; other lists come from a file ([`super::test_list`]).
 
 use crate::excitation::{Excitation, Leg, Tone};
-use crate::random::Random;
+use signal::random::Random;
 
 /// Time to speed up and slow down at every reversal of a triangle, s.
 pub const ROUNDING_S: f64 = 0.05;

@@ -4,10 +4,10 @@ use super::protocol::Test;
 use super::raw_record::RawRecord;
 use super::sensors::Sensors;
 use crate::grid::Grid;
-use crate::random::Random;
 use crate::specimen::{Load, Specimen};
 use firmware_core::damper::effects::temperature_fade::AMBIENT_DEGC;
 use measurement::{Measurement, MeasurementError};
+use signal::random::Random;
 use std::sync::atomic::AtomicBool;
 
 /// Temperature of the laboratory, degrees Celsius: that at which nominal numbers hold.

@@ -12,8 +12,8 @@
 //! holds at the ends of its range. Defaults are a usual laboratory, estimated: load cell with 0.1 %
 //! of its range rms and 16 bit, displacement with 1 µm rms and 24 bit, 1 kHz.
 
-use crate::random::Random;
 use signal::guiding_force::{low_pass, sliding_mean};
+use signal::random::Random;
 
 /// Coloured noise on the force.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -14,7 +14,7 @@
 use super::{SeriesModel, Trace};
 use crate::excitation::Excitation;
 use crate::grid::Grid;
-use crate::random::Random;
+use signal::random::Random;
 use signal::statistics::rms;
 use std::f64::consts::TAU;
 

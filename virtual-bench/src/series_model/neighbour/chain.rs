@@ -13,8 +13,8 @@
 use super::{Neighbour, NeighbourDamper};
 use crate::grid::Grid;
 use crate::heat::HeatBalance;
-use crate::random::Random;
 use crate::series_model::Trace;
+use signal::random::Random;
 
 /// Temperature at which the five numbers hold, degrees Celsius.
 const NOMINAL_DEGC: f64 = 20.0;

@@ -6,8 +6,8 @@
 
 use super::{NEIGHBOURS, Neighbour, NeighbourInfo};
 use crate::heat::HeatBalance;
-use crate::random::Random;
 use crate::series_model::SeriesModel;
+use signal::random::Random;
 
 /// How far the tests reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,7 @@ impl Draw {
     /// The neighbour at a strength.
     ///
     /// ```
-    /// use virtual_bench::random::Random;
+    /// use signal::random::Random;
     /// use virtual_bench::series_model::SeriesModel;
     /// use virtual_bench::series_model::neighbour::{Draw, NEIGHBOURS, Reach};
     /// # let model = SeriesModel {

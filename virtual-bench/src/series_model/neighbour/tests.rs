@@ -1,6 +1,6 @@
 use super::*;
 use crate::grid::Grid;
-use crate::random::Random;
+use signal::random::Random;
 use signal::statistics::rms;
 use std::f64::consts::TAU;
 

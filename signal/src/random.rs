@@ -1,4 +1,4 @@
-//! Random numbers of a visit: `ChaCha8`, a seed for the record and a stream for each use of it.
+//! Random numbers: `ChaCha8`, one seed for all and a stream for each use of it.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -23,7 +23,7 @@ impl Random {
     /// A seed of its own for the part of this number.
     ///
     /// ```
-    /// use virtual_bench::random::Random;
+    /// use signal::random::Random;
     /// assert_ne!(Random::seed_of(1, 0), Random::seed_of(1, 1));
     /// ```
     pub fn seed_of(seed: u64, part: u64) -> u64 {
@@ -66,8 +66,8 @@ mod tests {
         let mut random = Random::new(20_141, 3);
         let count = 200_000;
         let values: Vec<f64> = (0..count).map(|_| random.gaussian()).collect();
-        let mean = signal::statistics::mean(&values);
-        let square = signal::statistics::rms(&values).powi(2);
+        let mean = crate::statistics::mean(&values);
+        let square = crate::statistics::rms(&values).powi(2);
         let beyond = values.iter().filter(|v| v.abs() > 2.0).count() as f64 / f64::from(count);
         // Four standard deviations of each estimate.
         assert!(mean.abs() < 0.009, "{mean}");
