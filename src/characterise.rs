@@ -9,11 +9,13 @@
 
 use crate::error::CommandError;
 use crate::output::print;
+use crate::run_records::RunRecordArgs;
 use crate::{exit, output, stop};
 use clap::Args;
 use files::{ResultFolder, did_you_mean};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use measurement::mapping::Companion;
+use measurement::read_tests_with;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -40,8 +42,8 @@ pub(crate) struct CharacteriseArgs {
     /// file.
     #[arg(long, value_name = "full|short|FILE", default_value = "full")]
     tests: String,
-    /// No visit: the figures of these measured records.
-    #[arg(long, value_name = "CSV", num_args = 1.., conflicts_with = "tests")]
+    /// No visit: the figures of these measured records, CSV files or record.npy and bus.log of a run.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "tests")]
     from: Vec<PathBuf>,
     /// Columns and units of the measured records [default: FILE.toml next to FILE.csv, if it is
     /// one].
@@ -66,6 +68,8 @@ pub(crate) struct CharacteriseArgs {
     /// Print laboratory.json instead of tables.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    of_run: RunRecordArgs,
 }
 
 /// Runs the command.
@@ -172,7 +176,7 @@ fn of_records(
 ) -> Result<ExitCode, CommandError> {
     let mut folder = folder(args, first)?;
     folder.check(&[LABORATORY])?;
-    let tests = measurement::read_tests(&args.from, args.mapping.as_deref())?;
+    let tests = read_tests_with(&args.from, args.mapping.as_deref(), Some(&args.of_run.reader()))?;
     let file = LaboratoryFile::of_records(&args.from, &tests, datasheet);
     // The figures are written whole.
     let _ = stop::flag();

@@ -4,9 +4,11 @@ use crate::error::CommandError;
 use crate::identify_on_mass::{self, OnMassOptions};
 use crate::next_test::{NEXT_TEST, NextTestArgs, Proposed};
 use crate::output::print;
+use crate::run_records::RunRecordArgs;
 use crate::{exit, stop};
 use clap::Args;
 use files::{FolderError, ResultFolder};
+use hil_host::record::measured::RunRecords;
 use identification::{
     Control, Identification, IdentificationError, MODEL, MODEL_WITH_MAP, Question, QuestionFiles,
     RoundProgress, Step, identify, page,
@@ -26,11 +28,11 @@ pub(crate) struct IdentifyArgs {
     /// The maker's numbers; without them there is no datasheet error.
     #[arg(long, value_name = "FILE")]
     datasheet: Option<PathBuf>,
-    /// Records to fit.
-    #[arg(long, value_name = "CSV", num_args = 1.., required = true)]
+    /// Records to fit: CSV files, or record.npy and bus.log of a run.
+    #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
     train: Vec<PathBuf>,
     /// Records that no fit sees; without them some of the training tests are held out.
-    #[arg(long, value_name = "CSV", num_args = 1..)]
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     holdout: Vec<PathBuf>,
     /// Columns and units of the records.
     #[arg(long, value_name = "FILE")]
@@ -58,15 +60,18 @@ pub(crate) struct IdentifyArgs {
     json: bool,
     #[command(flatten)]
     next_test: NextTestArgs,
+    #[command(flatten)]
+    of_run: RunRecordArgs,
 }
 
 impl IdentifyArgs {
-    fn files(&self) -> QuestionFiles<'_> {
+    fn files<'a>(&'a self, reader: &'a RunRecords) -> QuestionFiles<'a> {
         QuestionFiles {
             train: &self.train,
             holdout: &self.holdout,
             datasheet: self.datasheet.as_deref(),
             mapping: self.mapping.as_deref(),
+            reader: Some(reader),
         }
     }
 }
@@ -78,7 +83,7 @@ impl IdentifyArgs {
 pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     if args.on_mass {
         return identify_on_mass::command(OnMassOptions {
-            files: args.files(),
+            files: args.files(&args.of_run.reader()),
             out: args.out.as_deref(),
             overwrite: args.overwrite,
             json: args.json,
@@ -128,7 +133,7 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
 }
 
 fn question(args: &IdentifyArgs) -> Result<(Question, Vec<String>), IdentificationError> {
-    let (question, warnings) = Question::read(args.files())?;
+    let (question, warnings) = Question::read(args.files(&args.of_run.reader()))?;
     let question = Question { empirical: args.empirical, thorough: args.thorough, ..question };
     Ok((question, warnings))
 }

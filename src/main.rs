@@ -18,6 +18,7 @@ mod keys;
 mod next_test;
 mod output;
 mod progress;
+mod replay;
 mod report;
 mod reproduce;
 mod ride;
@@ -25,6 +26,7 @@ mod rig;
 mod rig_reset;
 mod rths_benchmark;
 mod run;
+mod run_records;
 mod simulate;
 mod stop;
 mod study;
@@ -54,6 +56,10 @@ enum Command {
     /// Make the report of a run from the files in its folder, also of a run that was killed.
     #[command(after_help = "Example: yawbench report runs/ss9-160kmh-1")]
     Report(report::ReportArgs),
+    /// Compute a recorded run again from what came over the bus, and compare every bit of what the
+    /// host computed and sent.
+    #[command(after_help = "Example: yawbench replay runs/ss9-160kmh-1")]
+    Replay(replay::ReplayArgs),
     /// Emulate the rig at the other end of a CAN bus: actuator, load cell and damper.
     #[command(
         after_help = "Example: yawbench rig scenarios/rigs/laboratory-rig.toml --bus socketcan:vcan0 --node 1"
@@ -170,6 +176,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
     Ok(match command {
         Command::Run(args) => run::command(args)?,
         Command::Report(args) => report::command(args).map(done)?,
+        Command::Replay(args) => replay::command(args)?,
         Command::Rig(args) => rig::command(args)?,
         Command::Faults(args) => faults::command(args)?,
         Command::RigReset(args) => rig_reset::command(args)?,

@@ -28,6 +28,10 @@ pub(crate) struct RigArgs {
     /// Exit when the host has ended its run.
     #[arg(long)]
     exit_after_run: bool,
+    /// Let the host's frames in this bus.log arm and move the rig again, as canplayer plays them; on
+    /// a virtual interface only.
+    #[arg(long, value_name = "LOG")]
+    accept_replay: Option<PathBuf>,
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
@@ -54,8 +58,11 @@ pub(crate) fn command(args: &RigArgs) -> Result<ExitCode, CommandError> {
     };
     warn(&setup.warnings());
     let stop = stop::flag();
-    let options =
-        Options { exit_after_run: args.exit_after_run, realtime: args.realtime.options() };
+    let options = Options {
+        accept_replay: args.accept_replay.clone(),
+        exit_after_run: args.exit_after_run,
+        realtime: args.realtime.options(),
+    };
     let summary = process::run_on(&setup, interface, node, args.wire.profile(), &options, stop)?;
     if args.json {
         print(&serde_json::to_string_pretty(&summary)?)?;

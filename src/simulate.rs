@@ -1,12 +1,13 @@
 //! `yawbench simulate`: a model's force on a record, free-running from its displacement.
 
 use crate::error::CommandError;
+use crate::run_records::RunRecordArgs;
 use crate::{output, stop};
 use clap::Args;
 use firmware_core::damper::Damper;
 use identification::result::Models;
 use identification::{Prediction, TestSet, simulate, start_deflection_m};
-use measurement::{read_motions, read_tests};
+use measurement::{RecordReader as _, read_motions, read_tests_with};
 use scenario::damper::DamperFile;
 use scenario::source::Source;
 use std::fs::File;
@@ -20,7 +21,8 @@ pub(crate) struct SimulateArgs {
     /// The damper: a model file, which has a damper table, such as `identify` writes.
     model: PathBuf,
     /// The record: its displacement drives the model, its force shows where the dashpot starts. A
-    /// record without a force column is driven too, from rest in the middle of the clearance.
+    /// record without a force column is driven too, from rest in the middle of the clearance. The
+    /// record.npy or bus.log of a run is a record too.
     record: PathBuf,
     /// The file to write. A mapping with the same name and the ending .toml is written with it; it
     /// states which sign means extension.
@@ -32,6 +34,8 @@ pub(crate) struct SimulateArgs {
     /// Columns and units of the record.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
+    #[command(flatten)]
+    of_run: RunRecordArgs,
 }
 
 /// Runs `simulate`.
@@ -41,11 +45,13 @@ pub(crate) struct SimulateArgs {
 pub(crate) fn command(args: &SimulateArgs) -> Result<(), CommandError> {
     let damper = DamperFile::load_model(&args.model)?.build(&Source::read(&args.model)?)?;
     let mapping = args.mapping.as_deref();
-    let motions = read_motions(&args.record, mapping)?;
+    let reader = args.of_run.reader();
+    let motions =
+        if reader.reads(&args.record) { None } else { read_motions(&args.record, mapping)? };
     let measured = motions.is_none();
     let records = match motions {
         Some(records) => records,
-        None => read_tests(std::slice::from_ref(&args.record), mapping)?,
+        None => read_tests_with(std::slice::from_ref(&args.record), mapping, Some(&reader))?,
     };
     let tests = TestSet::new(records);
     let [test] = tests.tests.as_slice() else {

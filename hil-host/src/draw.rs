@@ -7,16 +7,27 @@ use rustix::rand::{GetRandomFlags, getrandom};
 use std::io;
 
 /// A source of 32-bit numbers: seeded where a run is to be repeated bit for bit, from the operating
-/// system on a real bus.
+/// system on a real bus, always the same one where a log is to arm an emulated rig.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Draw(ChaCha8Rng);
+pub struct Draw(Source);
+
+#[derive(Debug, Clone, PartialEq)]
+enum Source {
+    Generator(ChaCha8Rng),
+    Repeating(u32),
+}
 
 impl Draw {
     /// Always the same numbers; streams of one seed are independent (one per rig).
     pub fn seeded(seed: u64, stream: u64) -> Self {
         let mut source = ChaCha8Rng::seed_from_u64(seed);
         source.set_stream(stream);
-        Self(source)
+        Self(Source::Generator(source))
+    }
+
+    /// Always this number. What it protects is gone: whoever has seen it can arm the rig again.
+    pub const fn repeating(number: u32) -> Self {
+        Self(Source::Repeating(number))
     }
 
     /// Numbers that nobody can foresee, from 256 bits of the operating system.
@@ -33,12 +44,15 @@ impl Draw {
                 Err(why) => return Err(why.into()),
             }
         }
-        Ok(Self(ChaCha8Rng::from_seed(seed)))
+        Ok(Self(Source::Generator(ChaCha8Rng::from_seed(seed))))
     }
 
     /// The next number.
     pub fn number(&mut self) -> u32 {
-        self.0.next_u32()
+        match &mut self.0 {
+            Source::Generator(generator) => generator.next_u32(),
+            Source::Repeating(number) => *number,
+        }
     }
 }
 

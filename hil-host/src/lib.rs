@@ -38,6 +38,7 @@ mod page;
 mod progress_bar;
 pub mod realtime;
 pub mod record;
+pub mod replay;
 mod reset;
 pub mod rig;
 pub mod run;

@@ -3,7 +3,7 @@
 use super::error::IdentificationError;
 use super::split::split;
 use firmware_core::damper::Nominal;
-use measurement::{Measurement, interpolant, read_tests};
+use measurement::{Measurement, RecordReader, interpolant, read_tests_with};
 use scenario::datasheet::Datasheet;
 use std::path::{Path, PathBuf};
 
@@ -35,6 +35,8 @@ pub struct QuestionFiles<'a> {
     pub datasheet: Option<&'a Path>,
     /// Columns and units of the records.
     pub mapping: Option<&'a Path>,
+    /// Reads records that are no tables of text.
+    pub reader: Option<&'a dyn RecordReader>,
 }
 
 /// Records that a note names.
@@ -109,7 +111,7 @@ fn read_records(
     files: &QuestionFiles<'_>,
 ) -> Result<(Vec<Measurement>, Vec<Measurement>), IdentificationError> {
     let paths: Vec<PathBuf> = files.train.iter().chain(files.holdout).cloned().collect();
-    let mut train = read_tests(&paths, files.mapping)?;
+    let mut train = read_tests_with(&paths, files.mapping, files.reader)?;
     refuse_repeated(&train)?;
     let fitted = train.iter().take_while(|record| files.train.contains(&record.file)).count();
     let holdout = train.split_off(fitted);
@@ -174,7 +176,8 @@ mod tests {
         let file = std::env::temp_dir().join(format!("one-file-{}.csv", std::process::id()));
         std::fs::write(&file, csv).unwrap();
         let train = std::slice::from_ref(&file);
-        let files = QuestionFiles { train, holdout: &[], datasheet: None, mapping: None };
+        let files =
+            QuestionFiles { train, holdout: &[], datasheet: None, mapping: None, reader: None };
         let (question, _) = Question::read(files).unwrap();
         std::fs::remove_file(&file).unwrap();
         let notes = question.notes.join("\n");

@@ -9,6 +9,7 @@ use crate::mapping::Mapping;
 use crate::measurement::Measurement;
 use crate::prepare;
 use crate::question;
+use crate::reader::RecordReader;
 use crate::recognition;
 use crate::table::Table;
 use crate::text::Text;
@@ -29,9 +30,29 @@ pub fn read_tests(
     paths: &[PathBuf],
     mapping: Option<&Path>,
 ) -> Result<Vec<Measurement>, MeasurementError> {
+    read_tests_with(paths, mapping, None)
+}
+
+/// The same where some of the files may be of a kind that `reader` reads. No mapping applies to
+/// these: what their columns mean is known.
+///
+/// # Errors
+/// The first thing that does not fit, in one line.
+pub fn read_tests_with(
+    paths: &[PathBuf],
+    mapping: Option<&Path>,
+    reader: Option<&dyn RecordReader>,
+) -> Result<Vec<Measurement>, MeasurementError> {
     let choice = MappingChoice::load(mapping)?;
     let mut visits = Visits::default();
     for path in paths {
+        if let Some(reader) = reader.filter(|reader| reader.reads(path)) {
+            for series in reader.read(path)? {
+                let force_column = series.columns[2].clone();
+                visits.add(prepare::as_recorded(series)?, (Layout::own(), force_column));
+            }
+            continue;
+        }
         let text = Text::read(path)?;
         let (layout, wiring) = choice.layout(path, &text, true)?;
         let advised = |error| choice.advised(error, &text);

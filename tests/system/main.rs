@@ -30,6 +30,7 @@ mod measured_run;
 mod on_mass;
 mod physics;
 mod real_records;
+mod replay;
 mod reproduce;
 mod ride;
 mod rths_benchmark;

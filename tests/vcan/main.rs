@@ -9,5 +9,6 @@ mod record;
 mod interface;
 mod participants;
 mod peer;
+mod replay;
 mod rig;
 mod smoke;

@@ -8,6 +8,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use socketcan::{CanAnyFrame, CanFdSocket, EmbeddedFrame, Id, Socket, SocketOptions};
 use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -40,6 +41,22 @@ impl Rig {
 
     pub(crate) fn id(&self) -> u32 {
         self.0.as_ref().expect("a running rig").id()
+    }
+
+    /// Waits until it listens to its bus: who does not wait for an answer calls this first.
+    pub(crate) fn wait_until_it_listens(&mut self) {
+        let said = self.0.as_mut().and_then(|rig| rig.stderr.as_mut()).expect("its messages");
+        let (mut line, mut byte) = (Vec::new(), [0]);
+        while !line.ends_with(b"waiting for a host\n") {
+            said.read_exact(&mut byte).expect("a rig that starts");
+            line.push(byte[0]);
+        }
+    }
+
+    /// Interrupts it; gives its summary.
+    pub(crate) fn interrupt(self) -> Value {
+        signal(self.id(), Signal::INT);
+        self.end().1
     }
 
     /// Waits for its end; gives exit code and summary.

@@ -24,6 +24,11 @@ pub enum BusError {
         /// The name.
         interface: String,
     },
+    /// A log is to be played back on an interface that has hardware.
+    NotVirtual {
+        /// The name.
+        interface: String,
+    },
     /// The kernel refused something else.
     Refused {
         /// The name.
@@ -37,7 +42,11 @@ impl BusError {
     /// Whether another interface, or the same one set up, would do: the input is at fault.
     pub const fn is_bad_input(&self) -> bool {
         match self {
-            Self::NoCan | Self::NoInterface { .. } | Self::Down { .. } | Self::NotFd { .. } => true,
+            Self::NoCan
+            | Self::NoInterface { .. }
+            | Self::Down { .. }
+            | Self::NotFd { .. }
+            | Self::NotVirtual { .. } => true,
             Self::Refused { .. } => false,
         }
     }
@@ -74,6 +83,12 @@ impl fmt::Display for BusError {
                      72`, real: `ip link set {name} type can ... fd on`"
                 )
             }
+            Self::NotVirtual { interface } => write!(
+                f,
+                "CAN interface \"{}\" has hardware, expected a virtual one: a log moves nothing \
+                 but an emulated rig",
+                quoted(interface)
+            ),
             Self::Refused { interface, error } => {
                 write!(f, "CAN interface \"{}\" cannot be used: {error}", quoted(interface))
             }

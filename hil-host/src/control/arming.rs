@@ -2,12 +2,14 @@
 
 use super::cycle::{HEARTBEAT_CYCLES, SYNC_CYCLES};
 use super::no_answer::NoAnswer;
-use super::port::Port;
+use super::port::{Port, PortState};
 use super::requests::Requests;
 use super::session::{Session, SessionState};
 use crate::bus::{Bus, WireFrame};
 use crate::rig::WATCHDOG_CYCLES;
-use can_protocol::arming::{Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience};
+use can_protocol::arming::{
+    Agreement, Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience,
+};
 use can_protocol::{ArmMessage, Pace, RunState, SessionHistory};
 use firmware_core::command::Command;
 use firmware_core::line::Slot;
@@ -39,22 +41,56 @@ impl Session<'_> {
         buses: &mut [B],
         requests: &Requests,
     ) -> Result<(), NoAnswer> {
-        let armed = self.exchange(state, buses, requests).and_then(|rams_m| {
-            state.line.on(Event::Arm);
-            self.line.couple(&mut state.line, rams_m).map_err(|far| {
-                let port = self.ports.iter().find(|port| port.slot == far.slot);
-                let node = port.map_or(0, |port| port.node.number());
-                NoAnswer::TooFar { node, ram_m: far.ram_m }
-            })
-        });
-        if let Err(why) = armed {
-            self.disarm(state, buses);
-            return Err(why);
-        }
+        let armed = self.exchange(state, buses, requests);
+        let coupled = armed.and_then(|rams_m| self.couple(state, rams_m));
+        coupled.inspect_err(|_| self.disarm(state, buses))
+    }
+
+    /// Couples the rigs, all of which are armed, where their rams stand, by slot (m).
+    ///
+    /// # Errors
+    /// A ram that stands too far away.
+    pub(crate) fn couple(
+        &self,
+        state: &mut SessionState,
+        rams_m: [f64; DAMPER_SLOTS],
+    ) -> Result<(), NoAnswer> {
+        state.line.on(Event::Arm);
+        self.line.couple(&mut state.line, rams_m).map_err(|far| {
+            let port = self.ports.iter().find(|port| port.slot == far.slot);
+            let node = port.map_or(0, |port| port.node.number());
+            NoAnswer::TooFar { node, ram_m: far.ram_m }
+        })?;
         for (port, memory) in self.ports.iter().zip(&mut state.ports) {
             port.begin(memory, state.line.slots[port.slot].command);
         }
         Ok(())
+    }
+
+    /// Begins the sealed session of a rig that has answered with its number and its limits.
+    pub(crate) fn begin_sealed(
+        &self,
+        state: &mut SessionState,
+        number: usize,
+        rig_number: u32,
+        answered: Limits,
+    ) {
+        let Some(port) = self.ports.get(number) else { return };
+        let HostPlan { number: host_number, asked, configuration, .. } = self.plan(port);
+        let configuration = Configuration { limits: asked.tighter(answered), ..configuration };
+        self.begin_agreed(state, number, Agreement { host_number, rig_number, configuration });
+    }
+
+    /// Begins the sealed session of a rig with what was agreed.
+    fn begin_agreed(&self, state: &mut SessionState, number: usize, agreement: Agreement) {
+        let (Some(port), Some(memory)) = (self.ports.get(number), state.ports.get_mut(number))
+        else {
+            return;
+        };
+        port.arm(memory, agreement);
+        let agreed = tighter(agreement.configuration.limits, self.asked(port));
+        let slot = &mut state.line.slots[port.slot];
+        slot.limits = slot.limits.tighter(agreed);
     }
 
     /// One cycle after the other, until every rig is armed and has measured; where the rams stand,
@@ -162,14 +198,11 @@ impl Session<'_> {
         buses: &mut [B],
         exchanges: &mut [HostArming],
     ) -> Result<(), NoAnswer> {
-        let ports = self.ports.iter().zip(&mut state.ports).zip(exchanges);
-        for ((port, memory), exchange) in ports {
+        for (number, (port, exchange)) in self.ports.iter().zip(exchanges).enumerate() {
+            let is_armed = state.ports.get(number).is_some_and(PortState::is_armed);
             match exchange.outcome() {
-                HostOutcome::Armed(agreement) if !memory.is_armed() => {
-                    port.arm(memory, agreement);
-                    let agreed = tighter(agreement.configuration.limits, self.asked(port));
-                    let slot = &mut state.line.slots[port.slot];
-                    slot.limits = slot.limits.tighter(agreed);
+                HostOutcome::Armed(agreement) if !is_armed => {
+                    self.begin_agreed(state, number, agreement);
                 }
                 HostOutcome::Refused(refusal) => {
                     // The rig is sent that its exchange is over.
@@ -194,7 +227,7 @@ impl Session<'_> {
     }
 
     /// Where the rams stand, by slot (m).
-    fn rams_m(&self, state: &SessionState) -> Result<[f64; DAMPER_SLOTS], NoAnswer> {
+    pub(crate) fn rams_m(&self, state: &SessionState) -> Result<[f64; DAMPER_SLOTS], NoAnswer> {
         let (mut rams_m, mut missing) = ([0.0; DAMPER_SLOTS], Vec::new());
         for (port, memory) in self.ports.iter().zip(&state.ports) {
             match port.displacement_m(memory) {

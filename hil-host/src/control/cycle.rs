@@ -86,7 +86,7 @@ impl Session<'_> {
     }
 
     /// Receive: drains every bus. Each port keeps its newest measurement.
-    pub(super) fn receive<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>) {
+    pub(crate) fn receive<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>) {
         for bus in 0..buses.count() {
             while let Some(frame) = buses.receive(bus) {
                 let mut ports = self.ports.iter().zip(&mut state.ports);

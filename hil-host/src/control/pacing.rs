@@ -130,7 +130,7 @@ impl Session<'_> {
                 self.notify(state, &mut notices, buses.recorder());
                 buses.recorder().row(row);
                 if requests.is_stopping() {
-                    self.stop(state, None, Self::fact(Signal::Operator), Action::Stop);
+                    self.stop_by_operator(state);
                 }
                 let is_stopped = requests.is_ending() || buses.recorder().is_overrun();
                 if let Some(end) = ending.take(self, state, cycles, is_stopped) {
@@ -180,18 +180,33 @@ impl Session<'_> {
             }
             Pace::LockStep if !state.line.is_safe() => {
                 if !self.wait_for_echoes(state, buses, SILENCE) {
-                    let mut ports = self.ports.iter().zip(&state.ports);
-                    let silent = ports.find(|(port, memory)| !port.has_echo(memory));
-                    let node = silent.map(|(port, _)| port.node.number());
-                    // Frames do come, and none of them is one of this session.
-                    let is_foreign = silent.is_some_and(|(_, memory)| memory.hears_only_bad());
-                    let signal = if is_foreign { Signal::WrongSeal } else { Signal::SilentRig };
-                    self.stop(state, node, Self::fact(signal), Action::Stop);
+                    self.stop_for_silence(state);
                 }
                 Tick::default()
             }
             Pace::LockStep | Pace::Fast => Tick::default(),
         }
+    }
+
+    /// Stops where a rig has not answered the last command.
+    pub(crate) fn stop_for_silence(&self, state: &mut SessionState) {
+        let mut ports = self.ports.iter().zip(&state.ports);
+        let silent = ports.find(|(port, memory)| !port.has_echo(memory));
+        let Some((port, memory)) = silent else { return };
+        // Frames may come, and none of them is one of this session.
+        let is_foreign = memory.hears_only_bad();
+        let signal = if is_foreign { Signal::WrongSeal } else { Signal::SilentRig };
+        self.stop(state, Some(port.node.number()), Self::fact(signal), Action::Stop);
+    }
+
+    /// Begins an orderly end, as an operator asks for it.
+    pub(crate) fn end_in_order(&self, state: &mut SessionState) {
+        let _is_done = self.has_ended(state);
+    }
+
+    /// Stops at once, as an operator asks for it.
+    pub(crate) fn stop_by_operator(&self, state: &mut SessionState) {
+        self.stop(state, None, Self::fact(Signal::Operator), Action::Stop);
     }
 
     /// Waits until every rig has answered the last command; false when one stays silent.

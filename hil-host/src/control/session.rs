@@ -64,6 +64,13 @@ pub struct SessionState {
     pub(super) overheard: [Overheard; DAMPER_SLOTS],
 }
 
+impl SessionState {
+    /// Has the next heartbeat carry this counter.
+    pub(crate) const fn go_on_with_heartbeat(&mut self, counter: u8) {
+        self.heartbeat_counter = counter;
+    }
+}
+
 impl Session<'_> {
     /// The state at the start.
     pub fn start(&self, line: LineState) -> SessionState {

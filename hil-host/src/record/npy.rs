@@ -16,6 +16,9 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// How every file of this format begins.
+const MAGIC: &[u8] = b"\x93NUMPY";
+
 /// Writes rows to a file.
 ///
 /// Rows are appended; their number follows when the disk holds them
@@ -224,6 +227,12 @@ fn is_ours(found: &[u8], ours: &[u8]) -> bool {
         && found.get(after.clone()) == ours.get(after)
 }
 
+/// Whether a file that begins like this is the record of a run, of this or another version.
+pub(super) fn is_record(begin: &[u8]) -> bool {
+    let holds = |name: &[u8]| begin.windows(name.len()).any(|window| window == name);
+    begin.starts_with(MAGIC) && holds(b"('cycle', '<u8')") && holds(b"('measured_n', ")
+}
+
 /// The whole header, always of the same length.
 fn header(rows: u64) -> Vec<u8> {
     let fields: Vec<String> = Row::fields()
@@ -245,7 +254,8 @@ fn header(rows: u64) -> Vec<u8> {
     text.push_str(&" ".repeat(unpadded.next_multiple_of(64) - unpadded));
     text.push('\n');
     let length = u16::try_from(text.len()).unwrap_or(u16::MAX);
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend_from_slice(b"\x01\x00");
     bytes.extend_from_slice(&length.to_le_bytes());
     bytes.extend_from_slice(text.as_bytes());
     bytes

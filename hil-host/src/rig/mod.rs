@@ -46,6 +46,7 @@ mod net;
 mod noise;
 mod outbox;
 pub mod process;
+mod replayed;
 mod session;
 mod states;
 

@@ -11,7 +11,7 @@
 pub use super::account::{RigSummary, summary_text};
 
 use super::account::{Status, print_statuses};
-use super::{RigNode, Timing};
+use super::{RigNode, Timing, replayed};
 use crate::BenchError;
 use crate::bus::{Bus, Sent, SocketCanBus};
 use crate::clock::Pacer;
@@ -20,6 +20,7 @@ use crate::realtime::{self, RealtimeOptions};
 use can_protocol::{MessageId, Node, Pace, Profile, RunState, Sender};
 use heapless::spsc::{Producer, Queue};
 use scenario::rig::RigSetup;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -33,8 +34,10 @@ pub const LINGER: Duration = Duration::from_secs(2);
 const GLANCE: Duration = Duration::from_millis(50);
 
 /// How a rig runs and ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
+    /// The log of a run whose host may arm the rig again, played back on a virtual interface.
+    pub accept_replay: Option<PathBuf>,
     /// End when the host has ended its run, or some time after going safe.
     pub exit_after_run: bool,
     /// Real-time set-up.
@@ -53,8 +56,11 @@ pub fn run_on(
     options: &Options,
     stop: &AtomicBool,
 ) -> Result<RigSummary, BenchError> {
+    let draw = match &options.accept_replay {
+        Some(log) => Draw::repeating(replayed::rig_number(log, interface, node)?),
+        None => Draw::system().map_err(|why| BenchError::NoRandom { why })?,
+    };
     let mut bus = SocketCanBus::open(interface, &heard_by(node), profile)?;
-    let draw = Draw::system().map_err(|why| BenchError::NoRandom { why })?;
     eprintln!("rig node {node}, {}, on {interface}: waiting for a host", setup.name);
     let mut rig = RigNode::new(setup, node, profile).with_draw(draw);
     serve(&mut rig, &mut bus, options, stop)

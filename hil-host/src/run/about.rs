@@ -1,10 +1,15 @@
 //! `run.json`: what a run was asked for, written before its first cycle.
 
 use super::plan::{BusLoad, Plan};
+use crate::BenchError;
 use crate::control::Session;
 use crate::options::{PaceChoice, RunOptions};
+use crate::record::ABOUT;
+use files::{Limit, ResultFolder, input};
 use scenario::run::Run;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// What a run was asked for, and which program ran it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +31,9 @@ pub(crate) struct RunAbout {
     pub(crate) boot_number: Option<u32>,
     /// Control cycles that were asked for.
     pub(crate) cycles: u64,
+    /// Places of the damper slots on the vehicle; none in a file of an earlier version.
+    #[serde(default)]
+    pub(crate) places: Vec<String>,
     /// Numbers of the damper slots on rigs, from one.
     pub(crate) rig_slots: Vec<usize>,
     /// Worst-case share of the fullest bus.
@@ -47,7 +55,7 @@ impl RunAbout {
     ) -> Self {
         Self {
             format: 1,
-            program: concat!("yawbench ", env!("CARGO_PKG_VERSION")).to_owned(),
+            program: Self::this_program(),
             started_unix_s: started_ns as f64 * 1e-9,
             title: run.title.clone(),
             bus: options.bus.to_string(),
@@ -56,10 +64,37 @@ impl RunAbout {
             session_number: Some(session.arming.number),
             boot_number: Some(session.arming.boot),
             cycles: run.cycles(),
+            places: run.slots.iter().map(|slot| slot.place.clone()).collect(),
             rig_slots: plan.rigs.iter().map(|rig| rig.slot + 1).collect(),
             bus_load: load.most,
             bus_lines: load.lines.clone(),
             watched: session.watched,
         }
     }
+
+    /// Name and version of this program.
+    pub(crate) fn this_program() -> String {
+        concat!("yawbench ", env!("CARGO_PKG_VERSION")).to_owned()
+    }
+}
+
+/// What the run in a folder was asked for.
+///
+/// # Errors
+/// The file is not there, or holds something else.
+pub(crate) fn read_about(folder: &ResultFolder) -> Result<RunAbout, BenchError> {
+    read_json(&folder.file(ABOUT), "the run.json of a run")
+}
+
+/// A JSON file of a run.
+pub(super) fn read_json<T: DeserializeOwned>(
+    file: &Path,
+    expected: &'static str,
+) -> Result<T, BenchError> {
+    let text = input::read_text(file, Limit::Text)?;
+    serde_json::from_str(&text).map_err(|why| BenchError::Kept {
+        file: file.to_owned(),
+        found: files::quote::message(&why.to_string()),
+        expected,
+    })
 }

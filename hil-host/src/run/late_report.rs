@@ -1,16 +1,15 @@
 //! `yawbench report`: the report of a run from the files in its folder, also of a killed one.
 
-use super::about::RunAbout;
-use super::{ABOUT, EVENTS, RECORD, REPORT, SCENARIO, SUMMARY, around_stop};
+use super::about::{read_about, read_json};
+use super::{EVENTS, RECORD, REPORT, SCENARIO, SUMMARY, around_stop};
 use crate::BenchError;
 use crate::counts::Counts;
 use crate::page::{Ending, page};
 use crate::record::read_events;
 use crate::statistics::Statistics;
 use crate::summary::{Asked, KeptSummary, Summary};
-use files::{Limit, ResultFolder, input};
+use files::ResultFolder;
 use scenario::run::{Overrides, Run};
-use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
 /// The report where the folder holds one with a comparison, which is not computed again.
@@ -33,7 +32,7 @@ pub struct LateReport {
 /// The folder holds no run, or a file of it cannot be read; the report cannot be written.
 pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
     let folder = ResultFolder::existing(folder, "run")?;
-    let about: RunAbout = read_json(&folder.file(ABOUT), "the run.json of a run")?;
+    let about = read_about(&folder)?;
     let run = Run::load(&folder.file(SCENARIO), Overrides::default())?;
     let mut counts = Counts::default();
     let statistics = Statistics::of(&folder.file(RECORD), run.run_in_s, |row| counts.take(row))?;
@@ -60,13 +59,4 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
     let page = page(&run, &summary, seen, &about.bus_lines, None, ending);
     folder.write(name, &page.to_html()?)?;
     Ok(LateReport { path: folder.file(name), summary, has_ended: kept.is_some() })
-}
-
-fn read_json<T: DeserializeOwned>(file: &Path, expected: &'static str) -> Result<T, BenchError> {
-    let text = input::read_text(file, Limit::Text)?;
-    serde_json::from_str(&text).map_err(|why| BenchError::Kept {
-        file: file.to_owned(),
-        found: files::quote::message(&why.to_string()),
-        expected,
-    })
 }

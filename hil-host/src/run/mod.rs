@@ -27,12 +27,12 @@ use crate::options::{PaceChoice, RunOptions};
 use crate::page::{Ending, SHOWN_CYCLES, page};
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
-    self, BusEvent, PART_CYCLES, Row, RunEvent, column_reference, open_parts, part_name, part_of,
-    read_events,
+    self, ABOUT, BusEvent, PART_CYCLES, Row, RunEvent, column_reference, open_parts, part_name,
+    part_of, read_events,
 };
 use crate::statistics::Statistics;
 use crate::summary::{Outcome, Summary};
-use about::RunAbout;
+pub(crate) use about::{RunAbout, read_about};
 use files::{FolderError, ResultFolder};
 use handshake::{Epoch, Heard};
 use plan::BusLoad;
@@ -45,14 +45,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-const RECORD: &str = "record.npy";
+pub(crate) const RECORD: &str = "record.npy";
 const COMPARED: &str = "record-compared.npy";
-const LOG: &str = "bus.log";
+pub(crate) const LOG: &str = "bus.log";
 const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
-const SCENARIO: &str = "scenario.toml";
+pub(crate) const SCENARIO: &str = "scenario.toml";
 const VEHICLE: &str = "vehicle.toml";
-const ABOUT: &str = "run.json";
 const EVENTS: &str = "events.jsonl";
 const COLUMNS: &str = "record-columns.md";
 

@@ -6,7 +6,7 @@ impl Summary {
     /// Every counter of a fault that is not zero, in words; none where all went well.
     ///
     /// Measurements lost, frames damaged, repeated or out of sequence, commands late, cut or
-    /// limited, slots skipped, rows dropped, and what the bus itself dropped.
+    /// limited, ticks skipped, rows dropped, and what the bus itself dropped.
     pub fn counters(&self) -> Vec<String> {
         let (frames, bus) = (&self.frames, &self.bus_counters);
         let mut counters = vec![
@@ -15,7 +15,7 @@ impl Summary {
             ("repeated".to_owned(), frames.repeated),
             ("out of sequence".to_owned(), frames.wrong_sequence),
             ("commands late".to_owned(), frames.late),
-            ("slots skipped".to_owned(), self.overruns),
+            ("ticks skipped".to_owned(), self.overruns),
             ("rows and frames not recorded".to_owned(), self.record_dropped),
             ("frames the bus did not send".to_owned(), bus.send_dropped),
             ("frames lost in its receive queue".to_owned(), bus.receive_dropped),

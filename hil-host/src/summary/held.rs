@@ -43,7 +43,7 @@ pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
     let slots = cycles + skipped;
     if let Some(percent) = above(*skipped, slots, SKIPPED_MAX) {
         reasons.push(format!(
-            "{percent} % of the slots of the clock were skipped: use a real-time kernel, a \
+            "{percent} % of the clock's ticks were skipped: use a real-time kernel, a \
              processor of its own (--cpu), or a longer period (--slow-down)"
         ));
     }
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn a_run_in_a_slow_machine_was_completed_with_a_green_tick() {
-        // 7,740 of 10,740 slots were skipped.
+        // 7,740 of 10,740 ticks were skipped.
         let counted = Counted { cycles: 3000, skipped: 7740, ..HELD };
         let reasons = not_held(&counted);
         assert!(reasons.len() == 1 && reasons[0].starts_with("72 % of the slots"), "{reasons:?}");

@@ -74,7 +74,8 @@ impl Bus for Script {
     }
 }
 
-const OPTIONS: Options = Options { exit_after_run: true, realtime: RealtimeOptions::NONE };
+const OPTIONS: Options =
+    Options { accept_replay: None, exit_after_run: true, realtime: RealtimeOptions::NONE };
 
 /// The script, played.
 fn played() -> (Script, RigSummary) {

@@ -10,7 +10,7 @@
 //! one turn of the counter are placed by their time stamps where a clock sets the pace.
 
 use super::empty;
-use crate::record::parts::open_parts;
+use crate::record::log_reader::{LogFault, LogLine, LogReader};
 use can_protocol::arming::FollowedExchange;
 use can_protocol::{
     ArmMessage, Measurement, MeasurementFlags, MessageId, Node, Pace, Profile, Receiver,
@@ -18,12 +18,7 @@ use can_protocol::{
 };
 use files::quoted;
 use measurement::{MeasurementError, Series};
-use socketcan::dump::{ParseError, Reader};
-use socketcan::{CanAnyFrame, EmbeddedFrame, Frame as _};
-use std::fs::File;
-use std::io::{self, BufReader, Read as _};
-use std::os::unix::fs::FileExt as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Lost frames in a row that the receiver accepts; below half the 4-bit counter.
 const MAX_DELTA: u8 = 5;
@@ -38,41 +33,57 @@ pub fn read_bus_log(
     node: Node,
     bus: Option<&str>,
 ) -> Result<Series, MeasurementError> {
-    let unreadable = |why: String| MeasurementError::File {
-        file: path.to_owned(),
-        found: format!("no readable file ({why})"),
-        expected: "a candump log".to_owned(),
-    };
+    let mut log = LogReader::open(path).map_err(failed)?;
     let mut seen = Seen::new(path, node)?;
-    // An exchange in the first part opens the frames in all of them.
-    for (path, file) in open_parts(path).map_err(|why| unreadable(why.reason()))? {
-        seen.read(&path, &file, bus)?;
+    while let Some(line) = log.next_line().map_err(failed)? {
+        if bus.is_none_or(|bus| bus == line.bus) {
+            seen.take(&line)?;
+        }
     }
+    seen.is_cut_off = log.is_cut_off();
     seen.series()
 }
 
-/// Bytes of a log up to its last line end: the last line of a run that was killed may be cut off.
-fn whole_lines(file: &File) -> io::Result<u64> {
-    let mut end = file.metadata()?.len();
-    let mut bytes = [0; 4096];
-    while end > 0 {
-        let start = end.saturating_sub(bytes.len() as u64);
-        let part = &mut bytes[..(end - start) as usize];
-        file.read_exact_at(part, start)?;
-        if let Some(at) = part.iter().rposition(|byte| *byte == b'\n') {
-            return Ok(start + at as u64 + 1);
+/// The rigs that measure in a candump log and their buses, in the order in which they appear. Every
+/// rig of a run answers from its beginning, so the first part of a log shows all of them.
+///
+/// # Errors
+/// The log cannot be read.
+pub(super) fn rigs_in_log(path: &Path) -> Result<Vec<(Node, String)>, MeasurementError> {
+    let mut log = LogReader::open(path).map_err(failed)?.of_first_part();
+    let mut rigs: Vec<(Node, String)> = Vec::new();
+    while let Some(line) = log.next_line().map_err(failed)? {
+        if let Some(MessageId::Measurement(_, node)) = MessageId::from_raw(line.frame.id())
+            && !rigs.iter().any(|(known, bus)| *known == node && *bus == line.bus)
+        {
+            rigs.push((node, line.bus));
         }
-        end = start;
     }
-    Ok(0)
+    Ok(rigs)
+}
+
+/// Why a log cannot be read, as an error of a record.
+fn failed(fault: LogFault) -> MeasurementError {
+    match fault {
+        LogFault::Input(why) => why.into(),
+        LogFault::Disk(file, why) => MeasurementError::File {
+            file,
+            found: format!("no readable file ({why})"),
+            expected: "a candump log".to_owned(),
+        },
+        LogFault::NoFrame(file, row, found) => MeasurementError::Cell {
+            file,
+            row,
+            column: "frame".to_owned(),
+            found: quoted(&found).to_string(),
+            expected: "(time) bus id#data, as candump -L writes it".to_owned(),
+        },
+    }
 }
 
 /// What has been read of a log so far.
 struct Seen {
     series: Series,
-    /// The part that is read, and the lines of those before it.
-    file: PathBuf,
-    lines_before: usize,
     node: Node,
     bus: Option<String>,
     receivers: [(Receiver<Measurement>, ReceiverState); 2],
@@ -103,8 +114,6 @@ impl Seen {
         };
         Ok(Self {
             series: empty(path, &format!("node{node}")),
-            file: path.to_owned(),
-            lines_before: 0,
             node,
             bus: None,
             receivers: [receiver(Profile::Classical)?, receiver(Profile::Fd)?],
@@ -120,64 +129,9 @@ impl Seen {
         })
     }
 
-    /// Reads a part of the log.
-    fn read(
-        &mut self,
-        path: &Path,
-        file: &File,
-        bus: Option<&str>,
-    ) -> Result<(), MeasurementError> {
-        let unreadable = |why: io::Error| MeasurementError::File {
-            file: path.to_owned(),
-            found: format!("no readable file ({why})"),
-            expected: "a candump log".to_owned(),
-        };
-        let whole = whole_lines(file).map_err(unreadable)?;
-        let mut reader = Reader::from_reader(BufReader::new(file.take(whole)));
-        self.is_cut_off |= file.metadata().is_ok_and(|about| about.len() > whole);
-        path.clone_into(&mut self.file);
-        let mut line = 0;
-        loop {
-            line += 1;
-            let record = match reader.next_record() {
-                Ok(Some(record)) => record,
-                Ok(None) => break,
-                Err(ParseError::Io(error)) => return Err(unreadable(error)),
-                Err(error) => {
-                    return Err(MeasurementError::Cell {
-                        file: path.to_owned(),
-                        row: line,
-                        column: "frame".to_owned(),
-                        found: quoted(&error.to_string()).to_string(),
-                        expected: "(time) bus id#data, as candump -L writes it".to_owned(),
-                    });
-                }
-            };
-            if bus.is_some_and(|bus| bus != record.device) {
-                continue;
-            }
-            let (id, data) = match &record.frame {
-                CanAnyFrame::Normal(frame) if !frame.is_extended() => {
-                    (frame.raw_id(), frame.data())
-                }
-                CanAnyFrame::Fd(frame) if !frame.is_extended() => (frame.raw_id(), frame.data()),
-                _ => continue,
-            };
-            let Ok(id) = u16::try_from(id) else { continue };
-            self.take(line, record.t_us, &record.device, id, data)?;
-        }
-        self.lines_before += line - 1;
-        Ok(())
-    }
-
-    fn take(
-        &mut self,
-        line: usize,
-        stamp_us: u64,
-        bus: &str,
-        id: u16,
-        data: &[u8],
-    ) -> Result<(), MeasurementError> {
+    fn take(&mut self, line: &LogLine) -> Result<(), MeasurementError> {
+        let LogLine { line, stamp_us, ref bus, ref frame, .. } = *line;
+        let (id, data) = (frame.id(), frame.data());
         let profile = match MessageId::from_raw(id) {
             Some(MessageId::Sync) => {
                 // The first one stands for the run; a change of period would be another run.
@@ -193,10 +147,10 @@ impl Seen {
             }
             _ => return Ok(()),
         };
-        let known = self.bus.get_or_insert_with(|| bus.to_owned());
+        let known = self.bus.get_or_insert_with(|| bus.clone());
         if known != bus {
             return Err(MeasurementError::Cell {
-                file: self.file.clone(),
+                file: self.series.file.clone(),
                 row: line,
                 column: "bus".to_owned(),
                 found: format!("node {} on {} after {}", self.node, quoted(bus), quoted(known)),
@@ -227,7 +181,7 @@ impl Seen {
             {
                 self.numbers.push(number);
                 self.stamps_us.push(stamp_us);
-                self.series.lines.push(self.lines_before + line);
+                self.series.lines.push(line);
                 self.series.displacement_m.push(displacement_m);
                 self.series.force_n.push(force_n);
             }

@@ -1,13 +1,16 @@
 //! What a run measured on a damper, read back as a test: from its bus log or from its record.
 
 mod log;
+mod reader;
 mod run;
 #[cfg(test)]
 mod tests;
 
 pub use log::read_bus_log;
+pub use reader::RunRecords;
 pub use run::read_record;
 
+use log::rigs_in_log;
 use measurement::Series;
 use measurement::mapping::Extension;
 use std::path::{Path, PathBuf};

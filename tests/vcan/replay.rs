@@ -1,0 +1,80 @@
+//! A run over SocketCAN is replayed from its files, and its log by canplayer to an emulated rig.
+
+use crate::interface::{Candump, slow_down, yawbench};
+use crate::rig::{LOCK_STEP_RIG, MEASUREMENT, Rig, alone, host, out, parts, summary};
+use std::path::Path;
+use std::process::Command;
+
+fn assert_replays(folder: &Path) {
+    let replay = yawbench().arg("replay").arg(folder).output().expect("replay");
+    let said = String::from_utf8_lossy(&replay.stdout).into_owned();
+    assert!(replay.status.success(), "{said}{}", String::from_utf8_lossy(&replay.stderr));
+    assert!(said.contains("are the same, bit for bit"), "{said}");
+}
+
+#[test]
+fn runs_in_lock_step_and_on_the_clock_are_replayed_bit_for_bit() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let (bus, slow_down) = (format!("socketcan:{vcan}"), slow_down().to_string());
+    let folder = out(&vcan, "replayed");
+    for pace in [&["--pace", "lockstep"][..], &["--pace", "realtime", "--slow-down", &slow_down]] {
+        let rig = Rig::start(&vcan, LOCK_STEP_RIG);
+        let options = [pace, &["--overwrite"]].concat();
+        let run = host(&bus, "3", &folder, &options).output().expect("the host");
+        let end = summary(&run);
+        rig.end();
+        assert!(end["cycles"].as_u64() > Some(3000), "{end}");
+        assert_replays(&folder);
+    }
+    let _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
+fn canplayer_moves_a_rig_that_accepts_the_log_and_no_other() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let folder = out(&vcan, "played");
+    let rig = Rig::start(&vcan, LOCK_STEP_RIG);
+    let bus = format!("socketcan:{vcan}");
+    let run = host(&bus, "2", &folder, &["--pace", "lockstep", "--overwrite"]).output();
+    assert_eq!(summary(&run.expect("the host"))["state"], "completed");
+    rig.end();
+    let log = std::fs::read_to_string(folder.join("bus.log")).expect("bus.log");
+    let of_host: Vec<&str> = log.lines().filter(|line| line.ends_with(" T")).collect();
+    let played = folder.join("host.log");
+    std::fs::write(&played, of_host.join("\n") + "\n").expect("a log");
+    let play = || {
+        let player = Command::new("canplayer").arg("-I").arg(&played).output();
+        let player = player.expect("canplayer, from the package can-utils");
+        assert!(player.status.success(), "{}", String::from_utf8_lossy(&player.stderr));
+    };
+
+    let whole = folder.join("bus.log").display().to_string();
+    let accepting = [LOCK_STEP_RIG, &["--accept-replay", &whole]].concat();
+    let mut rig = Rig::start(&vcan, &accepting);
+    let candump = Candump::start(&vcan);
+    rig.wait_until_it_listens();
+    play();
+    let (_, end) = rig.end();
+    let measured = |id: u16, data: &[u8]| (id == MEASUREMENT.raw()).then(|| data.to_vec());
+    let again: Vec<Vec<u8>> = candump
+        .stop()
+        .iter()
+        .filter_map(parts)
+        .filter_map(|(id, data)| measured(id, &data))
+        .collect();
+    assert_eq!(end["runs"], 1, "{end}");
+    // The ram moves as it did, so the same plant measures the same, sealed by the same session.
+    let before = log.lines().filter(|line| line.contains(" 201#")).count();
+    assert!(again.len() >= before, "{} of {before}", again.len());
+    for (line, data) in log.lines().filter(|line| line.contains(" 201#")).zip(&again) {
+        let text: String = data.iter().map(|byte| format!("{byte:02X}")).collect();
+        assert!(line.contains(&format!("201#{text} ")), "{line}: {text}");
+    }
+
+    let mut other = Rig::start(&vcan, LOCK_STEP_RIG);
+    other.wait_until_it_listens();
+    play();
+    let end = other.interrupt();
+    assert_eq!((&end["runs"], &end["frames"]["received"]), (&0.into(), &0.into()), "{end}");
+    let _ = std::fs::remove_dir_all(folder);
+}
