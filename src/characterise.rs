@@ -2,11 +2,12 @@
 //!
 //! With `--propose-mapping` it prints a mapping for a file, or writes it to `--out`.
 //!
-//! Three sources: a model with its effects, the hydraulic damper (`--physical`), or measured
-//! records (`--from`). The first two write a CSV file and its mapping per test; all write
+//! Four sources: a model with its effects, the hydraulic damper (`--physical`), measured records
+//! (`--from`), or a rig (`--bus`). All but the third write a CSV file and its mapping per test; all write
 //! `laboratory.json` with the figures that are printed. Nothing is written before the last test is
 //! recorded.
 
+use crate::characterise_on_rig::{self, Common, OnRigArgs};
 use crate::error::CommandError;
 use crate::output::print;
 use crate::run_records::RunRecordArgs;
@@ -27,13 +28,13 @@ use virtual_bench::characterisation::{LaboratoryFile, Visit};
 use virtual_bench::laboratory::Limit;
 
 /// The figures.
-const LABORATORY: &str = "laboratory.json";
+pub(crate) const LABORATORY: &str = "laboratory.json";
 
 /// Options of `characterise`.
 #[derive(Debug, Args)]
 pub(crate) struct CharacteriseArgs {
     /// The damper: a model file, which has a damper table.
-    #[arg(required_unless_present_any = ["physical", "from", "propose_mapping"], conflicts_with_all = ["physical", "from"])]
+    #[arg(required_unless_present_any = ["physical", "from", "propose_mapping", "bus"], conflicts_with_all = ["physical", "from"])]
     model: Option<PathBuf>,
     /// The damper: a hydraulic damper from chambers, valves and oil.
     #[arg(long, value_name = "FILE", conflicts_with = "from")]
@@ -70,6 +71,8 @@ pub(crate) struct CharacteriseArgs {
     json: bool,
     #[command(flatten)]
     of_run: RunRecordArgs,
+    #[command(flatten)]
+    on_rig: OnRigArgs,
 }
 
 /// Runs the command.
@@ -86,6 +89,18 @@ pub(crate) fn command(args: &CharacteriseArgs) -> Result<ExitCode, CommandError>
     }
     refuse_record(args)?;
     let list = test_list(&args.tests)?;
+    if let Some(bus) = &args.on_rig.bus {
+        let common = Common {
+            model: args.model.as_deref(),
+            tests: &list.tests,
+            node: args.of_run.node(),
+            out: args.out.as_deref(),
+            overwrite: args.overwrite,
+            json: args.json,
+            datasheet: &datasheet,
+        };
+        return characterise_on_rig::command(&args.on_rig, bus, common);
+    }
     let (path, visit) = match (&args.physical, &args.model) {
         (Some(path), _) => (path, Visit::of_hydraulic(path, list, args.seed)?),
         (None, Some(path)) => (path, Visit::of_model(path, list, args.seed)?),

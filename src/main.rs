@@ -7,6 +7,7 @@
 mod bench_options;
 mod campaign;
 mod characterise;
+mod characterise_on_rig;
 mod critical_speed;
 mod curve;
 mod error;

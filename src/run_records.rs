@@ -8,12 +8,12 @@ use hil_host::record::measured::RunRecords;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Where a record is the record.npy or bus.log of a run")]
 pub(crate) struct RunRecordArgs {
-    /// The rig in a bus.log, where several answer in it.
+    /// The rig: its node on the bus, or in a bus.log where several answer in it.
     #[arg(long, value_name = "1..4", value_parser = node)]
     node: Option<Node>,
-    /// The bus of that rig, where it answers on several.
+    /// The interface of that rig in a bus.log, where it answers on several.
     #[arg(long, value_name = "NAME", requires = "node")]
-    bus: Option<String>,
+    interface: Option<String>,
     /// The damper slot in a record.npy, where several are on rigs or none is: its place on the
     /// vehicle, or its number from one.
     #[arg(long, value_name = "PLACE")]
@@ -21,9 +21,14 @@ pub(crate) struct RunRecordArgs {
 }
 
 impl RunRecordArgs {
+    /// The rig that is named.
+    pub(crate) const fn node(&self) -> Option<Node> {
+        self.node
+    }
+
     /// The reader of these files.
     pub(crate) fn reader(&self) -> RunRecords {
-        RunRecords { node: self.node, bus: self.bus.clone(), slot: self.slot.clone() }
+        RunRecords { node: self.node, bus: self.interface.clone(), slot: self.slot.clone() }
     }
 }
 

@@ -26,8 +26,8 @@ wire_enum! {
 }
 
 impl RunState {
-    /// Whether the ram of a rig follows the commands of a coupled run.
-    pub const fn is_coupled(self) -> bool {
-        matches!(self, Self::RampIn | Self::Run | Self::RampOut)
+    /// Whether the ram of a rig follows commands, coupled to a vehicle or not.
+    pub const fn moves(self) -> bool {
+        matches!(self, Self::OpenLoop | Self::RampIn | Self::Run | Self::RampOut)
     }
 }

@@ -28,6 +28,7 @@ mod killed_run;
 mod layout;
 mod measured_run;
 mod on_mass;
+mod open_loop;
 mod physics;
 mod real_records;
 mod replay;

@@ -150,7 +150,7 @@ impl LineState {
 
 impl SlotState {
     /// A ram at rest that takes up nothing yet.
-    fn begin(&mut self, ram_m: f64) {
+    pub(super) fn begin(&mut self, ram_m: f64) {
         self.ram_start_m = ram_m;
         self.command = Command { displacement_m: ram_m, velocity_m_per_s: 0.0 };
         (self.motion, self.coupling) = (Ramp::default(), Ramp::default());

@@ -12,6 +12,7 @@
 //! out is each rig's displacement and velocity at the end of the cycle.
 
 mod fade;
+mod open_loop;
 mod slot;
 
 pub use fade::{Fade, TooFar, URGENT_S};

@@ -20,6 +20,8 @@ pub use links::{Anchor, BUMP_POINTS_MAX, BumpStop, DamperMount, Suspension, Tors
 pub use state::VehicleState;
 pub use step::{DamperForces, Running};
 
+use nalgebra::Vector3;
+
 /// Largest number of suspension elements.
 pub const SUSPENSIONS_MAX: usize = 48;
 /// Largest number of rotational springs.
@@ -81,6 +83,16 @@ impl core::fmt::Display for VehicleError {
 impl core::error::Error for VehicleError {}
 
 impl Vehicle {
+    /// A damper between two places of the ground and nothing else: what a bench in open loop has.
+    pub fn of_one_damper() -> Self {
+        let anchor = Anchor { body: BodyId::GROUND, point_m: Vector3::zeros() };
+        let mount = DamperMount { first: anchor, second: anchor, direction: Vector3::x() };
+        let mut vehicle = Self::default();
+        let is_full = vehicle.dampers.push(mount).is_err();
+        debug_assert!(!is_full, "a vehicle has room for a damper");
+        vehicle
+    }
+
     /// Checks what a step relies on.
     ///
     /// # Errors

@@ -95,7 +95,7 @@ impl Session<'_> {
 
     /// One cycle after the other, until every rig is armed and has measured; where the rams stand,
     /// by slot (m).
-    fn exchange<B: Bus>(
+    pub(super) fn exchange<B: Bus>(
         &self,
         state: &mut SessionState,
         buses: &mut [B],
@@ -138,7 +138,7 @@ impl Session<'_> {
             node: port.node,
             number: self.arming.number,
             asked,
-            needed: LEAST.tighter(asked),
+            needed: self.needed(asked),
             requirements: self.arming.requirements,
             configuration: Configuration {
                 profile: self.profile,
@@ -150,6 +150,15 @@ impl Session<'_> {
             },
             patience: Patience::default(),
         }
+    }
+
+    /// The least limits with which the host can do its work. Of the force only a little is needed.
+    fn needed(&self, asked: Limits) -> Limits {
+        let least = LEAST.tighter(asked);
+        if self.arming.needs_what_it_asks {
+            return Limits { force_n: least.force_n, ..asked };
+        }
+        least
     }
 
     /// The limits that the host asks for: those of `[motion]` and the force limit of its checks.
@@ -276,7 +285,7 @@ impl Session<'_> {
     }
 
     /// Ends the sessions of the rigs that are armed.
-    fn disarm<B: Bus>(&self, state: &mut SessionState, buses: &mut [B]) {
+    pub(super) fn disarm<B: Bus>(&self, state: &mut SessionState, buses: &mut [B]) {
         for (port, memory) in self.ports.iter().zip(&mut state.ports) {
             if memory.is_armed()
                 && let Some(bus) = buses.get_mut(port.bus)

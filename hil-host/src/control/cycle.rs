@@ -66,6 +66,20 @@ impl Session<'_> {
         buses: &mut Buses<'_, '_, B>,
         tick: Tick,
     ) -> Row {
+        self.cycle_of(state, buses, tick, |session, state, inputs| {
+            session.guard_step_and_compensate(track, state, inputs)
+        })
+    }
+
+    /// The same around any `step`, which leaves a command in the slot of every rig and gives the
+    /// time that it took.
+    pub(super) fn cycle_of<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        tick: Tick,
+        step: impl FnOnce(&Self, &mut SessionState, &Inputs) -> Duration,
+    ) -> Row {
         let woken = Instant::now();
         if tick.skipped > 0 {
             let cycles = u32::try_from(tick.skipped).unwrap_or(u32::MAX);
@@ -74,7 +88,7 @@ impl Session<'_> {
         self.receive(state, buses);
         let inputs = self.decode(state);
         self.judge(state, &inputs);
-        let compute = self.guard_step_and_compensate(track, state, &inputs);
+        let compute = step(self, state, &inputs);
         self.judge_commands(state);
         self.watch_growth(state);
         let commands = self.encode(state);

@@ -88,13 +88,25 @@ impl Ending {
         cycles: u64,
         is_stopped: bool,
     ) -> Option<End> {
+        let is_over = state.line.state == State::Run && state.line.run_cycles() >= cycles;
+        self.take_open(session, state, is_over, is_stopped)
+    }
+
+    /// The same where the caller knows whether all was done.
+    pub(crate) fn take_open(
+        &mut self,
+        session: &Session<'_>,
+        state: &mut SessionState,
+        is_over: bool,
+        is_stopped: bool,
+    ) -> Option<End> {
         if state.line.is_safe() {
             let since = *self.safe_since.get_or_insert(state.line.cycle);
             return (state.line.cycle >= since + STOP_CYCLES).then_some(End::Safe);
         }
         let why = match state.line.state {
             State::RampOut => Some(End::RampedOut),
-            State::Run if state.line.run_cycles() >= cycles => Some(End::Completed),
+            _ if is_over => Some(End::Completed),
             _ => is_stopped.then_some(End::Stopped),
         };
         self.why = self.why.or(why);
@@ -166,7 +178,7 @@ impl Session<'_> {
     }
 
     /// Waits for the next cycle, in the way of the pace.
-    fn wait<B: Bus>(
+    pub(super) fn wait<B: Bus>(
         &self,
         state: &mut SessionState,
         buses: &mut Buses<'_, '_, B>,
@@ -233,7 +245,12 @@ impl Session<'_> {
     }
 
     /// Ends the run for the rigs, and takes in what is still on the way.
-    fn close<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>, end: End) {
+    pub(super) fn close<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        end: End,
+    ) {
         if end == End::Safe {
             self.say_last(state, buses, RunState::Safe);
             return;

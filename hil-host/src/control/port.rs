@@ -215,7 +215,7 @@ impl Port {
             displacement_m: measurement.displacement_m,
             force_n: measurement.force_n,
             is_valid: !measurement.flags.contains(MeasurementFlags::SENSOR_INVALID),
-            runs: measurement.state.is_coupled(),
+            runs: measurement.state.moves(),
         };
         let input = state.belief.take(checks, Arrival::Frame(measured), state.sent);
         (input, kept.bytes)
@@ -313,7 +313,7 @@ impl Port {
             node: self.node,
             counter,
             state: run,
-            mode: if run.is_coupled() { Mode::FollowWithVelocity } else { Mode::Hold },
+            mode: if run.moves() { Mode::FollowWithVelocity } else { Mode::Hold },
             echo: state.receiver.echo(),
             displacement_m: Some(command.displacement_m),
             velocity_m_per_s: Some(command.velocity_m_per_s),

@@ -16,6 +16,8 @@ pub struct Arming {
     pub requirements: Requirements,
     /// Real time of a cycle without commands; zero where rigs are in memory.
     pub cycle: Duration,
+    /// Whether a rig with tighter limits of motion is refused, and does not rule.
+    pub needs_what_it_asks: bool,
 }
 
 impl Arming {
@@ -36,7 +38,8 @@ impl Arming {
     }
 
     fn with(mut draw: Draw, requirements: Requirements, cycle: Duration) -> Self {
-        Self { number: draw.number(), boot: draw.number(), requirements, cycle }
+        let (number, boot) = (draw.number(), draw.number());
+        Self { number, boot, requirements, cycle, needs_what_it_asks: false }
     }
 }
 

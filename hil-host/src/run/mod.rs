@@ -7,13 +7,19 @@ mod about;
 mod handshake;
 mod late_report;
 mod model_peak;
+mod open_loop;
 mod plan;
 mod progress;
 mod recording;
+mod sequence;
 mod setup;
 mod space;
+mod work;
 
 pub use late_report::{LateReport, report};
+pub use open_loop::{
+    MeasuredTest, OPEN_LOOP_FILES, OpenLoopPlan, OpenLoopRecord, PlannedTest, open_loop,
+};
 pub(crate) use plan::Plan;
 pub use plan::is_on_a_bus;
 pub(crate) use setup::{Terms, session};
@@ -44,6 +50,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use work::Coupled;
 
 pub(crate) const RECORD: &str = "record.npy";
 const COMPARED: &str = "record-compared.npy";
@@ -98,7 +105,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         profile: options.profile,
         pace: pace.on_the_wire(),
         slow_down: options.slow_down,
-        arming: arming(&plan, options)?,
+        arming: arming(&plan.buses, options)?,
         shows_progress: true,
     };
     let session = session(run, &track, &plan.rigs, terms)?;
@@ -128,7 +135,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     };
     let task = Task {
         session: &session,
-        course: Course::new(run, &track),
+        work: Coupled { course: Course::new(run, &track), cycles: run.cycles() },
         state: &mut state,
         buses: &mut buses,
         bus: &options.bus,

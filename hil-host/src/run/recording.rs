@@ -2,9 +2,10 @@
 
 use super::handshake::{Epoch, Heard};
 use super::progress::{self, Progress};
+use super::work::Work;
 use crate::BenchError;
 use crate::bus::{Bus, BusChoice};
-use crate::control::{Buses, Course, End, Notice, Pace, Requests, Session, SessionState};
+use crate::control::{Buses, End, Notice, Pace, Requests, Session, SessionState};
 use crate::counts::Counts;
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
@@ -20,15 +21,15 @@ use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
 /// The loop with everything that it changes.
-pub(super) struct Task<'a, 's, B> {
+pub(super) struct Task<'a, 's, B, W> {
     pub(super) session: &'a Session<'s>,
-    /// Its thread has begun: it must not inherit what the loop asks of the kernel.
-    pub(super) course: Course<'s>,
+    pub(super) work: W,
     pub(super) state: &'a mut SessionState,
     pub(super) buses: &'a mut [B],
     /// The bus as it was given.
     pub(super) bus: &'a BusChoice,
     pub(super) pace: &'a mut Pace,
+    /// Cycles that are expected, for the line of progress.
     pub(super) cycles: u64,
 }
 
@@ -91,13 +92,13 @@ const HOLD_LOG: Duration = Duration::from_millis(500);
 ///
 /// # Errors
 /// A rig that cannot be armed, with nothing recorded; a file that cannot be written.
-pub(super) fn record<B: Bus, P: Place>(
-    task: Task<'_, '_, B>,
+pub(super) fn record<B: Bus, P: Place, W: Work>(
+    task: Task<'_, '_, B, W>,
     realtime_options: &RealtimeOptions,
     output: &Output<P>,
     requests: &Requests,
 ) -> Result<Recording, BenchError> {
-    let Task { session, mut course, state, buses, bus, pace, cycles } = task;
+    let Task { session, mut work, state, buses, bus, pace, cycles } = task;
     let cycle_ns = session.line.cycle_s * 1e9 * f64::from(session.slow_down.get());
     let cycle_ns = (cycle_ns as u64).max(1);
     let Output { place, part_cycles, epoch, .. } = output;
@@ -156,7 +157,7 @@ pub(super) fn record<B: Bus, P: Place>(
         }
         let mut heard = Heard::all(buses, epoch);
         // From the first command on a rig waits for no file and no thread.
-        let armed = session.arm(state, &mut heard, requests);
+        let armed = work.arm(session, state, &mut heard, requests);
         for event in Heard::events(heard) {
             recorder.event(event);
         }
@@ -167,7 +168,7 @@ pub(super) fn record<B: Bus, P: Place>(
         }
         let begin = Instant::now();
         let mut buses = Buses::new(buses, &mut recorder).counted_from(epoch.begin);
-        let end = session.run(&mut course, state, &mut buses, pace, cycles, requests);
+        let end = work.run(session, state, &mut buses, pace, requests);
         let wall_s = begin.elapsed().as_secs_f64();
         done.store(true, Ordering::Release);
         drop(running);

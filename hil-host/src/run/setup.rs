@@ -131,8 +131,8 @@ pub fn watch_of(run: &Run, slot: usize) -> Option<Watch> {
 }
 
 /// What the host brings into the arming exchange.
-pub(super) fn arming(plan: &Plan, options: &RunOptions) -> Result<Arming, BenchError> {
-    if plan.buses.iter().all(|bus| *bus == BusChoice::Memory) {
+pub(super) fn arming(buses: &[BusChoice], options: &RunOptions) -> Result<Arming, BenchError> {
+    if buses.iter().all(|bus| *bus == BusChoice::Memory) {
         return Ok(Arming::in_memory());
     }
     let draw = Draw::system().map_err(|why| BenchError::NoRandom { why })?;
@@ -177,7 +177,7 @@ pub(super) fn open_buses(
 }
 
 /// What a host receives of a rig.
-fn sent_by(node: Node, profile: Profile) -> [MessageId; 5] {
+pub(super) fn sent_by(node: Node, profile: Profile) -> [MessageId; 5] {
     [
         MessageId::Measurement(profile, node),
         MessageId::Fault(Sender::Rig(node)),

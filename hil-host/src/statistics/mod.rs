@@ -18,6 +18,7 @@ pub(crate) use liveliest::Liveliest;
 pub(crate) use sums::{SPECTRA_OF, SlotSums, Sums};
 pub(crate) use trace::Trace;
 pub(crate) use traces::{RigTraces, Traces};
+pub(crate) use tracking::Tracking;
 
 use crate::BenchError;
 use crate::progress_bar::LateBar;

@@ -167,7 +167,7 @@ impl Seen {
         let number = self.number(profile, reception.status, measurement.counter, stamp_us);
         self.last = Some((number, measurement.counter, stamp_us));
         match measurement.state {
-            state if state.is_coupled() => {}
+            state if state.moves() => {}
             // Every session begins with these.
             RunState::Armed => return Ok(()),
             _ => {

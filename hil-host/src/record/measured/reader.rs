@@ -76,7 +76,7 @@ impl RunRecords {
             several => {
                 let names = several.iter().map(|(node, bus)| format!("{node} on {}", quoted(bus)));
                 let names = names.collect::<Vec<_>>().join(", ");
-                refused(format!("rigs {names}"), "one of them: --node N, with --bus NAME")
+                refused(format!("rigs {names}"), "one of them: --node N, with --interface NAME")
             }
         }
     }

@@ -2,9 +2,11 @@
 
 use super::*;
 use crate::bus::MemoryBus;
+use crate::control::Course;
 use crate::record::measured::{read_bus_log, read_record};
 use crate::record::{PART_CYCLES, part_name};
 use crate::rig::RigNode;
+use crate::run::work::Coupled;
 use crate::run::{Plan, Terms, session};
 use crate::statistics::Statistics;
 use can_protocol::{Node, Profile};
@@ -82,7 +84,7 @@ fn recorded_with<P: Place>(
     };
     let task = Task {
         session: &session,
-        course: Course::new(&run, &track),
+        work: Coupled { course: Course::new(&run, &track), cycles: run.cycles() },
         state: &mut state,
         buses: &mut buses,
         bus: &BusChoice::Memory,

@@ -1,0 +1,131 @@
+//! Rigs in open loop: a motion of their own in place of the vehicle's.
+//!
+//! ```text
+//! receive -> decode -> judge -> motion -> limits -> encode -> send -> record
+//! ```
+//! Everything else is that of a run: arming, limits, what is believed, what stops it, the record.
+
+use super::buses::Buses;
+use super::no_answer::NoAnswer;
+use super::notices::Notices;
+use super::pacing::{End, Ending, Pace};
+use super::requests::Requests;
+use super::session::{Session, SessionState};
+use crate::bus::Bus;
+use crate::clock::Tick;
+use crate::record::Row;
+use firmware_core::command::Command;
+use firmware_core::supervision::{Event, State};
+use firmware_core::vehicle::DAMPER_SLOTS;
+use std::time::Instant;
+
+/// A motion that rigs follow. It is asked in every cycle of the loop: it neither allocates nor
+/// waits.
+pub trait Motion {
+    /// The commands of the next cycle, by slot; none when the motion is over.
+    fn next(&mut self, seen: &Seen) -> Option<[Command; DAMPER_SLOTS]>;
+}
+
+/// What a motion may depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Number of the cycle that is asked for, from one.
+    pub cycle: u64,
+    /// The last commands, by slot; where the rams stand before the first cycle.
+    pub commands: [Command; DAMPER_SLOTS],
+    /// Temperatures that the rigs report, by slot (degrees Celsius).
+    pub temperature_degc: [Option<f64>; DAMPER_SLOTS],
+}
+
+impl Session<'_> {
+    /// Arms every rig and opens the loop: the next cycle is the first of `OPEN_LOOP`.
+    ///
+    /// # Errors
+    /// A rig that refuses or is refused, or does not measure, or a stop. Rigs that were armed are
+    /// disarmed.
+    pub fn arm_open_loop<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut [B],
+        requests: &Requests,
+    ) -> Result<(), NoAnswer> {
+        let rams_m = match self.exchange(state, buses, requests) {
+            Ok(rams_m) => rams_m,
+            Err(why) => {
+                self.disarm(state, buses);
+                return Err(why);
+            }
+        };
+        state.line.on(Event::Arm);
+        self.line.open(&mut state.line, rams_m);
+        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            port.begin(memory, state.line.slots[port.slot].command);
+        }
+        Ok(())
+    }
+
+    /// Follows a motion to its end, or until an operator or a cause ends it. Rams come to rest.
+    pub fn open_loop<B: Bus, M: Motion>(
+        &self,
+        motion: &mut M,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        pace: &mut Pace,
+        requests: &Requests,
+    ) -> End {
+        debug_assert_eq!(self.pace, pace.on_the_wire(), "the rigs were given another pace");
+        buses.recorder().may_wait = !matches!(pace, Pace::Realtime(_));
+        if let Pace::Realtime(pacer) = pace {
+            pacer.restart();
+        }
+        let (mut ending, mut notices) = (Ending::default(), Notices::default());
+        let mut tick = Tick::default();
+        let end = loop {
+            let is_open = state.line.state == State::OpenLoop;
+            let wanted = is_open.then(|| motion.next(&self.seen(state))).flatten();
+            let row = self.open_loop_cycle(wanted, state, buses, tick);
+            self.notify(state, &mut notices, buses.recorder());
+            buses.recorder().row(row);
+            if requests.is_stopping() {
+                self.stop_by_operator(state);
+            }
+            let is_stopped = requests.is_ending() || buses.recorder().is_overrun();
+            let is_over = is_open && wanted.is_none();
+            if let Some(end) = ending.take_open(self, state, is_over, is_stopped) {
+                break end;
+            }
+            tick = self.wait(state, buses, pace);
+        };
+        self.notify(state, &mut notices, buses.recorder());
+        self.close(state, buses, end);
+        end
+    }
+
+    fn seen(&self, state: &SessionState) -> Seen {
+        let mut temperature_degc = [None; DAMPER_SLOTS];
+        for (port, memory) in self.ports.iter().zip(&state.ports) {
+            temperature_degc[port.slot] = memory.temperature_degc;
+        }
+        let commands = state.line.slots.map(|slot| slot.command);
+        Seen { cycle: state.line.cycle + 1, commands, temperature_degc }
+    }
+
+    fn open_loop_cycle<B: Bus>(
+        &self,
+        wanted: Option<[Command; DAMPER_SLOTS]>,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        tick: Tick,
+    ) -> Row {
+        self.cycle_of(state, buses, tick, |session, state, _| {
+            let begin = Instant::now();
+            // Past the end of the motion the rams stay where they were sent.
+            let held = std::array::from_fn(|slot| Command {
+                displacement_m: state.line.slots[slot].command.displacement_m,
+                velocity_m_per_s: 0.0,
+            });
+            session.line.follow(&mut state.line, &wanted.unwrap_or(held));
+            begin.elapsed()
+        })
+    }
+}
