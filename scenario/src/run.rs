@@ -245,7 +245,7 @@ impl Run {
             vehicle_file.body.iter().map(|body| quoted(&body.name).to_string()).collect();
         file.run_in_s = Some(Quantity::plain(run_in_s));
         file.substeps = Some(substeps);
-        let effective = effective(file, &motion, source, vehicle_file, &vehicle_source)?;
+        let effective = effective(file, (&motion, &rig), source, vehicle_file, &vehicle_source)?;
         Ok(Self {
             title,
             vehicle_name,

@@ -39,19 +39,17 @@
 //! anew: a rig in motion goes to SAFE.
 
 mod account;
-mod actuator;
 mod condition;
-mod emulator;
 mod net;
-mod noise;
 mod outbox;
 pub mod process;
 mod session;
 mod states;
 
-pub use actuator::{DECELERATION_M_PER_S2, Limits, RamState, Reference};
 pub use condition::Condition;
-pub use emulator::{Emulator, EmulatorState, Reading, Target};
+pub use rig_emulator::{
+    DECELERATION_M_PER_S2, Emulator, EmulatorState, Limits, RamState, Reading, Reference, Target,
+};
 pub use session::{FrameCounts, Timing};
 
 use crate::bus::WireFrame;
@@ -485,6 +483,7 @@ impl RigNode {
             flags,
             pressure: self.pressure,
             trips: self.trips,
+            temperature_degc: self.state.temperature_degc(),
         }
     }
 
@@ -552,7 +551,7 @@ impl RigNode {
 
     /// Whether the ram stands still.
     pub fn is_at_rest(&self) -> bool {
-        self.state.ram().velocity_m_per_s == 0.0
+        self.emulator.is_at_rest(&self.state)
     }
 
     /// Cycles since it exists.
