@@ -121,3 +121,94 @@ impl Benchmark {
         at.load_cell_n = at.force_n;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::actuator::Reference;
+    use crate::cycle::Target;
+    use crate::emulator::Emulator;
+    use scenario::rig::{RigFile, RigKind, RigSetup};
+    use scenario::source::Source;
+    use std::f64::consts::TAU;
+    use std::path::Path;
+
+    const PERIOD_S: f64 = 1e-3;
+
+    fn setup() -> RigSetup {
+        let file = RigFile { kind: Some(RigKind::RthsBenchmark), ..RigFile::default() };
+        let setup = file.build(&Source::from_text(Path::new("rig.toml"), "")).unwrap();
+        RigSetup { force_noise_n: 0.0, displacement_noise_m: 0.0, ..setup }
+    }
+
+    fn follow(displacement_m: f64, velocity_m_per_s: f64) -> Target {
+        Target::Follow(Reference { displacement_m, velocity_m_per_s })
+    }
+
+    #[test]
+    fn the_rig_is_as_late_and_as_weak_as_its_plant() {
+        let rig = Emulator::new(&setup(), PERIOD_S, 0);
+        for (hz, delay_ms, gain) in
+            [(1.0, 24.96, 0.999), (3.6, 23.7, 0.916), (10.0, 19.0, 0.633), (16.0, 15.8, 0.471)]
+        {
+            let mut state = rig.start();
+            let (omega, amplitude_m) = (TAU * hz, 1e-3);
+            let (mut sine, mut cosine) = (0.0, 0.0);
+            // Five seconds have whole periods of all four.
+            for cycle in 0..10_000_u32 {
+                let angle = omega * f64::from(cycle) * PERIOD_S;
+                let x = amplitude_m * libm::sin(angle);
+                let v = amplitude_m * omega * libm::cos(angle);
+                let reading = rig.cycle(&mut state, follow(x, v));
+                if cycle >= 5000 {
+                    let angle = omega * f64::from(cycle + 1) * PERIOD_S;
+                    sine += reading.ram_displacement_m * libm::sin(angle) / 2500.0;
+                    cosine += reading.ram_displacement_m * libm::cos(angle) / 2500.0;
+                }
+            }
+            let found_ms = -1e3 * libm::atan2(cosine, sine) / omega;
+            let found = libm::hypot(sine, cosine) / amplitude_m;
+            println!("{hz} Hz: {found_ms:.2} ms, gain {found:.4}");
+            assert!((found_ms - delay_ms).abs() < 0.06, "{hz} Hz: {found_ms} ms");
+            assert!((found - gain).abs() < 0.002, "{hz} Hz: {found}");
+        }
+    }
+
+    #[test]
+    fn its_force_is_that_of_its_damper_where_the_ram_is() {
+        let setup = setup();
+        let rig = Emulator::new(&setup, PERIOD_S, 0);
+        let mut state = rig.start();
+        let mut reading = rig.cycle(&mut state, follow(0.0, 0.05));
+        for cycle in 1..1000_u32 {
+            reading = rig.cycle(&mut state, follow(0.05 * PERIOD_S * f64::from(cycle), 0.05));
+        }
+        // A ramp with the gain of the plant at rest: the relief is open.
+        let expected_n = setup.damper.steady_force_n(0.05 * 1.0075);
+        assert!((reading.force_n / expected_n - 1.0).abs() < 1e-3, "{} N", reading.force_n);
+        assert_eq!(reading.displacement_m, reading.ram_displacement_m);
+    }
+
+    #[test]
+    fn it_stands_where_it_starts_and_stops_as_softly_as_it_follows() {
+        let rig = Emulator::new(&setup(), PERIOD_S, 0);
+        let mut state = rig.start_at(0.03);
+        for _ in 0..100 {
+            rig.cycle(&mut state, Target::Hold);
+        }
+        assert!((state.ram().displacement_m - 0.03).abs() < 1e-9, "{:?}", state.ram());
+        for cycle in 0..500_u32 {
+            rig.cycle(&mut state, follow(0.03 - 0.08e-3 * f64::from(cycle), -0.08));
+        }
+        assert!(!rig.is_at_rest(&state));
+        let (mut before, mut hardest, mut cycles) = (state.ram().velocity_m_per_s, 0.0_f64, 0);
+        while !rig.is_at_rest(&state) && cycles < 1000 {
+            rig.cycle(&mut state, Target::Hold);
+            hardest = hardest.max((state.ram().velocity_m_per_s - before).abs() / PERIOD_S);
+            before = state.ram().velocity_m_per_s;
+            cycles += 1;
+        }
+        println!("{hardest:.2} m/s2 at most, at rest after {cycles} ms");
+        assert!(hardest <= 20.0 && hardest > 1.0, "{hardest} m/s2");
+        assert!(cycles < 500, "{cycles} ms");
+    }
+}

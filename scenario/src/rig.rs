@@ -10,6 +10,7 @@
 
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
+use crate::inputs::Inputs;
 use crate::kind::Kind;
 use crate::quantity::Quantity;
 use crate::servo::{Around, FIXTURE_N_PER_M};
@@ -26,6 +27,9 @@ pub use crate::servo::{FASTEST_HZ, ServoFile, ServoSetup};
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigFile {
+    /// In a scenario, the file of the rig, relative to it; only `[rig.damper]` may stand beside it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// What it is called.
     pub name: Option<String>,
     /// What moves it.
@@ -150,8 +154,42 @@ impl RigFile {
     /// The first thing that does not fit, with file and line.
     pub fn load(path: &Path) -> Result<RigSetup, ScenarioError> {
         let source = Source::read(path)?;
+        Self::from_source(&source)?.build(&source)
+    }
+
+    /// The rig in a file of its own.
+    fn from_source(source: &Source) -> Result<Self, ScenarioError> {
         let file: Self = source.parse_as(Kind::Rig)?;
-        file.build(&source)
+        if file.file.is_some() {
+            return Err(source.whole_error("a rig names another file, expected values"));
+        }
+        Ok(file)
+    }
+
+    /// This rig of a scenario with the values of the files that it and its damper name, which are
+    /// noted as inputs.
+    ///
+    /// # Errors
+    /// A file cannot be read, or is no rig that can be, with its own file and line; other keys next
+    /// to `file`.
+    pub(crate) fn resolved(
+        mut self,
+        source: &Source,
+        inputs: &mut Inputs,
+    ) -> Result<Self, ScenarioError> {
+        let file = self.file.take();
+        let damper = std::mem::take(&mut self.damper).resolved(source, "rig damper", inputs)?;
+        let Some(file) = file else { return Ok(Self { damper, ..self }) };
+        if self != Self::default() {
+            let message = "[rig] names a file, expected no other key but those of [rig.damper]";
+            return Err(source.whole_error(message));
+        }
+        let named = Source::read(&source.sibling(&file))?;
+        inputs.note("rig", named.content_hash());
+        let mut rig = Self::from_source(&named)?;
+        rig.damper = rig.damper.resolved(&named, "damper of the rig", inputs)?;
+        rig.build(&named)?;
+        Ok(Self { damper: damper.over(&rig.damper), ..rig })
     }
 
     /// A laboratory rig with a new SS9 yaw damper.
@@ -181,6 +219,7 @@ impl RigFile {
             Drive::Ideal | Drive::RthsBenchmark => None,
         };
         Self {
+            file: None,
             name: Some(self.name.clone().unwrap_or_else(|| kind.usual_name().to_owned())),
             kind: Some(kind),
             stroke_m: Some(or(self.stroke_m.as_ref(), STROKE_M)),

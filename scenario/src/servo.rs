@@ -14,7 +14,7 @@
 //! area_m2 = 3e-3                   # of the piston, equal on both sides
 //! bulk_modulus_pa = 1.0e9          # of the oil with its air and hoses
 //! oil_volume_m3 = 7.2e-4           # both chambers and their lines: 1.2 times what the ram sweeps
-//! leakage_m3_per_s_pa = 1e-11      # across the piston
+//! leakage_m3_per_s_pa = 2e-12      # across the piston
 //! ram_mass_kg = 60.0
 //! friction_n_s_per_m = 5e3         # of the ram, viscous
 //! end_mass_kg = 10.0               # between load cell and damper
@@ -126,7 +126,7 @@ servo_drive! {
     /// Effective bulk modulus of the oil.
     bulk_modulus_pa: 1e8 to 3e9 "Pa" or 1e9;
     /// Leakage across the piston per pressure.
-    leakage_m3_per_s_pa: 0.0 to 1e-8 "m3/s/Pa" or 1e-11;
+    leakage_m3_per_s_pa: 0.0 to 1e-8 "m3/s/Pa" or 2e-12;
     /// Mass of the ram.
     ram_mass_kg: 1.0 to 1e4 "kg" or 60.0;
     /// Viscous friction of the ram.
