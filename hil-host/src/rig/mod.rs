@@ -1,8 +1,8 @@
 //! The rig: the other end of the bus.
 //!
-//! [`RigNode`] is a rig as the bus sees it, around the physics of an [`Emulator`]. The same code
-//! runs in line on the memory bus and in its own process ([`process`]). The same frames get the
-//! same answers, bit for bit.
+//! [`RigNode`] is a rig as the bus sees it, around the physics of an [`Emulator`], which is
+//! `rig-emulator`. The same code runs in line on the memory bus and in its own process
+//! ([`process`]). The same frames get the same answers, bit for bit.
 //!
 //! **States.** A rig runs the machine of [`firmware_core::supervision::State`]. A sync leads it
 //! from INIT to STANDBY, the arming exchange ([`can_protocol::arming`]) to ARMED. From there on it
@@ -549,7 +549,7 @@ impl RigNode {
         self.condition
     }
 
-    /// Whether the ram stands still.
+    /// Whether the ram stands still, as [`Emulator::is_at_rest`] has it.
     pub fn is_at_rest(&self) -> bool {
         self.emulator.is_at_rest(&self.state)
     }
