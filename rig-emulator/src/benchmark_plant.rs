@@ -6,8 +6,8 @@
 //!                                   ^ - a2 x'  (the specimen's velocity acts on the actuator)
 //! ```
 //!
-//! Units are SI. Limits: linear, so without the saturation of a real valve; the numbers are those of
-//! the publication, identified on one machine with one specimen.
+//! Units are SI. Limits: linear, so without the saturation of a real valve; the numbers are those
+//! of the publication, identified on one machine with one specimen.
 //!
 //! ```
 //! use rig_emulator::BenchmarkPlant;

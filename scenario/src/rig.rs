@@ -200,8 +200,8 @@ impl RigFile {
         Self::default().build(&Source::from_text(Path::new("built-in rig"), ""))
     }
 
-    /// This rig with every default written out as it was built, and `damper` wherever its own has no
-    /// value.
+    /// This rig with every default written out as it was built, and `damper` wherever its own has
+    /// no value.
     #[must_use]
     pub fn with_defaults(&self, damper: &DamperFile, built: &RigSetup) -> Self {
         let or = Quantity::or;

@@ -19,7 +19,7 @@
 //! friction_n_s_per_m = 5e3         # of the ram, viscous
 //! end_mass_kg = 10.0               # between load cell and damper
 //! fixture_damping_ratio = 0.02     # of the end mass on the fixture
-//! heat_capacity_j_per_k = 21e3     # of the damper; as its temperature_fade has it, if there is one
+//! heat_capacity_j_per_k = 21e3     # of the damper, unless its temperature_fade says
 //! cooling_w_per_k = 5.0            # the same
 //! ambient_degc = 20.0
 //! ```

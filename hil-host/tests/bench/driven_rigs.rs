@@ -1,4 +1,4 @@
-//! Rigs whose ram is moved by a controller: SAFE, rest and reset, and the temperature that they send.
+//! Rigs whose ram is moved by a controller: SAFE, rest and reset, and the temperature they send.
 
 use crate::support::host::{Host, setup};
 use crate::support::rig::{answers, armed, give, quiet};

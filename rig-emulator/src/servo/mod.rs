@@ -14,25 +14,26 @@
 //! Nothing here is a delay in milliseconds. The ram lags by what the controller leaves, `(1 - ff)/K`
 //! of time on a ramp; by the spool (`valve`); and under load, where the open valve gives less flow.
 //! The oil column is a spring of `4 beta A^2 / V` between valve and ram, and `A x_r'` is the
-//! natural velocity feedback of a cylinder. The load cell shows `N`, which is the force of the damper
-//! and the inertia of the end mass. The equations are those of Merritt, Hydraulic Control Systems
-//! (1967); the usual numbers are assumed (`scenario::rig::ServoFile`).
+//! natural velocity feedback of a cylinder. The load cell shows `N`, which is the force of the
+//! damper and the inertia of the end mass. The equations are those of Merritt, Hydraulic Control
+//! Systems (1967); the usual numbers are assumed (`scenario::rig::ServoFile`).
 //!
 //! **Substeps.** A cycle is divided into equal substeps of 1/32 ms at most. The fastest part, the
 //! end mass between fixture and damper, may vibrate at 2.5 kHz ([`scenario::rig::FASTEST_HZ`]):
 //! half a radian per substep, a quarter of what leapfrog stands. Forces and pressure stand at the
 //! ends of the substeps and velocities in their middle (leapfrog), so that the springs keep their
 //! energy. The damper gets the velocity at the end, extrapolated from the last two. The controller
-//! sees the ram as it is when a substep begins, as a digital one does; half of the substep moves the
-//! ram by 0.1 um and the force by 2 N of 18 kN (a test compares).
+//! sees the ram as it is when a substep begins, as a digital one does. Half of the substep moves
+//! the ram by 0.1 um and the force by 2 N of 18 kN (a test compares).
 //!
 //! **Stop.** In HOLD and CENTRE the reference is guided as an ideal ram is ([`Ram`]). It begins
 //! where the controller asks for the opening that the valve has been asked for, at the speed of the
 //! ram, so that the stop begins without a jolt however far the ram was behind. The ram is never
 //! exactly at rest: see [`crate::AT_REST_M_PER_S`].
 //!
-//! **Temperature.** One temperature for all of the damper ([`firmware_core::damper::HeatBalance`]). An effect
-//! `temperature_fade` of the damper follows it; without that effect the force does not depend on it.
+//! **Temperature.** One temperature for all of the damper
+//! ([`firmware_core::damper::HeatBalance`]). An effect `temperature_fade` of the damper follows it;
+//! without that effect the force does not depend on it.
 //!
 //! Limits: the two sides of the cylinder are equal, and the volume of oil does not depend on the
 //! position; no cavitation; friction of the seals is viscous; end stops take the speed of the ram
