@@ -10,9 +10,10 @@
 //! benchmark: the plant was published as a whole, and a damper of 18 kN would stall its 9 kN. It is
 //! the most unfavourable rig for a compensator whose delay is known exactly.
 //!
-//! It stops and centres by its reference, and comes to rest as late as it follows. Its reference
-//! ends where the ram would stand at the end of the stroke; the ram may overshoot it by a few per
-//! cent. A fixture is not modelled.
+//! It stops and centres by its reference. Poles of the plant at -8 +- 422i 1/s ring after that, so
+//! that it counts as being at rest only after some 0.4 s. The reference ends where the ram would
+//! stand at the end of the stroke; the ram may overshoot it by a few per cent. A fixture is not
+//! modelled.
 
 use crate::actuator::{Limits, Ram, RamState};
 use crate::benchmark_plant::{BenchmarkPlant, PlantState};

@@ -47,7 +47,9 @@ fn a_silent_host_brings_every_kind_of_rig_to_rest_and_a_reset_waits_for_that() {
         [setup(), file("servo-hydraulic-rig.toml"), file("rths-benchmark-rig.toml")]
             .map(|setup| cycles_to_rest(&setup));
     println!("at rest for good after {ideal}, {servo} and {benchmark} cycles");
-    assert!(ideal <= 9 && servo <= 500 && benchmark <= 300);
+    // The ideal ram needs 7.6 ms for 76 mm/s. Under the servo rig the damper relaxes with Ce/Ke, 80
+    // ms. The benchmark's plant rings with poles at -8 +- 422i 1/s: ln(76 / 0.1) / 8 s at most.
+    assert!(ideal <= 9 && servo <= 200 && benchmark <= 830);
     assert!(servo > ideal && benchmark > ideal);
 }
 
