@@ -54,7 +54,7 @@ fn hydraulics_that_cannot_be_are_refused() {
     for (text, parts) in [
         ("feed_forward = 1.5", ["rig.toml:3", "feed_forward", "0 to 1"]),
         ("oil_volume_m3 = 5e-4", ["rig.toml:3", "oil_volume_m3", "6.000e-4"]),
-        ("end_mass_kg = 1.0\nram_mass_kg = 1.0", ["[servo]", "Hz", "2500 Hz"]),
+        ("bulk_modulus_pa = 3e9\nram_mass_kg = 1.0", ["the ram", "2516 Hz", "2500 Hz"]),
         ("area_mm2 = 3000.0", ["rig.toml:3", "area_mm2", "area_m2"]),
     ] {
         let text = format!("kind = \"servo\"\n[servo]\n{text}\n");
