@@ -11,7 +11,7 @@
 //! heat         C T' = F x_e' - H (T - T_ambient)
 //! ```
 //!
-//! Nothing here is a delay in milliseconds. The ram lags by what the controller leaves, `(1 - ff)/K`
+//! Nothing here is a delay in ms. The ram lags by what the controller leaves, `(1 - ff)/K`
 //! of time on a ramp; by the spool (`valve`); and under load, where the open valve gives less flow.
 //! The oil column is a spring of `4 beta A^2 / V` between valve and ram, and `A x_r'` is the
 //! natural velocity feedback of a cylinder. The load cell shows `N`, which is the force of the
