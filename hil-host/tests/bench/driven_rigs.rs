@@ -43,9 +43,9 @@ fn cycles_to_rest(setup: &RigSetup) -> u32 {
 
 #[test]
 fn a_silent_host_brings_every_kind_of_rig_to_rest_and_a_reset_waits_for_that() {
-    let [ideal, servo, benchmark] =
-        [setup(), file("servo-hydraulic-rig.toml"), file("rths-benchmark-rig.toml")]
-            .map(|setup| cycles_to_rest(&setup));
+    let ideal = cycles_to_rest(&setup());
+    let servo = cycles_to_rest(&file("servo-hydraulic-rig.toml"));
+    let benchmark = cycles_to_rest(&file("rths-benchmark-rig.toml"));
     println!("at rest for good after {ideal}, {servo} and {benchmark} cycles");
     // The ideal ram needs 7.6 ms for 76 mm/s. Under the servo rig the damper relaxes with Ce/Ke, 80
     // ms. The benchmark's plant rings with poles at -8 +- 422i 1/s: ln(76 / 0.1) / 8 s at most.
