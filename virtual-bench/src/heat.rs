@@ -1,34 +1,16 @@
-//! How the oil of a damper warms.
+//! The temperature of the oil over a test.
 
 use crate::specimen::Load;
+use firmware_core::damper::HeatBalance;
 
-/// A heat balance: `C T' = |F v| - H (T - T_ambient)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HeatBalance {
-    /// Heat capacity C, J/K.
-    pub capacity_j_per_k: f64,
-    /// Cooling H, W/K.
-    pub cooling_w_per_k: f64,
-}
-
-impl HeatBalance {
-    /// A yaw damper of some 20 kg in still air (estimated).
-    pub const YAW_DAMPER: Self = Self { capacity_j_per_k: 21e3, cooling_w_per_k: 5.0 };
-
-    pub(crate) fn step(&self, degc: f64, power_w: f64, ambient_degc: f64, step_s: f64) -> f64 {
-        let rate = (power_w - self.cooling_w_per_k * (degc - ambient_degc)) / self.capacity_j_per_k;
-        degc + step_s * rate
+/// The temperature over time, from displacement and force.
+pub(crate) fn temperatures_degc(heat: HeatBalance, load: &Load<'_>, force_n: &[f64]) -> Vec<f64> {
+    let mut degc = load.start_degc;
+    let mut temperatures = Vec::with_capacity(force_n.len());
+    for (step, force) in force_n.iter().enumerate() {
+        temperatures.push(degc);
+        let power_w = force * load.at(step).1;
+        degc = heat.step(degc, power_w, load.ambient_degc, load.grid.step_s);
     }
-
-    /// The temperature over time, from displacement and force.
-    pub(crate) fn over(&self, load: &Load<'_>, force_n: &[f64]) -> Vec<f64> {
-        let mut degc = load.start_degc;
-        let mut temperatures = Vec::with_capacity(force_n.len());
-        for (step, force) in force_n.iter().enumerate() {
-            temperatures.push(degc);
-            let power_w = force * load.at(step).1;
-            degc = self.step(degc, power_w, load.ambient_degc, load.grid.step_s);
-        }
-        temperatures
-    }
+    temperatures
 }
