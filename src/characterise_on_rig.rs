@@ -15,7 +15,7 @@ use can_protocol::Node;
 use clap::Args;
 use files::ResultFolder;
 use firmware_core::command::Command;
-use firmware_core::damper::{Damper, DamperState, Motion};
+use firmware_core::damper::{Damper, DamperState, HeatBalance, Motion};
 use firmware_core::supervision::CommandLimits;
 use hil_host::bus::BusChoice;
 use hil_host::control::End;
@@ -36,7 +36,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use virtual_bench::bench_visit::protocol::{self, Test};
-use virtual_bench::bench_visit::{HeatBalance, LABORATORY_DEGC};
+use virtual_bench::bench_visit::LABORATORY_DEGC;
 use virtual_bench::characterisation::LaboratoryFile;
 use virtual_bench::laboratory::Limit;
 
@@ -217,7 +217,7 @@ fn heat(damper: &Damper, tests: &[Test], plan: &OpenLoopPlan<'_>) -> Table {
         .fixed("per cycle", "J", 1)
         .fixed("heat", "W", 0)
         .fixed("oil behind it", "degC", 1);
-    let damper = damper.clone().prepared(CYCLE_S);
+    let (damper, balance) = (damper.clone().prepared(CYCLE_S), HeatBalance::of(damper));
     let mut degc = LABORATORY_DEGC;
     let rows: Vec<[Cell; 6]> = tests
         .iter()
@@ -225,8 +225,7 @@ fn heat(damper: &Damper, tests: &[Test], plan: &OpenLoopPlan<'_>) -> Table {
         .map(|(test, planned)| {
             let work_j = work_j(&damper, &planned.commands);
             let length_s = test.duration_s;
-            degc =
-                HeatBalance::YAW_DAMPER.after(degc, work_j / length_s, LABORATORY_DEGC, length_s);
+            degc = balance.after(degc, work_j / length_s, LABORATORY_DEGC, length_s);
             let cycles = length_s * test.excitation.frequency_hz();
             let per_cycle = (cycles >= 1.0).then(|| work_j / cycles);
             [

@@ -14,8 +14,8 @@ use firmware_core::compensation::{
 };
 use firmware_core::damper::effects::{CATALOGUE, EffectInfo};
 use firmware_core::damper::{
-    Curve, Damper, DamperState, Effect, EmpiricalMap, Factors, MapCoordinate, MapKnot, Motion,
-    Nominal, Parts, attachment_force_n,
+    Curve, Damper, DamperState, Effect, EmpiricalMap, Factors, HeatBalance, MapCoordinate, MapKnot,
+    Motion, Nominal, Parts, attachment_force_n,
 };
 use firmware_core::guard::{ForceInput, Guard};
 use firmware_core::lanes::Lanes;
@@ -127,6 +127,8 @@ fn damper() {
     let mut state = black_box(state.with_piston_m(black_box(0.0)));
     black_box(damper.advance(&mut state, black_box(Motion::default()), black_box(1e-3)));
     black_box(damper.steady_force_n(black_box(0.0)));
+    let heat = HeatBalance::of(&damper);
+    black_box(heat.step(black_box(0.0), black_box(0.0), black_box(0.0), black_box(1e-3)));
     let parts = Parts { hydraulic: Curve::ZERO, dry: Curve::ZERO, attachment: Curve::ZERO };
     let parts = black_box(parts);
     black_box(attachment_force_n(&parts, &black_box(Factors::NONE), black_box(0.0)));

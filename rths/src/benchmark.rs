@@ -4,13 +4,13 @@ use crate::case::CASES;
 use crate::controllers::{ADAPTIVE, BASELINE, COMPENSATORS, Candidate, INVERSE, ON_PLANTS};
 use crate::criteria::{Criteria, deviation};
 use crate::error::RthsError;
-use crate::plant::Plant;
 use crate::plants::perturbed;
 use crate::published::{AIM_J4_PERCENT, TABLE_3, TOLERANCE};
 use crate::record::Record;
 use crate::simulation::{self, INTENSITY, SAMPLES_PER_S, STEP_S, Setup};
 use crate::structure::{FLOORS, Structure};
 use rayon::prelude::*;
+use rig_emulator::BenchmarkPlant;
 use serde::Serialize;
 use signal::random::Random;
 use signal::statistics::mean;
@@ -226,7 +226,7 @@ impl Ground {
 
     fn run(&self, job: &Job) -> Outcome {
         let (whole, reference) = &self.wholes[job.case];
-        let plant = job.plant.map_or_else(Plant::nominal, |plant| {
+        let plant = job.plant.map_or_else(BenchmarkPlant::nominal, |plant| {
             perturbed(&mut Random::new(self.seed, PLANT_STREAM + plant))
         });
         let trace = simulation::run(Setup {

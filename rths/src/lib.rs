@@ -9,7 +9,7 @@
 //! Read in this order:
 //!
 //! 1. [`Case`], `structure`: the four frames, whole and without the specimen.
-//! 2. `plant`, `plants`: valve, actuator and specimen; plants that differ from the nominal one.
+//! 2. `plants`: plants that differ from the nominal one, [`rig_emulator::BenchmarkPlant`].
 //! 3. [`Record`]: the motion of the ground.
 //! 4. `simulation`: one run in steps of 1/4096 s, with noise, converters and delays; `baseline`:
 //!    the controller of the published table, the alternative to a compensator of `firmware-core`.
@@ -23,8 +23,6 @@ mod case;
 mod controllers;
 mod criteria;
 mod error;
-mod integration;
-mod plant;
 mod plants;
 pub mod published;
 mod record;

@@ -1,6 +1,6 @@
 //! Plants that differ from the nominal one.
 
-use crate::plant::Plant;
+use rig_emulator::BenchmarkPlant;
 use signal::random::Random;
 
 /// Standard deviation of the stiffness of the specimen, N/m.
@@ -14,8 +14,8 @@ const LEAKAGE_PER_S: f64 = 1.3;
 
 /// A plant whose uncertain parameters are drawn. The frame without the specimen follows its
 /// stiffness, so that both together stay the whole frame.
-pub(crate) fn perturbed(random: &mut Random) -> Plant {
-    let mut plant = Plant::nominal();
+pub(crate) fn perturbed(random: &mut Random) -> BenchmarkPlant {
+    let mut plant = BenchmarkPlant::nominal();
     plant.specimen.stiffness_n_per_m += STIFFNESS_N_PER_M * random.gaussian();
     plant.valve_damping_per_s += VALVE_DAMPING_PER_S * random.gaussian();
     plant.valve_stiffness_per_s2 += VALVE_STIFFNESS_PER_S2 * random.gaussian();

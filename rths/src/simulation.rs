@@ -1,11 +1,10 @@
 //! One run of the benchmark: the frame without the specimen, coupled with the plant.
 
 use crate::baseline::Baseline;
-use crate::integration::runge_kutta;
-use crate::plant::Plant;
 use crate::structure::{FLOORS, Structure};
 use firmware_core::command::Command;
 use firmware_core::compensation::{Answer, Compensator, CompensatorState};
+use rig_emulator::{BenchmarkPlant, runge_kutta};
 use signal::random::Random;
 use std::collections::VecDeque;
 
@@ -44,7 +43,7 @@ pub(crate) enum Controller {
 pub(crate) struct Setup<'a> {
     /// The whole frame.
     pub(crate) whole: Structure,
-    pub(crate) plant: Plant,
+    pub(crate) plant: BenchmarkPlant,
     /// Acceleration of the ground in half steps, m/s2.
     pub(crate) ground_m_per_s2: &'a [f64],
     /// The source of the noise.

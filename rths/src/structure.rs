@@ -1,8 +1,8 @@
 //! The frame: three floors, modal damping, the ground moving below.
 
 use crate::case::Case;
-use crate::plant::Specimen;
 use nalgebra::{Matrix3, SymmetricEigen};
+use rig_emulator::benchmark_plant::Specimen;
 
 /// Number of floors.
 pub(crate) const FLOORS: usize = 3;

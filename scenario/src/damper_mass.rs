@@ -23,11 +23,8 @@ pub(crate) fn give_to_bodies(
     slot: usize,
     damper: Damper,
 ) -> Result<Damper, DamperError> {
-    let mass_kg = damper.effects().iter().find_map(|effect| match effect {
-        Effect::MovingMass(effect) => Some(effect.mass_kg),
-        _ => None,
-    });
-    let (Some(mass_kg), Some(mount)) = (mass_kg, vehicle.dampers.get(slot).copied()) else {
+    let (Some(mass_kg), Some(mount)) = (mass_kg(&damper), vehicle.dampers.get(slot).copied())
+    else {
         return Ok(damper);
     };
     for end in [&mount.first, &mount.second] {
@@ -36,11 +33,19 @@ pub(crate) fn give_to_bodies(
     without(damper)
 }
 
+/// The moving mass of a damper (kg), if it has the effect.
+pub fn mass_kg(damper: &Damper) -> Option<f64> {
+    damper.effects().iter().find_map(|effect| match effect {
+        Effect::MovingMass(effect) => Some(effect.mass_kg),
+        _ => None,
+    })
+}
+
 /// The damper without its moving mass.
 ///
 /// # Errors
-/// As above.
-pub(crate) fn without(damper: Damper) -> Result<Damper, DamperError> {
+/// None in practice, as above.
+pub fn without(damper: Damper) -> Result<Damper, DamperError> {
     let has_mass = |effect: &Effect| matches!(effect, Effect::MovingMass(_));
     if !damper.effects().iter().any(has_mass) {
         return Ok(damper);

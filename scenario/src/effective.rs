@@ -4,6 +4,7 @@ use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::irregularity::IrregularityFile;
 use crate::motion::Motion;
+use crate::rig::RigSetup;
 use crate::run_file::{On, RunFile};
 use crate::source::Source;
 use crate::vehicle::VehicleFile;
@@ -21,7 +22,7 @@ pub struct Effective {
 /// The scenario with every default written out; files that it names get their full path.
 pub(crate) fn effective(
     mut file: RunFile,
-    motion: &Motion,
+    (motion, rig): (&Motion, &RigSetup),
     source: &Source,
     mut vehicle: VehicleFile,
     vehicle_source: &Source,
@@ -32,7 +33,7 @@ pub(crate) fn effective(
     };
     "vehicle.toml".clone_into(&mut file.vehicle);
     file.damper = file.damper.over(&DamperFile::new_damper());
-    file.rig = file.rig.with_defaults(&file.damper);
+    file.rig = file.rig.with_defaults(&file.damper, rig);
     file.motion = file.motion.with_defaults();
     file.readiness = file.readiness.with_defaults();
     file.plausibility = file.plausibility.with_defaults(motion.stroke_m);

@@ -32,6 +32,7 @@ const KEYS: [(Kind, &[&str]); 8] = [
     (
         Kind::Rig,
         &[
+            "servo",
             "stroke_m",
             "rate_m_per_s",
             "lag_s",

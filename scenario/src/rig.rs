@@ -1,9 +1,19 @@
-//! The emulated rig in a file: actuator, load cell, fixture and the damper that is mounted.
+//! The emulated rig in a file: drive, load cell, fixture and the damper that is mounted.
+//!
+//! ```toml
+//! kind = "ideal"                   # or "servo", or "rths-benchmark"
+//! ```
+//! Three kinds of drive move the ram. `ideal` follows its command late by numbers of the file;
+//! `servo` is late by its hydraulics, in a table of its own ([`ServoFile`]); `rths-benchmark` is
+//! the plant of a published benchmark, which has no numbers to choose. A key that means nothing to
+//! the kind is refused.
 
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
+use crate::inputs::Inputs;
 use crate::kind::Kind;
 use crate::quantity::Quantity;
+use crate::servo::{Around, FIXTURE_N_PER_M};
 use crate::source::Source;
 use crate::typical;
 use files::quoted;
@@ -11,21 +21,29 @@ use firmware_core::damper::Damper;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
+pub use crate::servo::{FASTEST_HZ, ServoFile, ServoSetup};
+
 /// A rig as it stands in its file. What is absent keeps its default, a good laboratory rig.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigFile {
+    /// In a scenario, the file of the rig, relative to it; only `[rig.damper]` may stand beside it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// What it is called.
     pub name: Option<String>,
+    /// What moves it.
+    pub kind: Option<RigKind>,
     /// Largest travel from the middle to either side.
     pub stroke_m: Option<Quantity>,
-    /// Largest speed of the ram.
+    /// Largest speed of the ram; a servo rig has that of its flow.
     pub rate_m_per_s: Option<Quantity>,
-    /// Time constant of the actuator's first-order lag.
+    /// Time constant of the first-order lag of an ideal rig.
     pub lag_s: Option<Quantity>,
     /// Pure delay of the actuator, in whole cycles.
     pub delay_cycles: Option<u16>,
-    /// Stiffness of the fixture in series with the damper; absent for a rigid one.
+    /// Stiffness of the fixture in series with the damper; absent for a rigid one, and for the
+    /// usual one of a servo rig.
     pub fixture_n_per_m: Option<Quantity>,
     /// Noise of the load cell, rms.
     pub force_noise_n: Option<Quantity>,
@@ -33,9 +51,36 @@ pub struct RigFile {
     pub displacement_noise_m: Option<Quantity>,
     /// Seed of the noise.
     pub seed: Option<u64>,
+    /// The hydraulics of a servo rig.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoFile>,
     /// The damper on the rig.
     #[serde(default)]
     pub damper: DamperFile,
+}
+
+/// What moves a rig.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RigKind {
+    /// A ram with a lag and a limit of its speed.
+    #[default]
+    Ideal,
+    /// Controller, servo-valve and cylinder.
+    Servo,
+    /// The plant of the virtual benchmark of real-time hybrid simulation.
+    RthsBenchmark,
+}
+
+/// What moves a rig, with its numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Drive {
+    /// As [`RigKind::Ideal`]; its numbers are those of [`RigSetup`].
+    Ideal,
+    /// As [`RigKind::Servo`].
+    Servo(ServoSetup),
+    /// As [`RigKind::RthsBenchmark`].
+    RthsBenchmark,
 }
 
 /// A rig ready to be emulated.
@@ -43,11 +88,13 @@ pub struct RigFile {
 pub struct RigSetup {
     /// What it is called.
     pub name: String,
+    /// What moves it.
+    pub drive: Drive,
     /// Largest travel from the middle to either side (m).
     pub stroke_m: f64,
     /// Largest speed of the ram (m/s).
     pub rate_m_per_s: f64,
-    /// Time constant of the first-order lag (s).
+    /// Time constant of the first-order lag of an ideal rig (s).
     pub lag_s: f64,
     /// Pure delay in whole cycles.
     pub delay_cycles: u16,
@@ -63,7 +110,6 @@ pub struct RigSetup {
     pub damper: Damper,
 }
 
-const NAME: &str = "laboratory rig";
 const STROKE_M: f64 = 0.1;
 const RATE_M_PER_S: f64 = 1.0;
 const LAG_S: f64 = 0.5e-3;
@@ -72,6 +118,26 @@ const DISPLACEMENT_NOISE_M: f64 = 0.2e-6;
 
 /// Longest pure delay that a rig keeps (cycles).
 pub const DELAY_CYCLES_MAX: u16 = 64;
+
+impl RigKind {
+    /// As it is written.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ideal => "ideal",
+            Self::Servo => "servo",
+            Self::RthsBenchmark => "rths-benchmark",
+        }
+    }
+
+    /// What a rig of this kind is called that has no name.
+    const fn usual_name(self) -> &'static str {
+        match self {
+            Self::Ideal => "laboratory rig",
+            Self::Servo => "servo-hydraulic rig",
+            Self::RthsBenchmark => "benchmark rig",
+        }
+    }
+}
 
 impl RigSetup {
     /// What is unusual about the numbers of its damper, one line each, for a command to print.
@@ -88,8 +154,42 @@ impl RigFile {
     /// The first thing that does not fit, with file and line.
     pub fn load(path: &Path) -> Result<RigSetup, ScenarioError> {
         let source = Source::read(path)?;
+        Self::from_source(&source)?.build(&source)
+    }
+
+    /// The rig in a file of its own.
+    fn from_source(source: &Source) -> Result<Self, ScenarioError> {
         let file: Self = source.parse_as(Kind::Rig)?;
-        file.build(&source)
+        if file.file.is_some() {
+            return Err(source.whole_error("a rig names another file, expected values"));
+        }
+        Ok(file)
+    }
+
+    /// This rig of a scenario with the values of the files that it and its damper name, which are
+    /// noted as inputs.
+    ///
+    /// # Errors
+    /// A file cannot be read, or is no rig that can be, with its own file and line; other keys next
+    /// to `file`.
+    pub(crate) fn resolved(
+        mut self,
+        source: &Source,
+        inputs: &mut Inputs,
+    ) -> Result<Self, ScenarioError> {
+        let file = self.file.take();
+        let damper = std::mem::take(&mut self.damper).resolved(source, "rig damper", inputs)?;
+        let Some(file) = file else { return Ok(Self { damper, ..self }) };
+        if self != Self::default() {
+            let message = "[rig] names a file, expected no other key but those of [rig.damper]";
+            return Err(source.whole_error(message));
+        }
+        let named = Source::read(&source.sibling(&file))?;
+        inputs.note("rig", named.content_hash());
+        let mut rig = Self::from_source(&named)?;
+        rig.damper = rig.damper.resolved(&named, "damper of the rig", inputs)?;
+        rig.build(&named)?;
+        Ok(Self { damper: damper.over(&rig.damper), ..rig })
     }
 
     /// A laboratory rig with a new SS9 yaw damper.
@@ -100,23 +200,40 @@ impl RigFile {
         Self::default().build(&Source::from_text(Path::new("built-in rig"), ""))
     }
 
-    /// This rig with every default written out, and `damper` wherever its own has no value.
+    /// This rig with every default written out as it was built, and `damper` wherever its own has
+    /// no value.
     #[must_use]
-    pub fn with_defaults(&self, damper: &DamperFile) -> Self {
+    pub fn with_defaults(&self, damper: &DamperFile, built: &RigSetup) -> Self {
         let or = Quantity::or;
+        let kind = self.kind.unwrap_or_default();
+        let of_kind =
+            |has: bool, given: &Option<Quantity>, default| has.then(|| or(given.as_ref(), default));
+        let fixture_n_per_m = match kind {
+            RigKind::Servo => Some(or(self.fixture_n_per_m.as_ref(), FIXTURE_N_PER_M)),
+            RigKind::Ideal | RigKind::RthsBenchmark => self.fixture_n_per_m.clone(),
+        };
+        let servo = match &built.drive {
+            Drive::Servo(drive) => {
+                Some(self.servo.as_ref().unwrap_or(&ServoFile::default()).with_defaults(drive))
+            }
+            Drive::Ideal | Drive::RthsBenchmark => None,
+        };
         Self {
-            name: Some(self.name.clone().unwrap_or_else(|| NAME.to_owned())),
+            file: None,
+            name: Some(self.name.clone().unwrap_or_else(|| kind.usual_name().to_owned())),
+            kind: Some(kind),
             stroke_m: Some(or(self.stroke_m.as_ref(), STROKE_M)),
-            rate_m_per_s: Some(or(self.rate_m_per_s.as_ref(), RATE_M_PER_S)),
-            lag_s: Some(or(self.lag_s.as_ref(), LAG_S)),
+            rate_m_per_s: of_kind(kind != RigKind::Servo, &self.rate_m_per_s, RATE_M_PER_S),
+            lag_s: of_kind(kind == RigKind::Ideal, &self.lag_s, LAG_S),
             delay_cycles: Some(self.delay_cycles.unwrap_or(0)),
-            fixture_n_per_m: self.fixture_n_per_m.clone(),
+            fixture_n_per_m,
             force_noise_n: Some(or(self.force_noise_n.as_ref(), FORCE_NOISE_N)),
             displacement_noise_m: Some(or(
                 self.displacement_noise_m.as_ref(),
                 DISPLACEMENT_NOISE_M,
             )),
             seed: Some(self.seed.unwrap_or(1)),
+            servo,
             damper: self.damper.over(damper),
         }
     }
@@ -130,11 +247,13 @@ impl RigFile {
             Some(value) => value.not_negative(source, key),
             None => Ok(default),
         };
+        let kind = self.kind.unwrap_or_default();
+        self.refuse_foreign_keys(kind, source)?;
         let stroke_m = match &self.stroke_m {
             Some(stroke) => stroke.within(source, "stroke_m", 0.1, 1.0, "0.1 to 1 m")?,
             None => STROKE_M,
         };
-        let rate_m_per_s = match &self.rate_m_per_s {
+        let mut rate_m_per_s = match &self.rate_m_per_s {
             Some(rate) => rate.positive(source, "rate_m_per_s")?,
             None => RATE_M_PER_S,
         };
@@ -144,12 +263,28 @@ impl RigFile {
                 "delay_cycles = {delay_cycles}, expected 0 to {DELAY_CYCLES_MAX}"
             )));
         }
-        let fixture_m_per_n = match &self.fixture_n_per_m {
+        let mut fixture_m_per_n = match &self.fixture_n_per_m {
             Some(stiffness) => 1.0 / stiffness.positive(source, "fixture_n_per_m")?,
             None => 0.0,
         };
+        let damper = self.damper.build(source)?;
+        let drive = match kind {
+            RigKind::Ideal => Drive::Ideal,
+            RigKind::RthsBenchmark => Drive::RthsBenchmark,
+            RigKind::Servo => {
+                let fixture = self.fixture_n_per_m.as_ref();
+                let fixture_n_per_m = fixture.map_or(FIXTURE_N_PER_M, |given| given.value);
+                let around = Around { stroke_m, fixture_n_per_m, damper: &damper };
+                let file = self.servo.clone().unwrap_or_default();
+                let drive = file.build(source, around)?;
+                rate_m_per_s = drive.no_load_speed_m_per_s();
+                fixture_m_per_n = 1.0 / fixture_n_per_m;
+                Drive::Servo(drive)
+            }
+        };
         Ok(RigSetup {
-            name: quoted(self.name.as_deref().unwrap_or(NAME)).to_string(),
+            name: quoted(self.name.as_deref().unwrap_or(kind.usual_name())).to_string(),
+            drive,
             stroke_m,
             rate_m_per_s,
             lag_s: number(&self.lag_s, "lag_s", LAG_S)?,
@@ -162,7 +297,29 @@ impl RigFile {
                 DISPLACEMENT_NOISE_M,
             )?,
             seed: self.seed.unwrap_or(1),
-            damper: self.damper.build(source)?,
+            damper,
         })
+    }
+
+    /// Keys that mean nothing to this kind.
+    fn refuse_foreign_keys(&self, kind: RigKind, source: &Source) -> Result<(), ScenarioError> {
+        let keys = [
+            ("rate_m_per_s", &self.rate_m_per_s, kind != RigKind::Servo),
+            ("lag_s", &self.lag_s, kind == RigKind::Ideal),
+            ("fixture_n_per_m", &self.fixture_n_per_m, kind != RigKind::RthsBenchmark),
+        ];
+        for (key, given, has_meaning) in keys {
+            if let (Some(given), false) = (given, has_meaning) {
+                let kind = kind.name();
+                return Err(
+                    given.error(source, format!("{key} means nothing to kind = \"{kind}\""))
+                );
+            }
+        }
+        if self.servo.is_some() && kind != RigKind::Servo {
+            let found = format!("[servo] with kind = \"{}\", expected \"servo\"", kind.name());
+            return Err(source.whole_error(found));
+        }
+        Ok(())
     }
 }

@@ -96,7 +96,7 @@ pub struct Run {
     pub body_names: Vec<String>,
     /// Hash of the content of every file that was read, by its role: "scenario", "vehicle",
     /// "wheel profile", "rail profile", "measured track", "damper", "damper front left",
-    /// "watched model front left", "rig damper", "compared damper".
+    /// "watched model front left", "rig", "rig damper", "damper of the rig", "compared damper".
     pub inputs: BTreeMap<String, String>,
     /// What is unusual about its numbers, one line each, for a command to print.
     pub warnings: Vec<String>,
@@ -245,7 +245,7 @@ impl Run {
             vehicle_file.body.iter().map(|body| quoted(&body.name).to_string()).collect();
         file.run_in_s = Some(Quantity::plain(run_in_s));
         file.substeps = Some(substeps);
-        let effective = effective(file, &motion, source, vehicle_file, &vehicle_source)?;
+        let effective = effective(file, (&motion, &rig), source, vehicle_file, &vehicle_source)?;
         Ok(Self {
             title,
             vehicle_name,

@@ -110,7 +110,7 @@ impl RunFile {
     ) -> Result<Self, ScenarioError> {
         check_places(&self.slot, source)?;
         self.damper = self.damper.resolved(source, "damper", inputs)?;
-        self.rig.damper = self.rig.damper.resolved(source, "rig damper", inputs)?;
+        self.rig = self.rig.resolved(source, inputs)?;
         for slot in &mut self.slot {
             let own = std::mem::take(&mut slot.damper);
             slot.damper = own.resolved(source, &format!("damper {}", slot.place), inputs)?;

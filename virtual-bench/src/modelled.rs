@@ -1,8 +1,7 @@
 //! The damper model of the core as a specimen.
 
-use crate::heat::HeatBalance;
 use crate::specimen::{Load, Response, Specimen};
-use firmware_core::damper::{Damper, DamperState, Effect, Motion};
+use firmware_core::damper::{Damper, DamperState, HeatBalance, Motion};
 
 /// A damper of the core with its effects. Its oil warms as its `temperature_fade` states, or as
 /// that of a yaw damper; where there is a thermometer, the effect follows its reading.
@@ -10,19 +9,6 @@ use firmware_core::damper::{Damper, DamperState, Effect, Motion};
 pub struct Modelled {
     /// The damper.
     pub damper: Damper,
-}
-
-impl Modelled {
-    fn heat(&self) -> HeatBalance {
-        let fades = self.damper.effects().iter().find_map(|effect| match effect {
-            Effect::TemperatureFade(oil) => Some(HeatBalance {
-                capacity_j_per_k: oil.heat_capacity_j_per_k,
-                cooling_w_per_k: oil.cooling_w_per_k,
-            }),
-            _ => None,
-        });
-        fades.unwrap_or(HeatBalance::YAW_DAMPER)
-    }
 }
 
 impl Specimen for Modelled {
@@ -37,7 +23,7 @@ impl Specimen for Modelled {
         let half_clearance_m = 0.5 * damper.nominal().clearance_2a_m;
         let mut state = DamperState::starting(Motion::new(x, v))
             .with_piston_m(x - load.start * half_clearance_m);
-        let (heat, mut degc) = (self.heat(), load.start_degc);
+        let (heat, mut degc) = (HeatBalance::of(&self.damper), load.start_degc);
         let mut response = Response::default();
         response.force_n.push(0.0);
         response.temperature_degc.push(degc);

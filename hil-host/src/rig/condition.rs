@@ -1,6 +1,6 @@
 //! What a rig knows of itself besides its motion, and answers before it is armed.
 
-use super::emulator::{Emulator, EmulatorState};
+use super::{Emulator, EmulatorState};
 use can_protocol::arming::{Limits, Readiness, Requirements};
 use scenario::rig::RigSetup;
 

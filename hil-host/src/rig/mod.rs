@@ -1,8 +1,8 @@
 //! The rig: the other end of the bus.
 //!
-//! [`RigNode`] is a rig as the bus sees it, around the physics of an [`Emulator`]. The same code
-//! runs in line on the memory bus and in its own process ([`process`]). The same frames get the
-//! same answers, bit for bit.
+//! [`RigNode`] is a rig as the bus sees it, around the physics of an [`Emulator`], which is
+//! `rig-emulator`. The same code runs in line on the memory bus and in its own process
+//! ([`process`]). The same frames get the same answers, bit for bit.
 //!
 //! **States.** A rig runs the machine of [`firmware_core::supervision::State`]. A sync leads it
 //! from INIT to STANDBY, the arming exchange ([`can_protocol::arming`]) to ARMED. From there on it
@@ -39,20 +39,18 @@
 //! anew: a rig in motion goes to SAFE.
 
 mod account;
-mod actuator;
 mod condition;
-mod emulator;
 mod net;
-mod noise;
 mod outbox;
 pub mod process;
 mod replayed;
 mod session;
 mod states;
 
-pub use actuator::{DECELERATION_M_PER_S2, Limits, RamState, Reference};
 pub use condition::Condition;
-pub use emulator::{Emulator, EmulatorState, Reading, Target};
+pub use rig_emulator::{
+    DECELERATION_M_PER_S2, Emulator, EmulatorState, Limits, RamState, Reading, Reference, Target,
+};
 pub use session::{FrameCounts, Timing};
 
 use crate::bus::WireFrame;
@@ -486,6 +484,7 @@ impl RigNode {
             flags,
             pressure: self.pressure,
             trips: self.trips,
+            temperature_degc: self.state.temperature_degc(),
         }
     }
 
@@ -551,9 +550,9 @@ impl RigNode {
         self.condition
     }
 
-    /// Whether the ram stands still.
+    /// Whether the ram stands still, as [`Emulator::is_at_rest`] has it.
     pub fn is_at_rest(&self) -> bool {
-        self.state.ram().velocity_m_per_s == 0.0
+        self.emulator.is_at_rest(&self.state)
     }
 
     /// Cycles since it exists.

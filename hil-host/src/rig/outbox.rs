@@ -18,6 +18,7 @@ pub(super) struct Says {
     pub(super) flags: HeartbeatFlags,
     pub(super) pressure: Pressure,
     pub(super) trips: Trips,
+    pub(super) temperature_degc: Option<f64>,
 }
 
 /// Frames on their way out.
@@ -74,14 +75,13 @@ impl Outbox {
 
     /// Telemetry and heartbeat, in the cycles that the protocol gives them.
     pub(super) fn slow_messages(&mut self, cycle: u64, timing: Timing, says: Says) {
-        let Says { state, trips, pressure, .. } = says;
+        let Says { state, trips, pressure, temperature_degc, .. } = says;
         if is_due(MessageId::Telemetry(self.node), cycle, timing) {
             let telemetry = Telemetry {
                 node: self.node,
                 counter: self.telemetry_counter,
                 state,
-                // Oil is not modelled.
-                temperature_degc: None,
+                temperature_degc,
                 pressure,
                 trips,
             };

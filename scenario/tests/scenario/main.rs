@@ -5,5 +5,6 @@
 mod dampers;
 mod inputs;
 mod refused;
+mod rigs;
 mod support;
 mod vehicle;

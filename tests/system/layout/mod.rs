@@ -20,7 +20,7 @@ const LAYERS: [&[&str]; 9] = [
     &["files"],
     &["report", "signal"],
     &["scenario"],
-    &["measurement"],
+    &["measurement", "rig-emulator"],
     &["virtual-bench", "identification", "vehicle-studies", "rths", "hil-host"],
     &["evidence"],
     &["yawbench"],

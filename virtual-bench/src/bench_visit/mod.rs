@@ -32,10 +32,10 @@ pub mod scaled;
 pub mod sensors;
 pub mod test_list;
 
-pub use crate::heat::HeatBalance;
 pub use crate::modelled::Modelled;
 pub use crate::series_model::NullGenerator;
 pub use crate::specimen::Specimen;
 pub use crate::{excitation, specimen};
+pub use firmware_core::damper::HeatBalance;
 pub use raw_record::RawRecord;
 pub use recording::{LABORATORY_DEGC, measurements, record, record_from, visit, visit_until};

@@ -41,8 +41,8 @@ pub use friction::Friction;
 pub use oil::{Filling, Oil, OilAt};
 pub use valve::{Chamber, Flow, Leakage, Throttle, Valve};
 
-use crate::heat::HeatBalance;
 use crate::specimen::{Load, Response, Specimen};
+use firmware_core::damper::HeatBalance;
 use stage::{Ends, GAMMA, Stage};
 use std::f64::consts::PI;
 

@@ -2,8 +2,9 @@
 
 use super::SeriesModel;
 use super::outside::{Drive, Outside};
-use crate::heat::HeatBalance;
+use crate::heat::temperatures_degc;
 use crate::specimen::{Load, Response, Specimen};
+use firmware_core::damper::HeatBalance;
 
 /// A series damper apart from the core's, with disturbances that no effect describes.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +28,7 @@ impl Specimen for NullGenerator {
             seed: load.seed,
         };
         let force_n = self.model.simulate_with(&self.outside, &drive, load.grid).force_n;
-        let temperature_degc = HeatBalance::YAW_DAMPER.over(load, &force_n);
+        let temperature_degc = temperatures_degc(HeatBalance::YAW_DAMPER, load, &force_n);
         Response { force_n, temperature_degc, doubtful_steps: 0 }
     }
 }

@@ -12,8 +12,8 @@
 
 use super::{Neighbour, NeighbourDamper};
 use crate::grid::Grid;
-use crate::heat::HeatBalance;
 use crate::series_model::Trace;
+use firmware_core::damper::HeatBalance;
 use signal::random::Random;
 
 /// Temperature at which the five numbers hold, degrees Celsius.

@@ -5,8 +5,8 @@
 //! cases can be repeated.
 
 use super::{NEIGHBOURS, Neighbour, NeighbourInfo};
-use crate::heat::HeatBalance;
 use crate::series_model::SeriesModel;
+use firmware_core::damper::HeatBalance;
 use signal::random::Random;
 
 /// How far the tests reach.

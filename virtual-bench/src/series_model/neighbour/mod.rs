@@ -30,8 +30,9 @@ pub use chain::Drive;
 pub use draw::{Draw, Reach};
 
 use super::SeriesModel;
-use crate::heat::HeatBalance;
+use crate::heat::temperatures_degc;
 use crate::specimen::{Load, Response, Specimen};
+use firmware_core::damper::HeatBalance;
 
 /// A neighbour with its numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -205,7 +206,7 @@ impl Specimen for NeighbourDamper {
         let force_n = trace.force_n;
         let temperature_degc = match self.neighbour {
             Some(Neighbour::FadingRelief { .. }) => own_degc,
-            _ => HeatBalance::YAW_DAMPER.over(load, &force_n),
+            _ => temperatures_degc(HeatBalance::YAW_DAMPER, load, &force_n),
         };
         Response { force_n, temperature_degc, doubtful_steps: 0 }
     }

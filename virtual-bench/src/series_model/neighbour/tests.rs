@@ -1,5 +1,6 @@
 use super::*;
 use crate::grid::Grid;
+use firmware_core::damper::HeatBalance;
 use signal::random::Random;
 use signal::statistics::rms;
 use std::f64::consts::TAU;

@@ -1,4 +1,4 @@
-//! The ram: a servo-hydraulic actuator that follows a reference a little late.
+//! The ram: an actuator that follows a reference a little late.
 //!
 //! A first-order lag towards the reference, solved exactly over a substep in which the reference
 //! runs on at a constant rate `r(s) = r + v s`:
@@ -10,33 +10,36 @@
 //! The rate is limited by the servo valve, the travel by the stroke. The ram stops by
 //! itself: it decelerates at [`DECELERATION_M_PER_S2`] from any speed, harder only
 //! where its end stop is nearer than that, so its velocity never jumps. Servo dynamics of higher
-//! order, oil compliance and supply pressure are not modelled.
+//! order, oil compliance and supply pressure are not modelled here.
+//!
+//! The same stop and the same way to the middle guide the reference of the drives that a controller
+//! moves (`servo`, `benchmark`).
 
 /// Deceleration with which the ram comes to rest (m/s2). From 80 mm/s, about the peak of a yaw
 /// damper on this vehicle, it stands after 8 ms and 0.3 mm.
 pub const DECELERATION_M_PER_S2: f64 = 10.0;
 
 /// Speed at which the ram goes to mid-stroke when asked to (m/s).
-pub(super) const CENTRING_M_PER_S: f64 = 5e-3;
+pub(crate) const CENTRING_M_PER_S: f64 = 5e-3;
 
 /// Time constant with which it arrives there (s).
 const CENTRING_LAG_S: f64 = 0.02;
 
 /// The ram's parameters for one length of substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Ram {
+pub(crate) struct Ram {
     /// Largest travel from the middle to either side (m).
-    pub(super) stroke_m: f64,
+    pub(crate) stroke_m: f64,
     /// Largest speed (m/s).
-    pub(super) rate_m_per_s: f64,
+    pub(crate) rate_m_per_s: f64,
     /// Time constant of the lag (s), zero for none.
-    pub(super) lag_s: f64,
+    pub(crate) lag_s: f64,
     step_s: f64,
     /// Residual of a deviation after one substep, as a share.
     residual: f64,
 }
 
-/// Where the ram is and how fast.
+/// Where a ram is, or the reference of one, and how fast.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RamState {
     /// Displacement from mid-stroke, extension positive (m).
@@ -81,13 +84,13 @@ impl Limits {
 
 impl Ram {
     /// A ram for substeps of this length (s).
-    pub(super) fn new(stroke_m: f64, rate_m_per_s: f64, lag_s: f64, step_s: f64) -> Self {
+    pub(crate) fn new(stroke_m: f64, rate_m_per_s: f64, lag_s: f64, step_s: f64) -> Self {
         let residual = if lag_s > 0.0 { libm::exp(-step_s / lag_s) } else { 0.0 };
         Self { stroke_m, rate_m_per_s, lag_s, step_s, residual }
     }
 
     /// One substep after the reference.
-    pub(super) fn follow(&self, state: &mut RamState, reference: Reference, limits: &mut Limits) {
+    pub(crate) fn follow(&self, state: &mut RamState, reference: Reference, limits: &mut Limits) {
         let Reference { displacement_m: r, velocity_m_per_s: v } = reference;
         let start = state.displacement_m;
         let (end_reference, behind) = (r + v * self.step_s, v * self.lag_s);
@@ -106,13 +109,22 @@ impl Ram {
         self.stop_at_the_end(state, limits);
     }
 
+    /// A reference within stroke and speed, as the state of a guided reference.
+    pub(crate) fn kept_within(&self, reference: Reference) -> RamState {
+        let Self { stroke_m, rate_m_per_s, .. } = *self;
+        RamState {
+            displacement_m: reference.displacement_m.clamp(-stroke_m, stroke_m),
+            velocity_m_per_s: reference.velocity_m_per_s.clamp(-rate_m_per_s, rate_m_per_s),
+        }
+    }
+
     /// One substep of coming to rest.
-    pub(super) fn stop(&self, state: &mut RamState) {
+    pub(crate) fn stop(&self, state: &mut RamState) {
         self.glide(state, 0.0);
     }
 
     /// One substep towards mid-stroke, slowly, and at rest when it is there.
-    pub(super) fn centre(&self, state: &mut RamState) {
+    pub(crate) fn centre(&self, state: &mut RamState) {
         let x = state.displacement_m;
         let speed = CENTRING_M_PER_S.min(x.abs() / CENTRING_LAG_S);
         self.glide(state, -speed.copysign(x));

@@ -19,20 +19,20 @@ const WORDS_PER_CYCLE: u128 = 16;
 
 /// A source of Gaussian noise.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Noise {
+pub(crate) struct Noise {
     start: ChaCha8Rng,
 }
 
 impl Noise {
     /// The noise of a seed; streams of one seed are independent (one per rig).
-    pub(super) fn new(seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(seed: u64, stream: u64) -> Self {
         let mut start = ChaCha8Rng::seed_from_u64(seed);
         start.set_stream(stream);
         Self { start }
     }
 
     /// Four independent Gaussians of mean 0 and variance 1, those of this cycle.
-    pub(super) fn at(&self, cycle: u64) -> [f64; 4] {
+    pub(crate) fn at(&self, cycle: u64) -> [f64; 4] {
         let mut random = self.start.clone();
         random.set_word_pos(u128::from(cycle) * WORDS_PER_CYCLE);
         let [a, b] = pair(&mut random);

@@ -1,0 +1,32 @@
+//! What every kind of rig has: a ram, a load cell, and a damper between two eyes.
+
+use crate::actuator::RamState;
+use firmware_core::damper::{DamperState, Motion};
+
+/// The mechanics of a rig at an instant, without noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Mechanics {
+    /// The ram.
+    pub(crate) ram: RamState,
+    /// Displacement across the eyes of the damper (m).
+    pub(crate) eyes_m: f64,
+    /// Force of the damper (N).
+    pub(crate) force_n: f64,
+    /// Force that the load cell feels (N).
+    pub(crate) load_cell_n: f64,
+    /// The damper.
+    pub(crate) damper: DamperState,
+}
+
+impl Mechanics {
+    /// Everything at rest and without force, the ram and the eyes at a displacement (m).
+    pub(crate) fn resting_at(ram_m: f64) -> Self {
+        Self {
+            ram: RamState { displacement_m: ram_m, ..RamState::default() },
+            eyes_m: ram_m,
+            force_n: 0.0,
+            load_cell_n: 0.0,
+            damper: DamperState::starting(Motion::new(ram_m, 0.0)),
+        }
+    }
+}
