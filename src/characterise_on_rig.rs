@@ -35,8 +35,8 @@ use std::num::NonZeroU8;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use virtual_bench::bench_visit::protocol::{self, Test};
 use virtual_bench::bench_visit::LABORATORY_DEGC;
+use virtual_bench::bench_visit::protocol::{self, Test};
 use virtual_bench::characterisation::LaboratoryFile;
 use virtual_bench::laboratory::Limit;
 

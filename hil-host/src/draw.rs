@@ -12,6 +12,7 @@ use std::io;
 pub struct Draw(Source);
 
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one per rig, made once")]
 enum Source {
     Generator(ChaCha8Rng),
     Repeating(u32),

@@ -22,7 +22,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 const NODE: Node = Node::ALL[0];
-const OPTIONS: Options = Options { exit_after_run: true, realtime: RealtimeOptions::NONE };
+const OPTIONS: Options =
+    Options { accept_replay: None, exit_after_run: true, realtime: RealtimeOptions::NONE };
 
 /// A cycle of the rig in real time.
 const CYCLE: Duration = Duration::from_millis(1);

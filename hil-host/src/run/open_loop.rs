@@ -125,7 +125,7 @@ pub fn open_loop(
     );
     let cycles = sequence.expected_cycles();
     space::check(folder.path(), folder.free_bytes(), cycles * Row::size() as u64 * 2, cycles)?;
-    let mut buses = [open_bus(plan, options)?];
+    let mut buses = vec![open_bus(plan, options)?];
     let (vehicle, track) = (Vehicle::of_one_damper(), Track::default());
     let mut pace = pace(options);
     let session = Session {
@@ -181,6 +181,7 @@ pub fn open_loop(
 }
 
 /// The line of a rig that is not coupled.
+#[expect(clippy::large_stack_arrays, reason = "made once, before the loop")]
 fn line<'a>(plan: &OpenLoopPlan<'_>, vehicle: &'a Vehicle, track: &'a Track<'a>) -> Line<'a> {
     let mut slots = [const { Slot::Empty }; DAMPER_SLOTS];
     // The model acts in no cycle: nothing is coupled.
@@ -209,7 +210,8 @@ fn port(plan: &OpenLoopPlan<'_>, profile: Profile) -> Result<Port, can_protocol:
 fn open_bus(plan: &OpenLoopPlan<'_>, options: &RunOptions) -> Result<AnyBus, BenchError> {
     Ok(match &options.bus {
         BusChoice::Memory => {
-            AnyBus::Memory(MemoryBus::new([RigNode::new(plan.rig, plan.node, options.profile)]))
+            let rig = RigNode::new(plan.rig, plan.node, options.profile);
+            AnyBus::Memory(MemoryBus::new(std::iter::once(rig)))
         }
         BusChoice::SocketCan(name) => {
             let of_hosts = MessageId::all().filter(|message| message.is_of_host());
