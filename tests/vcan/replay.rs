@@ -1,7 +1,7 @@
 //! A run over SocketCAN is replayed from its files, and its log by canplayer to an emulated rig.
 
 use crate::interface::{Candump, slow_down, yawbench};
-use crate::rig::{LOCK_STEP_RIG, MEASUREMENT, Rig, alone, host, out, parts, summary};
+use crate::rig::{LOCK_STEP_RIG, MEASUREMENT, Rig, alone, hex, host, out, parts, summary};
 use std::path::Path;
 use std::process::Command;
 
@@ -67,8 +67,7 @@ fn canplayer_moves_a_rig_that_accepts_the_log_and_no_other() {
     let before = log.lines().filter(|line| line.contains(" 201#")).count();
     assert!(again.len() >= before, "{} of {before}", again.len());
     for (line, data) in log.lines().filter(|line| line.contains(" 201#")).zip(&again) {
-        let text: String = data.iter().map(|byte| format!("{byte:02X}")).collect();
-        assert!(line.contains(&format!("201#{text} ")), "{line}: {text}");
+        assert!(line.contains(&format!("201#{} ", hex(data))), "{line}: {}", hex(data));
     }
 
     let mut other = Rig::start(&vcan, LOCK_STEP_RIG);

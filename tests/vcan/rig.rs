@@ -325,7 +325,7 @@ fn remaining(socket: &CanFdSocket) -> Vec<(u16, Vec<u8>)> {
     frames.filter_map(|frame| parts(&frame)).collect()
 }
 
-fn hex(data: &[u8]) -> String {
+pub(crate) fn hex(data: &[u8]) -> String {
     data.iter().fold(String::new(), |text, byte| text + &format!("{byte:02X}"))
 }
 
