@@ -3,11 +3,11 @@
 //! With `--propose-mapping` it prints a mapping for a file, or writes it to `--out`.
 //!
 //! Four sources: a model with its effects, the hydraulic damper (`--physical`), measured records
-//! (`--from`), or a rig (`--bus`). All but the third write a CSV file and its mapping per test; all write
-//! `laboratory.json` with the figures that are printed. Nothing is written before the last test is
-//! recorded.
+//! (`--from`), or a rig (`--bus`). All but the third write a CSV file and its mapping per test; all
+//! write `laboratory.json` with the figures that are printed. A virtual visit writes nothing before
+//! its last test is recorded.
 
-use crate::characterise_on_rig::{self, Common, OnRigArgs};
+use crate::characterise_on_rig::{self, Common, LABORATORY, OnRigArgs};
 use crate::error::CommandError;
 use crate::output::print;
 use crate::run_records::RunRecordArgs;
@@ -27,9 +27,6 @@ use virtual_bench::bench_visit::test_list::TestList;
 use virtual_bench::characterisation::{LaboratoryFile, Visit};
 use virtual_bench::laboratory::Limit;
 
-/// The figures.
-pub(crate) const LABORATORY: &str = "laboratory.json";
-
 /// Options of `characterise`.
 #[derive(Debug, Args)]
 pub(crate) struct CharacteriseArgs {
@@ -43,7 +40,8 @@ pub(crate) struct CharacteriseArgs {
     /// file.
     #[arg(long, value_name = "full|short|FILE", default_value = "full")]
     tests: String,
-    /// No visit: the figures of these measured records, CSV files or record.npy and bus.log of a run.
+    /// No visit: the figures of these measured records: CSV files, or record.npy and bus.log of a
+    /// run.
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "tests")]
     from: Vec<PathBuf>,
     /// Columns and units of the measured records [default: FILE.toml next to FILE.csv, if it is

@@ -5,7 +5,6 @@
 //! are printed.
 
 use crate::bench_options::{RealtimeArgs, WireArgs, slow_down};
-use crate::characterise::LABORATORY;
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED, SAFE_STATE};
 use crate::keys::Keys;
@@ -39,6 +38,9 @@ use virtual_bench::bench_visit::LABORATORY_DEGC;
 use virtual_bench::bench_visit::protocol::{self, Test};
 use virtual_bench::characterisation::LaboratoryFile;
 use virtual_bench::laboratory::Limit;
+
+/// The figures of a visit.
+pub(crate) const LABORATORY: &str = "laboratory.json";
 
 /// Options of a visit on a rig.
 #[derive(Debug, Args)]
@@ -102,7 +104,8 @@ fn window(text: &str) -> Result<RangeInclusive<f64>, String> {
 /// Runs the tests on the rig.
 ///
 /// # Errors
-/// Bad input, before anything is written; a bus or a rig that does not take part; a disk that fails.
+/// Bad input, before anything is written; a bus or a rig that does not take part; a disk that
+/// fails.
 pub(crate) fn command(
     args: &OnRigArgs,
     bus: &BusChoice,

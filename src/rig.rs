@@ -28,8 +28,8 @@ pub(crate) struct RigArgs {
     /// Exit when the host has ended its run.
     #[arg(long)]
     exit_after_run: bool,
-    /// Let the host's frames in this bus.log arm and move the rig again, as canplayer plays them; on
-    /// a virtual interface only.
+    /// Let the host's frames in this bus.log arm and move the rig again, as canplayer plays them;
+    /// on a virtual interface only.
     #[arg(long, value_name = "LOG")]
     accept_replay: Option<PathBuf>,
     /// Print the summary as JSON.

@@ -219,7 +219,7 @@ const REFUSED: [(&[&str], &str); 39] = [
     ),
     (&["characterise", "--seed", "-1", "a"], "--seed -1: expected a whole number, 0 or more"),
     (&["characterise", "a.toml", "--from", "b.csv"], "[MODEL]: cannot be used with --from"),
-    (&["identify"], "--train <CSV>... is missing"),
+    (&["identify"], "--train <FILE>... is missing"),
     (
         &["identify", "--campaign", "773", "--seed", "1"],
         "identify --campaign: the campaign is a command of its own: `yawbench campaign --cases N --seed S`",

@@ -3,9 +3,10 @@
 //! ```text
 //! where the ram stands -> way -> [wait or warm up] -> test 1 -> way -> test 2 -> ... -> way back
 //! ```
-//! Behind a test the ram brakes to rest. A way is a raised cosine in time, `x = x_0 + (1 - cos(pi t / T)) / 2 (x_1 - x_0)`, and a short
-//! rest. Before each test the oil is brought into its temperature window: a warm damper rests, a
-//! cold one is stroked slowly. Where the window is not reached in time, the test is left out.
+//! Behind a test the ram brakes to rest. A way is a raised cosine in time,
+//! `x = x_0 + (1 - cos(pi t / T)) / 2 (x_1 - x_0)`, and a short rest. Before each test the oil is
+//! brought into its temperature window: a warm damper rests, a cold one is stroked slowly. Where
+//! the window is not reached in time, the test is left out.
 
 use crate::control::{Motion, Seen};
 use core::f64::consts::PI;
