@@ -1,0 +1,493 @@
+//! Is the machine ready for a cycle of 1 ms? From facts to checks.
+//!
+//! What delays a thread that wakes by a timer: code of the kernel that cannot be preempted, other
+//! threads and interrupts on its processor, a processor that has to wake from sleep or change its
+//! frequency, pages that are fetched, a scheduler that throttles it, and a hypervisor that takes the
+//! processor away. One row for each.
+
+use super::check::{Check, Verdict};
+use super::machine_facts::Machine;
+use std::fmt::Write as _;
+
+/// Priority that a run asks for by default.
+const PRIORITY: u64 = 80;
+
+/// Memory that a process of this program has in the course of a run, at least (bytes).
+const LOCKED_BYTES: u64 = 1 << 30;
+
+/// A wake-up that is no more than a tenth of the usual budget for lateness (µs).
+const SHORT_WAKE_UP_US: u64 = 10;
+
+/// Run time per second from which a loop that sleeps in every cycle is never throttled (µs).
+const RT_RUNTIME_US: i64 = 500_000;
+
+/// Judges a machine: one check per row, in the order in which they are worth changing.
+pub fn judge_machine(machine: &Machine) -> Vec<Check> {
+    vec![
+        hypervisor(machine),
+        preemption(machine),
+        processors(machine),
+        isolated(machine),
+        nohz_full(machine),
+        clock_source(machine),
+        governor(machine),
+        idle(machine),
+        priority(machine),
+        memory(machine),
+        throttling(machine),
+        quota(machine),
+    ]
+}
+
+fn hypervisor(machine: &Machine) -> Check {
+    let (what, expected) = ("hypervisor", "none");
+    let advice = "a hypervisor takes the processor away for milliseconds, and nothing in the guest \
+                  prevents it: run a real rig from a machine of its own";
+    match machine.is_virtual {
+        Some(true) => Check::good(what, "virtual machine", expected).or_change(false, advice, ""),
+        Some(false) => Check::good(what, "none", expected),
+        None => {
+            let why = "this processor has no flag for it";
+            Check::unknown(what, "-", expected, why)
+        }
+    }
+}
+
+fn preemption(machine: &Machine) -> Check {
+    let (what, expected) = ("preemption", "PREEMPT_RT");
+    let Some(version) = &machine.version else {
+        return Check::unknown(what, "-", expected, "/proc/version cannot be read");
+    };
+    // Kernels before 6.12 with the patch name it in their version only.
+    let is_realtime = machine.is_realtime || has_word(version, "PREEMPT_RT");
+    let release = version.split_whitespace().nth(2).unwrap_or_default();
+    let model = ["PREEMPT_RT", "PREEMPT_DYNAMIC", "PREEMPT"];
+    let model = model.into_iter().find(|model| has_word(version, model)).unwrap_or("no PREEMPT");
+    let mut found = format!("{}, kernel {release}", if is_realtime { expected } else { model });
+    if let (Some(mode), false) = (&machine.preemption, is_realtime) {
+        // Writing to a string cannot fail.
+        let _ = write!(found, ", {mode}");
+    }
+    let advice = "install a PREEMPT_RT kernel (in mainline from 6.12 on; Debian: package \
+                  linux-image-rt-amd64, Ubuntu: `pro enable realtime-kernel`, Raspberry Pi OS: \
+                  build one with CONFIG_PREEMPT_RT=y), then restart";
+    let is_debian = version.contains("Debian") && version.contains("amd64");
+    let command = if is_debian { "sudo apt install linux-image-rt-amd64" } else { "" };
+    Check::good(what, found, expected).or_change(is_realtime, advice, command)
+}
+
+/// Whether a text has a word that is not a part of another one: `PREEMPT` in `PREEMPT_RT` is.
+fn has_word(text: &str, word: &str) -> bool {
+    text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).any(|part| part == word)
+}
+
+fn processors(machine: &Machine) -> Check {
+    let (what, expected) = ("processors", "2 or more");
+    if machine.cpus == 0 {
+        return Check::unknown(what, "-", expected, "/sys/devices/system/cpu cannot be read");
+    }
+    let advice = "the loop needs one of its own: interrupts, the recorder and other programs share \
+                  the only one with it";
+    Check::good(what, machine.cpus.to_string(), expected).or_change(machine.cpus >= 2, advice, "")
+}
+
+fn isolated(machine: &Machine) -> Check {
+    let (what, expected) = ("isolated processors", "one for the loop");
+    let Some(list) = &machine.isolated else {
+        return Check::unknown(what, "-", expected, "this kernel does not list them");
+    };
+    let Some(last) = machine.cpus.checked_sub(1).filter(|last| *last > 0) else {
+        let why = "the only processor cannot be isolated";
+        return Check::unknown(what, shown(list), expected, why);
+    };
+    let others = if last == 1 { "0".to_owned() } else { format!("0-{}", last - 1) };
+    let advice = format!(
+        "add to the command line of the kernel (GRUB_CMDLINE_LINUX in /etc/default/grub, then \
+         `sudo update-grub`; Raspberry Pi: /boot/firmware/cmdline.txt), restart, and start runs \
+         with --cpu {last}"
+    );
+    let command = format!(
+        "isolcpus=domain,managed_irq,{last} nohz_full={last} rcu_nocbs={last} irqaffinity={others}"
+    );
+    Check::good(what, shown(list), expected).or_change(!list.is_empty(), &advice, &command)
+}
+
+fn nohz_full(machine: &Machine) -> Check {
+    let (what, expected) = ("processors without tick", "the isolated ones");
+    let Some(list) = &machine.nohz_full else {
+        let why = "this kernel keeps its tick (no CONFIG_NO_HZ_FULL), which costs the loop some \
+                   microseconds each time";
+        return Check::unknown(what, "-", expected, why);
+    };
+    let Some(isolated) = machine.isolated.as_ref().filter(|list| !list.is_empty()) else {
+        return Check::unknown(what, shown(list), expected, "no processor is isolated");
+    };
+    let advice = "add to the command line of the kernel, next to isolcpus, and restart";
+    let command = format!("nohz_full={isolated} rcu_nocbs={isolated}");
+    Check::good(what, shown(list), expected).or_change(list == isolated, advice, &command)
+}
+
+fn shown(list: &str) -> &str {
+    if list.is_empty() { "none" } else { list }
+}
+
+fn clock_source(machine: &Machine) -> Check {
+    let (what, expected) = ("clock source", "tsc or arch_sys_counter");
+    let Some((now, all)) = &machine.clock_source else {
+        return Check::unknown(what, "-", expected, "this kernel does not name it");
+    };
+    match now.as_str() {
+        "tsc" | "arch_sys_counter" => Check::good(what, now, expected),
+        "hpet" | "acpi_pm" | "jiffies" => {
+            let file = "/sys/devices/system/clocksource/clocksource0/current_clocksource";
+            if all.iter().any(|name| name == "tsc") {
+                let advice = "every look at the clock takes a microsecond or more";
+                let command = format!("echo tsc | sudo tee {file}");
+                Check::good(what, now, expected).or_change(false, advice, &command)
+            } else {
+                let advice = "every look at the clock takes a microsecond or more, and the kernel \
+                              does not trust this processor's counter: `dmesg | grep -i tsc` says \
+                              why; update the firmware, or take another machine";
+                Check::good(what, now, expected).or_change(false, advice, "")
+            }
+        }
+        _ => {
+            let why =
+                "a clock that this check does not know; `yawbench rtcheck` shows what it does";
+            Check::unknown(what, now, expected, why)
+        }
+    }
+}
+
+fn governor(machine: &Machine) -> Check {
+    let (what, expected) = ("frequency governor", "performance");
+    if machine.governors.is_empty() {
+        let why = "the kernel does not control the frequency: see the power settings of the \
+                   firmware, or of the hypervisor";
+        return Check::unknown(what, "-", expected, why);
+    }
+    let found: Vec<String> =
+        machine.governors.iter().map(|(name, count)| format!("{name} on {count}")).collect();
+    let is_good = machine.governors.keys().all(|name| name == expected);
+    let advice = "a processor that is idle between two cycles is clocked down (until the next \
+                  restart; package linux-cpupower makes it last)";
+    let file = "/sys/devices/system/cpu/cpu*/cpufreq/scaling_governor";
+    let command = format!("echo performance | sudo tee {file}");
+    Check::good(what, found.join(", "), expected).or_change(is_good, advice, &command)
+}
+
+fn idle(machine: &Machine) -> Check {
+    let what = "idle states";
+    let expected = format!("wake-up within {SHORT_WAKE_UP_US} us, or held awake by the run");
+    let may_hold = machine.may_hold_latency == Some(true);
+    let Some((name, latency_us)) = &machine.deepest_idle else {
+        let why = "the kernel shows no idle states of processor 0: the firmware or the hypervisor \
+                   decides";
+        return Check::unknown(what, "-", &expected, why);
+    };
+    let held = if may_hold { "; the run may hold it awake" } else { "" };
+    let found = format!("{name} wakes within {latency_us} us{held}");
+    let is_good = may_hold || *latency_us <= SHORT_WAKE_UP_US;
+    let advice = "allow the group of the bench's users to write /dev/cpu_dma_latency, where a run \
+                  asks the processors not to sleep (as root, then restart; group `realtime`)";
+    let command = r#"echo 'KERNEL=="cpu_dma_latency", GROUP="realtime", MODE="0660"' | sudo tee /etc/udev/rules.d/99-realtime.rules"#;
+    Check::good(what, found, expected).or_change(is_good, advice, command)
+}
+
+/// How to give the limits that a login has.
+const LIMITS: &str = "give the group of the bench's users the limits, add yourself to it \
+                      (`sudo groupadd -f realtime; sudo usermod -aG realtime $USER`), and log in \
+                      again";
+const LIMITS_COMMAND: &str = "printf '@realtime - rtprio 95\\n@realtime - memlock unlimited\\n' | \
+                              sudo tee /etc/security/limits.d/realtime.conf";
+
+fn priority(machine: &Machine) -> Check {
+    let process = &machine.process;
+    let expected = format!("SCHED_FIFO {PRIORITY} allowed");
+    let limit = process.rtprio.map_or_else(|| "unlimited".to_owned(), |limit| limit.to_string());
+    let right = if process.may_set_priority() { "CAP_SYS_NICE" } else { "no CAP_SYS_NICE" };
+    let is_good =
+        process.may_set_priority() || process.rtprio.is_none_or(|limit| limit >= PRIORITY);
+    Check::good("real-time priority", format!("limit {limit}, {right}"), expected).or_change(
+        is_good,
+        LIMITS,
+        LIMITS_COMMAND,
+    )
+}
+
+fn memory(machine: &Machine) -> Check {
+    let process = &machine.process;
+    let limit = process
+        .memlock_bytes
+        .map_or_else(|| "unlimited".to_owned(), |bytes| format!("{} MiB", bytes >> 20));
+    let right = if process.may_lock_memory() { "CAP_IPC_LOCK" } else { "no CAP_IPC_LOCK" };
+    let is_good = process.may_lock_memory()
+        || process.memlock_bytes.is_none_or(|bytes| bytes >= LOCKED_BYTES);
+    Check::good("locked memory", format!("limit {limit}, {right}"), "1 GiB or more allowed")
+        .or_change(is_good, LIMITS, LIMITS_COMMAND)
+}
+
+fn throttling(machine: &Machine) -> Check {
+    let what = "real-time throttling";
+    let expected = format!("{RT_RUNTIME_US} us or more per second, or -1 for none");
+    let Some(runtime_us) = machine.rt_runtime_us else {
+        let why = "this kernel has no sched_rt_runtime_us";
+        return Check::unknown(what, "-", &expected, why);
+    };
+    let found = if runtime_us < 0 { "-1 (none)".to_owned() } else { format!("{runtime_us} us") };
+    let is_good = runtime_us < 0 || runtime_us >= RT_RUNTIME_US;
+    let advice = "the kernel stops real-time threads for the rest of each second";
+    let command = "sudo sysctl -w kernel.sched_rt_runtime_us=950000";
+    Check::good(what, found, expected).or_change(is_good, advice, command)
+}
+
+fn quota(machine: &Machine) -> Check {
+    let (what, expected) = ("quota of the control group", "none");
+    if !machine.has_cgroups {
+        return Check::unknown(what, "-", expected, "/proc/self/cgroup cannot be read");
+    }
+    let Some(first) = machine.quotas.first() else { return Check::good(what, "none", expected) };
+    let found = format!("{} = {}", first.file, first.content);
+    let advice = "the kernel stops the process for the rest of each period, or refuses its \
+                  real-time priority; in a container: start it without --cpus and with \
+                  --ulimit rtprio=95 --cap-add SYS_NICE";
+    let command = format!("echo {} | sudo tee {}", first.wanted, first.file);
+    let check = Check::good(what, found, expected).or_change(false, advice, &command);
+    debug_assert_eq!(check.verdict, Verdict::Change, "a quota is to be changed");
+    check
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doctor::Process;
+    use std::fs;
+    use std::path::PathBuf;
+
+    /// A machine that is laid out below a folder of its own, from file and content.
+    fn machine(name: &str, files: &[(&str, &str)], process: Process) -> Machine {
+        let root: PathBuf =
+            std::env::temp_dir().join(format!("doctor-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&root);
+        for (path, content) in files {
+            let file = root.join(path);
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::write(file, content).unwrap();
+        }
+        let machine = Machine::read(&root, process);
+        fs::remove_dir_all(&root).unwrap();
+        machine
+    }
+
+    fn user(rtprio: u64, memlock_bytes: Option<u64>) -> Process {
+        Process { rtprio: Some(rtprio), memlock_bytes, capabilities: Some(0) }
+    }
+
+    /// A bench PC of four processors: PREEMPT_RT, the last processor isolated.
+    const BENCH_PC: &[(&str, &str)] = &[
+        (
+            "proc/version",
+            "Linux version 6.12.48+deb13-rt-amd64 (debian-kernel@lists.debian.org) (x86_64-linux-\
+             gnu-gcc-14) #1 SMP PREEMPT_RT Debian 6.12.48-1 (2025-09-20)\n",
+        ),
+        ("sys/kernel/realtime", "1\n"),
+        ("proc/cpuinfo", "processor\t: 0\nflags\t\t: fpu tsc constant_tsc nonstop_tsc\n"),
+        ("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance\n"),
+        ("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "performance\n"),
+        ("sys/devices/system/cpu/cpu2/cpufreq/scaling_governor", "performance\n"),
+        ("sys/devices/system/cpu/cpu3/cpufreq/scaling_governor", "performance\n"),
+        ("sys/devices/system/cpu/cpu0/cpuidle/state0/name", "POLL\n"),
+        ("sys/devices/system/cpu/cpu0/cpuidle/state0/latency", "0\n"),
+        ("sys/devices/system/cpu/cpu0/cpuidle/state1/name", "C1E\n"),
+        ("sys/devices/system/cpu/cpu0/cpuidle/state1/latency", "10\n"),
+        ("sys/devices/system/cpu/cpu0/cpuidle/state2/name", "C10\n"),
+        ("sys/devices/system/cpu/cpu0/cpuidle/state2/latency", "890\n"),
+        ("sys/devices/system/cpu/cpu0/cpuidle/state2/disable", "0\n"),
+        ("sys/devices/system/cpu/cpuidle/current_driver", "intel_idle\n"),
+        ("sys/devices/system/cpu/isolated", "3\n"),
+        ("sys/devices/system/cpu/nohz_full", "3\n"),
+        ("sys/devices/system/clocksource/clocksource0/current_clocksource", "tsc\n"),
+        ("sys/devices/system/clocksource/clocksource0/available_clocksource", "tsc hpet acpi_pm\n"),
+        ("proc/sys/kernel/sched_rt_runtime_us", "950000\n"),
+        ("proc/self/cgroup", "0::/user.slice/user-1000.slice/session-2.scope\n"),
+        ("sys/fs/cgroup/user.slice/cpu.max", "max 100000\n"),
+        ("dev/cpu_dma_latency", ""),
+    ];
+
+    /// A virtual machine of two processors in a cloud, with a container's quota.
+    const CLOUD: &[(&str, &str)] = &[
+        (
+            "proc/version",
+            "Linux version 6.8.0-1021-aws (buildd@lcy02) (x86_64-linux-gnu-gcc-13) #23-Ubuntu SMP \
+             PREEMPT_DYNAMIC Mon Dec 9 23:59:34 UTC 2024\n",
+        ),
+        ("sys/kernel/debug/sched/preempt", "none (voluntary) full \n"),
+        ("proc/cpuinfo", "flags\t\t: fpu tsc hypervisor nonstop_tsc\n"),
+        ("sys/devices/system/cpu/cpu0/online", "1\n"),
+        ("sys/devices/system/cpu/cpu1/online", "1\n"),
+        ("sys/devices/system/cpu/isolated", "\n"),
+        ("sys/devices/system/cpu/nohz_full", "(null)\n"),
+        ("sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet\n"),
+        ("sys/devices/system/clocksource/clocksource0/available_clocksource", "hpet acpi_pm\n"),
+        ("proc/sys/kernel/sched_rt_runtime_us", "0\n"),
+        ("proc/self/cgroup", "0::/system.slice/docker-1f.scope\n"),
+        ("sys/fs/cgroup/system.slice/cpu.max", "max 100000\n"),
+        ("sys/fs/cgroup/system.slice/docker-1f.scope/cpu.max", "50000 100000\n"),
+    ];
+
+    /// A Raspberry Pi 4 with its usual kernel; groups of version 1.
+    const PI: &[(&str, &str)] = &[
+        (
+            "proc/version",
+            "Linux version 6.6.51+rpt-rpi-v8 (serge@raspberrypi.com) (gcc-12) #1 SMP PREEMPT \
+             Debian 1:6.6.51-1+rpt3 (2024-10-08)\n",
+        ),
+        ("proc/cpuinfo", "processor\t: 0\nFeatures\t: fp asimd evtstrm crc32 cpuid\n"),
+        ("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "ondemand\n"),
+        ("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "ondemand\n"),
+        ("sys/devices/system/cpu/cpu2/cpufreq/scaling_governor", "ondemand\n"),
+        ("sys/devices/system/cpu/cpu3/cpufreq/scaling_governor", "ondemand\n"),
+        ("sys/devices/system/cpu/isolated", "\n"),
+        ("sys/devices/system/clocksource/clocksource0/current_clocksource", "arch_sys_counter\n"),
+        ("proc/sys/kernel/sched_rt_runtime_us", "-1\n"),
+        ("proc/self/cgroup", "4:cpu,cpuacct:/user.slice\n1:name=systemd:/user.slice\n"),
+        ("sys/fs/cgroup/cpu,cpuacct/user.slice/cpu.cfs_quota_us", "-1\n"),
+        ("sys/fs/cgroup/cpu,cpuacct/user.slice/cpu.rt_runtime_us", "0\n"),
+    ];
+
+    /// Name, found and verdict of every row.
+    fn rows(machine: &Machine) -> Vec<(String, String, Verdict)> {
+        let checks = judge_machine(machine);
+        for check in &checks {
+            assert_eq!(check.advice.is_empty(), check.verdict == Verdict::Good, "{check:?}");
+            assert!(check.advice.len() < 400 && !check.found.is_empty(), "{check:?}");
+        }
+        checks.into_iter().map(|check| (check.what, check.found, check.verdict)).collect()
+    }
+
+    fn expect(found: &[(String, String, Verdict)], expected: &[(&str, &str, Verdict)]) {
+        let found: Vec<(&str, &str, Verdict)> =
+            found.iter().map(|(what, found, verdict)| (&**what, &**found, *verdict)).collect();
+        assert_eq!(found, expected);
+    }
+
+    use Verdict::{Change, Good, Unknown};
+
+    #[test]
+    fn a_bench_pc_has_nothing_to_change() {
+        let machine = machine("bench", BENCH_PC, user(95, None));
+        expect(
+            &rows(&machine),
+            &[
+                ("hypervisor", "none", Good),
+                ("preemption", "PREEMPT_RT, kernel 6.12.48+deb13-rt-amd64", Good),
+                ("processors", "4", Good),
+                ("isolated processors", "3", Good),
+                ("processors without tick", "3", Good),
+                ("clock source", "tsc", Good),
+                ("frequency governor", "performance on 4", Good),
+                ("idle states", "C10 wakes within 890 us; the run may hold it awake", Good),
+                ("real-time priority", "limit 95, no CAP_SYS_NICE", Good),
+                ("locked memory", "limit unlimited, no CAP_IPC_LOCK", Good),
+                ("real-time throttling", "950000 us", Good),
+                ("quota of the control group", "none", Good),
+            ],
+        );
+    }
+
+    #[test]
+    fn a_container_in_a_cloud_is_held_back_by_everything() {
+        let machine = machine("cloud", CLOUD, user(0, Some(8 << 20)));
+        let group = "/sys/fs/cgroup/system.slice/docker-1f.scope/cpu.max = 50000 100000";
+        expect(
+            &rows(&machine),
+            &[
+                ("hypervisor", "virtual machine", Change),
+                ("preemption", "PREEMPT_DYNAMIC, kernel 6.8.0-1021-aws, voluntary", Change),
+                ("processors", "2", Good),
+                ("isolated processors", "none", Change),
+                ("processors without tick", "none", Unknown),
+                ("clock source", "hpet", Change),
+                ("frequency governor", "-", Unknown),
+                ("idle states", "-", Unknown),
+                ("real-time priority", "limit 0, no CAP_SYS_NICE", Change),
+                ("locked memory", "limit 8 MiB, no CAP_IPC_LOCK", Change),
+                ("real-time throttling", "0 us", Change),
+                ("quota of the control group", group, Change),
+            ],
+        );
+        let checks = judge_machine(&machine);
+        assert_eq!(
+            checks[3].command,
+            "isolcpus=domain,managed_irq,1 nohz_full=1 rcu_nocbs=1 irqaffinity=0"
+        );
+        let command =
+            "echo max | sudo tee /sys/fs/cgroup/system.slice/docker-1f.scope/cpu.max".to_owned();
+        assert_eq!(checks[11].command, command);
+    }
+
+    #[test]
+    fn a_raspberry_pi_needs_a_kernel_a_governor_and_an_isolated_processor() {
+        let capable = Process { capabilities: Some(1 << 23), ..user(0, Some(64 << 10)) };
+        let machine = machine("pi", PI, capable);
+        let group = "/sys/fs/cgroup/cpu,cpuacct/user.slice/cpu.rt_runtime_us = 0";
+        expect(
+            &rows(&machine),
+            &[
+                ("hypervisor", "-", Unknown),
+                ("preemption", "PREEMPT, kernel 6.6.51+rpt-rpi-v8", Change),
+                ("processors", "4", Good),
+                ("isolated processors", "none", Change),
+                ("processors without tick", "-", Unknown),
+                ("clock source", "arch_sys_counter", Good),
+                ("frequency governor", "ondemand on 4", Change),
+                ("idle states", "-", Unknown),
+                ("real-time priority", "limit 0, CAP_SYS_NICE", Good),
+                ("locked memory", "limit 0 MiB, no CAP_IPC_LOCK", Change),
+                ("real-time throttling", "-1 (none)", Good),
+                ("quota of the control group", group, Change),
+            ],
+        );
+        let isolate =
+            "isolcpus=domain,managed_irq,3 nohz_full=3 rcu_nocbs=3 irqaffinity=0-2".to_owned();
+        assert_eq!(judge_machine(&machine)[3].command, isolate);
+    }
+
+    #[test]
+    fn nothing_to_read_is_nothing_to_judge() {
+        let machine = machine("nothing", &[("none", "")], user(0, Some(0)));
+        for check in judge_machine(&machine) {
+            let is_limit = matches!(&*check.what, "real-time priority" | "locked memory");
+            assert_eq!(check.verdict, if is_limit { Change } else { Unknown }, "{check:?}");
+        }
+    }
+
+    #[test]
+    fn a_processor_that_sleeps_deeply_and_is_not_held_awake_is_named() {
+        let deep: Vec<(&str, &str)> =
+            BENCH_PC.iter().copied().filter(|(path, _)| !path.starts_with("dev/")).collect();
+        let idle = &judge_machine(&machine("deep", &deep, user(95, None)))[7];
+        assert_eq!((&*idle.found, idle.verdict), ("C10 wakes within 890 us", Change));
+        let disabled: Vec<(&str, &str)> = deep
+            .iter()
+            .map(|&(path, content)| {
+                (path, if path.ends_with("state2/disable") { "1\n" } else { content })
+            })
+            .collect();
+        let idle = &judge_machine(&machine("light", &disabled, user(95, None)))[7];
+        assert_eq!((&*idle.found, idle.verdict), ("C1E wakes within 10 us", Good));
+    }
+
+    #[test]
+    fn a_slow_clock_is_left_by_a_command_where_a_better_one_is_offered() {
+        let slow: Vec<(&str, &str)> = BENCH_PC
+            .iter()
+            .map(|&(path, content)| {
+                (path, if path.ends_with("current_clocksource") { "acpi_pm\n" } else { content })
+            })
+            .collect();
+        let clock = &judge_machine(&machine("slow", &slow, user(95, None)))[5];
+        assert_eq!((&*clock.found, clock.verdict), ("acpi_pm", Change));
+        assert!(clock.command.starts_with("echo tsc | sudo tee /sys/"), "{}", clock.command);
+    }
+}
