@@ -75,6 +75,9 @@ pub struct Timing {
     pub sample_point: Option<f64>,
 }
 
+/// The path of an ordinary user need not lead to the tools of an administrator.
+const PLACES_OF_IP: [&str; 3] = ["ip", "/usr/sbin/ip", "/sbin/ip"];
+
 impl BusFacts {
     /// Reads an interface.
     pub fn read(interface: &str) -> Self {
@@ -86,9 +89,12 @@ impl BusFacts {
         if !Path::new("/sys/class/net").join(interface).exists() {
             return Self { interface: interface.to_owned(), ..Self::default() };
         }
-        let mut ip = Command::new("ip");
-        ip.args(["-details", "-statistics", "-json", "link", "show", "dev", interface]);
-        let Ok(output) = ip.output() else {
+        let output = PLACES_OF_IP.iter().find_map(|ip| {
+            let mut ip = Command::new(ip);
+            ip.args(["-details", "-statistics", "-json", "link", "show", "dev", interface]);
+            ip.output().ok()
+        });
+        let Some(output) = output else {
             return unread("the tool `ip` cannot be started (Debian: package iproute2)");
         };
         Self::parse(interface, &String::from_utf8_lossy(&output.stdout))
