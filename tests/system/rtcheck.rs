@@ -1,4 +1,4 @@
-//! `yawbench rtcheck` as a person uses it. Counts are judged, times are not: they are this machine's.
+//! `yawbench rtcheck` as a person uses it. Counts are judged; times are this machine's own.
 
 use crate::support::command::{output, read, repository, yawbench};
 use crate::support::schema::misfits;

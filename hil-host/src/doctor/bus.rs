@@ -2,8 +2,8 @@
 //!
 //! A virtual interface hands frames from socket to socket: it has no bit timing, no arbitration and
 //! no errors, and the rows for these say so. The sample point of classical CAN at 1 Mbit/s lies
-//! between the 75 % that Linux chooses above 800 kbit/s and the 87.5 % that CiA 301 recommends; two
-//! nodes with different sample points tolerate less difference of their clocks and less cable.
+//! between the 75 % that Linux chooses above 800 kbit/s and the 87.5 % that `CiA` 301 recommends;
+//! two nodes with different sample points tolerate less difference of their clocks and less cable.
 
 use super::bus_facts::{BusFacts, InterfaceKind, Timing};
 use super::check::Check;
@@ -140,6 +140,8 @@ impl Judged<'_> {
             InterfaceKind::Absent => {
                 let advice = "look for it with `ip link`; a USB adapter or PCI card needs its \
                               driver (`dmesg | grep -i can`). A virtual bus, for an emulated rig:";
+                // Nothing virtual is to be called can0.
+                let name = if name.starts_with("vcan") { name } else { "vcan0" };
                 let command = format!(
                     "sudo modprobe vcan && sudo ip link add dev {name} type vcan && sudo ip link \
                      set {name} up"

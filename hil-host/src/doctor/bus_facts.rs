@@ -106,13 +106,13 @@ impl BusFacts {
         let links: Vec<Link> = serde_json::from_str(json).ok()?;
         let link = links.into_iter().find(|link| link.ifname == interface)?;
         let info = link.linkinfo.unwrap_or_default();
-        let kind = match (&*link.link_type, info.info_kind.as_deref()) {
+        let kind = match (&*link.of_type, info.kind.as_deref()) {
             ("can", Some("vcan" | "vxcan")) => InterfaceKind::Virtual,
             ("can", _) => InterfaceKind::Can,
             (other, _) => InterfaceKind::Other(other.to_owned()),
         };
         let statistics = link.stats64.unwrap_or_default();
-        let (rx, tx, bus) = (statistics.rx, statistics.tx, info.info_xstats.unwrap_or_default());
+        let (rx, tx, bus) = (statistics.rx, statistics.tx, info.statistics.unwrap_or_default());
         let losses = [
             ("receive errors", rx.errors),
             ("receive overruns", rx.over_errors),
@@ -128,7 +128,7 @@ impl BusFacts {
             mtu: link.mtu,
             queue_frames: link.txqlen,
             losses: losses.collect(),
-            controller: info.info_data.map(Controller::from).unwrap_or_default(),
+            controller: info.data.map(Controller::from).unwrap_or_default(),
         })
     }
 }
@@ -140,16 +140,20 @@ struct Link {
     flags: Vec<String>,
     mtu: Option<u64>,
     txqlen: Option<u64>,
-    link_type: String,
+    #[serde(rename = "link_type")]
+    of_type: String,
     linkinfo: Option<LinkInfo>,
     stats64: Option<Statistics>,
 }
 
 #[derive(Debug, Default, Deserialize)]
 struct LinkInfo {
-    info_kind: Option<String>,
-    info_data: Option<InfoData>,
-    info_xstats: Option<BusStatistics>,
+    #[serde(rename = "info_kind")]
+    kind: Option<String>,
+    #[serde(rename = "info_data")]
+    data: Option<InfoData>,
+    #[serde(rename = "info_xstats")]
+    statistics: Option<BusStatistics>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -128,6 +128,25 @@ pub fn lines(caption: &str, checks: &[Check]) -> Vec<String> {
     lines
 }
 
+/// Columns of a line of advice.
+const WIDTH: usize = 100;
+
+/// A text in lines of at most [`WIDTH`] columns where its words allow it, indented from the second.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in files::quote::escaped(text).split(' ') {
+        let Some(line) = lines.last_mut() else { break };
+        let is_empty = line.trim().is_empty();
+        if !is_empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
+            lines.push(format!("  {word}"));
+        } else {
+            line.push_str(if is_empty { "" } else { " " });
+            line.push_str(word);
+        }
+    }
+    lines
+}
+
 /// The advice of some checks; those that share it stand together.
 fn paragraphs(checks: &[&Check]) -> Vec<String> {
     let mut lines = Vec::new();
@@ -138,10 +157,31 @@ fn paragraphs(checks: &[&Check]) -> Vec<String> {
             continue;
         }
         let names: Vec<&str> = checks.iter().filter(is_same).map(|c| c.what.as_str()).collect();
-        lines.push(files::quote::escaped(&format!("- {}: {}", names.join(", "), check.advice)));
+        lines.extend(wrapped(&format!("- {}: {}", names.join(", "), check.advice)));
         if !check.command.is_empty() {
             lines.push(format!("    {}", files::quote::escaped(&check.command)));
         }
     }
     lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_wraps_and_a_command_never_does() {
+        let long = "word ".repeat(60).trim_end().to_owned();
+        let check = Check::good("a", "b", "c").or_change(false, &long, &long);
+        let lines = paragraphs(&[&check, &check]);
+        let (command, advice) = lines.split_last().unwrap();
+        assert_eq!(*command, format!("    {long}"));
+        assert!(advice.len() == 4 && advice.iter().all(|line| line.chars().count() <= WIDTH));
+        assert!(
+            advice[0].starts_with("- a: word") && advice[1].starts_with("  word"),
+            "{advice:?}"
+        );
+        let words = advice.iter().flat_map(|line| line.split_whitespace());
+        assert_eq!(words.filter(|word| *word == "word").count(), 60);
+    }
 }

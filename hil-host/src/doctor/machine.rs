@@ -2,8 +2,8 @@
 //!
 //! What delays a thread that wakes by a timer: code of the kernel that cannot be preempted, other
 //! threads and interrupts on its processor, a processor that has to wake from sleep or change its
-//! frequency, pages that are fetched, a scheduler that throttles it, and a hypervisor that takes the
-//! processor away. One row for each.
+//! frequency, pages that are fetched, a scheduler that throttles it, and a hypervisor that takes
+//! the processor away. One row for each.
 
 use super::check::{Check, Verdict};
 use super::machine_facts::Machine;
@@ -178,15 +178,15 @@ fn governor(machine: &Machine) -> Check {
 
 fn idle(machine: &Machine) -> Check {
     let what = "idle states";
-    let expected = format!("wake-up within {SHORT_WAKE_UP_US} us, or held awake by the run");
+    let expected = format!("{SHORT_WAKE_UP_US} us to wake, or held awake");
     let may_hold = machine.may_hold_latency == Some(true);
     let Some((name, latency_us)) = &machine.deepest_idle else {
         let why = "the kernel shows no idle states of processor 0: the firmware or the hypervisor \
                    decides";
         return Check::unknown(what, "-", &expected, why);
     };
-    let held = if may_hold { "; the run may hold it awake" } else { "" };
-    let found = format!("{name} wakes within {latency_us} us{held}");
+    let held = if may_hold { "; a run holds it awake" } else { "" };
+    let found = format!("{name}: {latency_us} us{held}");
     let is_good = may_hold || *latency_us <= SHORT_WAKE_UP_US;
     let advice = "allow the group of the bench's users to write /dev/cpu_dma_latency, where a run \
                   asks the processors not to sleep (as root, then restart; group `realtime`)";
@@ -229,13 +229,13 @@ fn memory(machine: &Machine) -> Check {
 
 fn throttling(machine: &Machine) -> Check {
     let what = "real-time throttling";
-    let expected = format!("{RT_RUNTIME_US} us or more per second, or -1 for none");
+    let expected = format!("{RT_RUNTIME_US} us per s or more, or -1");
     let Some(runtime_us) = machine.rt_runtime_us else {
         let why = "this kernel has no sched_rt_runtime_us";
         return Check::unknown(what, "-", &expected, why);
     };
     let found = if runtime_us < 0 { "-1 (none)".to_owned() } else { format!("{runtime_us} us") };
-    let is_good = runtime_us < 0 || runtime_us >= RT_RUNTIME_US;
+    let is_good = !(0..RT_RUNTIME_US).contains(&runtime_us);
     let advice = "the kernel stops real-time threads for the rest of each second";
     let command = "sudo sysctl -w kernel.sched_rt_runtime_us=950000";
     Check::good(what, found, expected).or_change(is_good, advice, command)

@@ -162,10 +162,8 @@ fn quotas(root: &Path) -> (Vec<Quota>, bool) {
         } else if controllers.split(',').any(|name| name == "cpu") {
             let group = Path::new("sys/fs/cgroup").join(controllers).join(path);
             let cfs = group.join("cpu.cfs_quota_us");
-            if let Some(content) = read(&root.join(&cfs)) {
-                if content != "-1" {
-                    found.push(quota(&cfs, content, "-1"));
-                }
+            if let Some(content) = read(&root.join(&cfs)).filter(|content| content != "-1") {
+                found.push(quota(&cfs, content, "-1"));
             }
             let rt = group.join("cpu.rt_runtime_us");
             if let Some(content) = read(&root.join(&rt)).filter(|content| content == "0") {

@@ -1,11 +1,11 @@
 //! Worst-case response times of the messages on a CAN bus.
 //!
 //! A message may wait for one frame of lower priority that is on the wire already, and for all of
-//! higher priority. The revised analysis of Davis, Burns, Bril and Lukkien ("Controller Area Network
-//! (CAN) schedulability analysis: Refuted, revisited and revised", Real-Time Systems 35, 2007) looks
-//! at every instance in the longest busy period of its priority level, since the first one need not
-//! be the slowest. With frame times `C`, periods `T`, blocking `B` (the longest frame of lower
-//! priority) and the time of a bit `t_bit`:
+//! higher priority. The revised analysis of Davis, Burns, Bril and Lukkien ("Controller Area
+//! Network (CAN) schedulability analysis: Refuted, revisited and revised", Real-Time Systems 35,
+//! 2007) looks at every instance in the longest busy period of its priority level, since the first
+//! one need not be the slowest. With frame times `C`, periods `T`, blocking `B` (the longest frame
+//! of lower priority) and the time of a bit `t_bit`:
 //!
 //! ```text
 //! busy period   t    = B + sum over all of this priority or a higher one of ceil(t / T_k) C_k
@@ -14,9 +14,9 @@
 //! ```
 //!
 //! Limits: no release jitter, no errors and retransmissions on the bus, and every node offers its
-//! most urgent frame first. The transmit queue of Linux is first in, first out: there a message also
-//! waits for what its own node has sent before. Messages without a period block others as frames of
-//! lower priority do; as higher ones they are not counted, because nothing bounds them.
+//! most urgent frame first. The transmit queue of Linux is first in, first out: there a message
+//! also waits for what its own node has sent before. Messages without a period block others as
+//! frames of lower priority do; as higher ones they are not counted, because nothing bounds them.
 //!
 //! Times are whole nanoseconds, rounded up, so that no bound hangs on a rounding.
 
@@ -180,7 +180,10 @@ impl ResponseTimes {
                 format!("{:0digits$X}", message.id).into(),
                 message.period_ms.into(),
                 message.frame_us.into(),
-                message.response_us.into(),
+                match (message.response_us, message.verdict) {
+                    (None, Verdict::Change) => "no bound".into(),
+                    (response_us, _) => response_us.into(),
+                },
                 message.verdict.name().into(),
             ]
         }));
@@ -268,8 +271,8 @@ mod tests {
         assert!(long(0xFF, 5) < short(0x100) && long(0x100, 9) < short(0x101));
     }
 
-    /// A bus that takes the most urgent frame that waits, until every message was late often enough;
-    /// the slowest response of each. `blocker` is on the wire since just before time 0.
+    /// A bus that takes the most urgent frame that waits, for 200 of the longest periods; the
+    /// slowest response of each. `blocker` is on the wire since just before time 0.
     fn simulated_ns(streams: &[Stream], offsets_ns: &[u64], blocker: Option<usize>) -> Vec<u64> {
         let mut worst_ns = vec![0; streams.len()];
         let mut release_ns = offsets_ns.to_vec();

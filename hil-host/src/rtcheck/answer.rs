@@ -1,19 +1,19 @@
 //! The answer time of a bus: from an announcement to what comes back.
 //!
 //! A rig answers every sync at once with a heartbeat, and it sends heartbeats every 20 ms anyway.
-//! So a sync is sent right behind one of these, and a heartbeat that comes within [`CLEAR`] can only
-//! be the answer; a later one counts as lost. The sync is that of a run with a clock: a rig that
-//! waits goes to STANDBY, none is armed, and nothing moves.
+//! So a sync is sent right behind one of these, and a heartbeat that comes within [`CLEAR`] can
+//! only be the answer; a later one counts as lost. The sync is that of a run with a clock: a rig
+//! that waits goes to STANDBY, none is armed, and nothing moves.
 //!
-//! Where no rig answers, a second socket on the same interface takes the sync. A CAN controller hands
-//! its own frame back when it was on the wire and acknowledged; a virtual interface hands it over at
-//! once. The one holds the time of the frame and the other does not: neither is a round trip through
+//! Where no rig answers, a second socket on the same interface takes the sync. A CAN controller
+//! hands its own frame back when it was on the wire and acknowledged; a virtual interface hands it
+//! over at once. The one holds the time of the frame, the other does not, and neither went through
 //! a rig.
 //!
 //! Nobody else's run is disturbed: if a host is heard first, nothing is sent.
 
 use super::distribution::empty;
-use crate::bus::{Bus, WireFrame};
+use crate::bus::{Bus, Sent, WireFrame};
 use crate::clock::now_ns;
 use can_protocol::{
     Frame, Heartbeat, MessageId, Node, PROTOCOL_VERSION, Pace, Profile, Sender, Sync,
@@ -129,7 +129,7 @@ impl AnswerTimes {
     ) {
         let frame = announcement(profile);
         let begin_ns = now_ns();
-        let is_taken = bus.send(&frame) == crate::bus::Sent::Away;
+        let is_taken = bus.send(&frame) == Sent::Away;
         self.sent += u64::from(is_taken);
         let is_answered = is_taken
             && match echo {
@@ -144,8 +144,8 @@ impl AnswerTimes {
     }
 }
 
-/// Takes frames until one is the one, for at most `patience`; whether it came. What waits already is
-/// looked at too.
+/// Takes frames until one is the one, for at most `patience`; whether it came. What waits already
+/// is looked at too.
 fn until<B: Bus>(
     patience: Duration,
     bus: &mut B,
@@ -190,13 +190,13 @@ fn announcement(profile: Profile) -> Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bus::{BusCounters, MemoryBus, Sent};
+    use crate::bus::{BusCounters, MemoryBus};
     use crate::rig::RigNode;
     use scenario::rig::RigFile;
 
     fn with_rig(profile: Profile) -> MemoryBus {
         let setup = RigFile::default_setup().unwrap();
-        MemoryBus::new([RigNode::new(&setup, Node::ALL[1], profile)])
+        MemoryBus::new(std::iter::once(RigNode::new(&setup, Node::ALL[1], profile)))
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::answer::{AnswerTimes, AnsweredBy, find_rig, hear_host, time_answers};
 use super::distribution::empty;
 use super::ticks::Ticks;
 use crate::BenchError;
-use crate::bus::{BusChoice, SocketCanBus};
+use crate::bus::{Bus, BusChoice, SocketCanBus};
 use crate::clock::{Pacer, now_ns};
 use crate::control::Course;
 use crate::progress_bar::LateBar;
@@ -217,14 +217,12 @@ impl Sockets {
 
     /// Times the answers of a rig, or of the second socket.
     fn time(&mut self, profile: Profile, ended: &AtomicBool) -> AnswerTimes {
-        match find_rig(&mut self.bus, profile) {
-            Some(node) => time_answers(&mut self.bus, None, AnsweredBy::Rig(node), profile, ended),
-            None => {
-                // What went out in search of a rig is no answer.
-                while crate::bus::Bus::receive(&mut self.echo).is_some() {}
-                let by = AnsweredBy::Loopback;
-                time_answers(&mut self.bus, Some(&mut self.echo), by, profile, ended)
-            }
+        if let Some(node) = find_rig(&mut self.bus, profile) {
+            return time_answers(&mut self.bus, None, AnsweredBy::Rig(node), profile, ended);
         }
+        // What went out in search of a rig is no answer.
+        while self.echo.receive().is_some() {}
+        let by = AnsweredBy::Loopback;
+        time_answers(&mut self.bus, Some(&mut self.echo), by, profile, ended)
     }
 }

@@ -216,26 +216,27 @@ impl AnswerResult {
     }
 }
 
+/// What is wrong where the loop is late.
+const HELD_BACK: &str = "something delays the loop (a tick is skipped where the cycle before it was \
+                         more than a period late): doctor names what";
+
 fn lateness(found: Option<Distribution>, budget_us: f64) -> Check {
     let (what, expected) = ("lateness, worst", format!("at most {budget_us} us"));
     let Some(found) = found else {
         return Check::unknown(what, "-", &expected, "no tick was met");
     };
-    let advice = "something delays the wake-up of the loop: doctor names what";
     Check::good(what, format!("{:.0} us", found.max), expected).or_change(
         found.max <= budget_us,
-        advice,
+        HELD_BACK,
         "yawbench doctor",
     )
 }
 
 fn skipped(measured: &Measured) -> Check {
     let found = format!("{} of {}", measured.skipped, measured.expected);
-    let advice = "a cycle was not over when the next one was due: doctor names what holds the \
-                  machine back; if the vehicle step is long too, see below";
     Check::good("ticks skipped", found, "0").or_change(
         measured.skipped == 0,
-        advice,
+        HELD_BACK,
         "yawbench doctor",
     )
 }
