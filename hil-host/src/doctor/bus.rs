@@ -141,10 +141,10 @@ impl Judged<'_> {
                 let advice = "look for it with `ip link`; a USB adapter or PCI card needs its \
                               driver (`dmesg | grep -i can`). A virtual bus, for an emulated rig:";
                 // Nothing virtual is to be called can0.
-                let name = if name.starts_with("vcan") { name } else { "vcan0" };
+                let other = if name.starts_with("vcan") { name } else { "vcan0" };
                 let command = format!(
-                    "sudo modprobe vcan && sudo ip link add dev {name} type vcan && sudo ip link \
-                     set {name} up"
+                    "sudo modprobe vcan && sudo ip link add dev {other} type vcan && sudo ip link \
+                     set {other} up"
                 );
                 change(format!("no {name}"), advice, &command)
             }

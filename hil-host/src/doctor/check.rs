@@ -178,7 +178,7 @@ mod tests {
         assert_eq!(*command, format!("    {long}"));
         assert!(advice.len() == 4 && advice.iter().all(|line| line.chars().count() <= WIDTH));
         assert!(
-            advice[0].starts_with("- a: word") && advice[1].starts_with("  word"),
+            advice[0].starts_with("- a, a: word") && advice[1].starts_with("  word"),
             "{advice:?}"
         );
         let words = advice.iter().flat_map(|line| line.split_whitespace());
