@@ -2,6 +2,8 @@
 
 use crate::interface;
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
 
 fn json(args: &[&str]) -> Value {
     let output = interface::yawbench().args(args).output().expect("the command");
@@ -40,4 +42,26 @@ fn rtcheck_says_that_a_second_socket_answered() {
     assert_eq!(answers["bus"], format!("{bus}, vcan (no CAN timing)"));
     let count = |key: &str| answers[key].as_u64().expect("a count");
     assert!(count("sent") > 0 && count("lost") <= count("sent"), "{answers}");
+}
+
+#[test]
+fn rtcheck_times_the_heartbeats_of_a_rig_and_leaves_it_unarmed() {
+    let Some(interface) = interface::interface() else { return };
+    let bus = format!("socketcan:{}", &*interface);
+    let mut rig = interface::yawbench();
+    rig.args(["rig", "--bus", &bus, "--node", "2", "--fifo-priority", "0"]);
+    let mut rig = rig.stderr(Stdio::piped()).spawn().expect("a rig");
+    let mut lines = BufReader::new(rig.stderr.take().expect("a pipe")).lines();
+    let said = lines.next().expect("a line").expect("text");
+    assert!(said.contains("waiting for a host"), "{said}");
+    let result = json(&["rtcheck", "--seconds", "3", "--bus", &bus, "--json"]);
+    rig.kill().expect("a rig that runs");
+    rig.wait().expect("its end");
+    let answers = &result["answers"];
+    assert_eq!(answers["answered_by"], "rig 2");
+    let count = |key: &str| answers[key].as_u64().expect("a count");
+    assert!(count("sent") > count("lost"), "{answers}");
+    // What a rig says of a session or of motion, it says on standard error.
+    let said: Vec<String> = lines.map_while(Result::ok).collect();
+    assert!(!said.iter().any(|line| line.contains("ARMED")), "{said:?}");
 }
