@@ -1,4 +1,4 @@
-//! Options that `run` and `rig` share: frames on the wire and real time.
+//! Options that the commands of the bench share: frames on the wire and real time.
 
 use crate::value::ValueError;
 use can_protocol::Profile;
@@ -33,9 +33,15 @@ pub(crate) struct WireArgs {
 
 impl WireArgs {
     pub(crate) fn profile(&self) -> Profile {
-        match self.profile {
-            ProfileChoice::Classical => Profile::Classical,
-            ProfileChoice::Fd => Profile::Fd,
+        self.profile.into()
+    }
+}
+
+impl From<ProfileChoice> for Profile {
+    fn from(choice: ProfileChoice) -> Self {
+        match choice {
+            ProfileChoice::Classical => Self::Classical,
+            ProfileChoice::Fd => Self::Fd,
         }
     }
 }

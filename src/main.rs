@@ -10,6 +10,7 @@ mod characterise;
 mod characterise_on_rig;
 mod critical_speed;
 mod curve;
+mod doctor;
 mod error;
 mod exit;
 mod faults;
@@ -25,6 +26,7 @@ mod reproduce;
 mod ride;
 mod rig;
 mod rig_reset;
+mod rtcheck;
 mod rths_benchmark;
 mod run;
 mod run_records;
@@ -69,6 +71,17 @@ enum Command {
     /// Reset a rig that is latched in SAFE or FAULT. It does not arm it.
     #[command(after_help = "Example: yawbench rig-reset --bus socketcan:can0 --node 1")]
     RigReset(rig_reset::RigResetArgs),
+    /// Look at this machine and its CAN interface: what holds a run back, and how to change it.
+    /// Nothing is changed.
+    #[command(after_help = "Examples: yawbench doctor
+          yawbench doctor --bus socketcan:can0 --bitrate 500k --dbc bus.dbc")]
+    Doctor(doctor::DoctorArgs),
+    /// Measure whether this machine keeps the pace of the loop, and the answer time of the bus.
+    /// No rig moves.
+    #[command(
+        after_help = "Example: yawbench rtcheck scenarios/ss9-160kmh.toml --seconds 3600 --bus socketcan:can0 --cpu 1"
+    )]
+    Rtcheck(rtcheck::RtcheckArgs),
     /// Inject faults into a coupled run in virtual time: what is found, and after how many cycles.
     #[command(after_help = "Example: yawbench faults")]
     Faults(faults::FaultsArgs),
@@ -179,6 +192,8 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
         Command::Report(args) => report::command(args).map(done)?,
         Command::Replay(args) => replay::command(args)?,
         Command::Rig(args) => rig::command(args)?,
+        Command::Doctor(args) => doctor::command(args)?,
+        Command::Rtcheck(args) => rtcheck::command(args)?,
         Command::Faults(args) => faults::command(args)?,
         Command::RigReset(args) => rig_reset::command(args)?,
         Command::Characterise(args) => characterise::command(args)?,

@@ -2,7 +2,9 @@
 //!
 //! A classical frame of `n` bytes with an 11-bit id has at most
 //! `8 n + 47 + floor((34 + 8 n - 1) / 4)` bits: 47 of overhead with the 3 of the interframe space,
-//! and a stuff bit for every 4 of the 34 + 8 n that are stuffed (8 bytes: 135).
+//! and a stuff bit for every 4 of the 34 + 8 n that are stuffed (8 bytes: 135). A 29-bit id has 20
+//! more, all of them stuffed: 18 of the id, SRR and IDE or RRS (8 bytes: 160). This protocol has
+//! none; the buses of others do.
 //!
 //! An FD frame with bit-rate switch has a slow and a fast part. Slow: 17 bits from start of frame
 //! to BRS and 13 from the CRC delimiter to the interframe space. Fast: ESI, 4 bits of length, the
@@ -135,8 +137,32 @@ pub const fn classical_frame_bits(bytes: u32) -> u32 {
 /// assert_eq!((nominal, data), (34, 193)); // 34 + 193 / 5 = 72.6 us at 1/5 Mbit/s
 /// ```
 pub const fn fd_frame_bits(bytes: u32) -> (u32, u32) {
+    fd_bits(17, bytes)
+}
+
+/// Most bits of a classical frame with a 29-bit id, interframe space included.
+///
+/// ```
+/// assert_eq!(can_protocol::classical_extended_frame_bits(8), 160);
+/// ```
+pub const fn classical_extended_frame_bits(bytes: u32) -> u32 {
+    8 * bytes + 67 + (54 + 8 * bytes - 1) / 4
+}
+
+/// Most bits of an FD frame with a 29-bit id: at the nominal rate, and behind the switch.
+///
+/// ```
+/// let (nominal, data) = can_protocol::fd_extended_frame_bits(8);
+/// assert_eq!((nominal, data), (57, 114)); // 18 more of the id, SRR, and their stuff bits
+/// ```
+pub const fn fd_extended_frame_bits(bytes: u32) -> (u32, u32) {
+    fd_bits(36, bytes)
+}
+
+/// Bits of an FD frame with `head` bits from start of frame to BRS.
+const fn fd_bits(head: u32, bytes: u32) -> (u32, u32) {
     let (crc, fixed_stuff) = if bytes <= 16 { (17, 6) } else { (21, 7) };
-    let (head, tail) = (17, 13);
+    let tail = 13;
     let length_and_data = 1 + 4 + 8 * bytes;
     let stuff = (head + length_and_data - 1) / 4;
     let slow_stuff = (head - 1) / 4;
@@ -152,6 +178,21 @@ mod tests {
     fn classical_frames_take_the_published_time() {
         for (bytes, bits) in [(1, 65), (2, 75), (6, 115), (8, 135)] {
             assert_eq!(classical_frame_bits(bytes), bits);
+        }
+    }
+
+    #[test]
+    fn a_long_id_takes_its_bits_and_their_stuff_bits() {
+        // Davis and others (2007): 55 + 10 n bits with an 11-bit id, 80 + 10 n with a 29-bit id.
+        for bytes in 0..=8 {
+            assert_eq!(classical_frame_bits(bytes), 55 + 10 * bytes);
+            assert_eq!(classical_extended_frame_bits(bytes), 80 + 10 * bytes);
+        }
+        for bytes in [8, 16, 32, 64] {
+            let (short, long) = (fd_frame_bits(bytes), fd_extended_frame_bits(bytes));
+            // 19 bits more, with 4 stuff bits before BRS and one that may fall behind it.
+            assert_eq!(long.0 - short.0, 19 + 4);
+            assert!(long.1.abs_diff(short.1) <= 1);
         }
     }
 

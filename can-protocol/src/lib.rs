@@ -128,7 +128,10 @@ mod telemetry;
 mod wire_enum;
 
 pub use arming::{ArmItem, ArmMessage, ArmSide};
-pub use bus_load::{BusPlan, Verdict, classical_frame_bits, fd_frame_bits};
+pub use bus_load::{
+    BusPlan, Verdict, classical_extended_frame_bits, classical_frame_bits, fd_extended_frame_bits,
+    fd_frame_bits,
+};
 pub use command::{Command, CommandLayout, Mode};
 pub use embedded::{from_embedded, to_embedded};
 pub use error::Error;

@@ -31,6 +31,13 @@ pub enum BenchError {
         /// The bus.
         bus: String,
     },
+    /// A host on the bus that was to be measured.
+    OtherHost {
+        /// The bus.
+        bus: String,
+        /// Id of a frame that only a host sends.
+        id: u16,
+    },
     /// More rigs than a bus can carry.
     BusLoad {
         /// The bus.
@@ -176,6 +183,7 @@ impl BenchError {
             | Self::SlotBus { .. }
             | Self::Protocol(_)
             | Self::FastOnBus { .. }
+            | Self::OtherHost { .. }
             | Self::BusLoad { .. }
             | Self::Space { .. }
             | Self::Kept { .. }
@@ -286,6 +294,12 @@ impl fmt::Display for BenchError {
                 f,
                 "--pace: found pace fast on {}, expected lockstep or realtime: pace fast runs on \
                  the memory bus only",
+                quoted(bus)
+            ),
+            Self::OtherHost { bus, id } => write!(
+                f,
+                "{}: found the frame {id:03X} of another host, expected a bus without one: a run \
+                 goes on there, and a second host would end it",
                 quoted(bus)
             ),
             Self::BusLoad { bus, load } => write!(
@@ -427,6 +441,7 @@ mod tests {
                 [true, false, false],
             ),
             (BenchError::FastOnBus { bus: bus() }, [true, false, false]),
+            (BenchError::OtherHost { bus: bus(), id: 0x80 }, [true, false, false]),
             (BenchError::BusLoad { bus: bus(), load: 1.08 }, [true, false, false]),
             (
                 BenchError::Space { folder: path.clone(), free: 1, needed: 2, cycles: 3 },

@@ -1,0 +1,78 @@
+//! `yawbench rtcheck`: whether this machine keeps the pace of the loop, by measurement.
+
+use crate::bench_options::{ProfileChoice, RealtimeArgs};
+use crate::error::CommandError;
+use crate::exit::{FAILED, INTERRUPTED};
+use crate::output::{print, warn};
+use crate::stop;
+use crate::value::number;
+use clap::Args;
+use hil_host::bus::BusChoice;
+use hil_host::doctor::BusFacts;
+use hil_host::rtcheck::{Options, Outcome, RtCheck, Setup, measure};
+use scenario::run::{CYCLE_S, Overrides, Run};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, Args)]
+pub(crate) struct RtcheckArgs {
+    /// The scenario whose vehicle is stepped in every cycle; rigs are replaced by their models.
+    /// Without one only the clock is measured.
+    scenario: Option<PathBuf>,
+    /// How long to measure (s). An hour under the load of a working day says more than a minute.
+    #[arg(long, value_name = "S", default_value = "60",
+        value_parser = number("a duration from 0.1 to 86400 s", |s| (0.1..=86_400.0).contains(&s)))]
+    seconds: f64,
+    /// Measure the answer time of this bus too: socketcan:INTERFACE. Rigs there are not armed.
+    #[arg(long, default_value_t = BusChoice::Memory)]
+    bus: BusChoice,
+    /// Frames that the rigs on the bus expect.
+    #[arg(long, value_enum, default_value_t = ProfileChoice::Classical)]
+    profile: ProfileChoice,
+    /// Highest lateness of a wake-up (us).
+    #[arg(long, value_name = "US", default_value = "100",
+        value_parser = number("a time from 1 to 1000 us", |us| (1.0..=1000.0).contains(&us)))]
+    budget_us: f64,
+    /// Print the result as JSON.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    realtime: RealtimeArgs,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A scenario that is none; a bus that cannot be used, or with a host on it; real time is required
+/// and was not granted.
+pub(crate) fn command(args: &RtcheckArgs) -> Result<ExitCode, CommandError> {
+    let overrides = Overrides { duration_s: Some(args.seconds), speed_kmh: None };
+    let run = args.scenario.as_deref().map(|path| Run::load(path, overrides)).transpose()?;
+    if let Some(run) = &run {
+        warn(&run.warnings);
+    }
+    let options = Options {
+        ticks: (args.seconds / CYCLE_S).round() as u64,
+        realtime: args.realtime.options(),
+        bus: args.bus.clone(),
+        profile: args.profile.into(),
+    };
+    let bus = match &args.bus {
+        BusChoice::Memory => None,
+        BusChoice::SocketCan(name) => Some((args.bus.to_string(), BusFacts::read(name).kind)),
+    };
+    let vehicle = run.as_ref().map(|run| run.vehicle_name.clone());
+    let setup = Setup { budget_us: args.budget_us, vehicle, bus };
+    let measured = measure(run.as_ref(), &options, stop::flag())?;
+    let result = RtCheck::of(&measured, &setup);
+    if args.json {
+        print(&serde_json::to_string_pretty(&result)?)?;
+    } else {
+        print(&result.lines().join("\n"))?;
+    }
+    Ok(match result.outcome {
+        _ if result.interrupted => ExitCode::from(INTERRUPTED),
+        Outcome::Held => ExitCode::SUCCESS,
+        Outcome::NotHeld => ExitCode::from(FAILED),
+    })
+}
