@@ -1,5 +1,6 @@
 //! A run: vehicle, speed, track, damper slots and rig, ready to be simulated.
 
+pub use crate::compensation::{CompensationFile, CompensationKind};
 pub use crate::cycle::CYCLE_S;
 pub use crate::effective::Effective;
 pub use crate::motion::{BeyondLimits, Motion};
