@@ -94,6 +94,7 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         overwrite: args.overwrite,
         inputs: vec![args.scenario.clone()],
         name: stem(&args.scenario),
+        linear: None,
         realtime: args.realtime.options(),
     };
     let requests = stop::requests();

@@ -2,6 +2,7 @@
 
 use super::plan::{BusLoad, Plan};
 use crate::control::Session;
+use crate::linear_vehicle::Hunting;
 use crate::options::{PaceChoice, RunOptions};
 use scenario::run::Run;
 use serde::{Deserialize, Serialize};
@@ -24,6 +25,8 @@ pub(crate) struct RunAbout {
     pub(crate) session_number: Option<u32>,
     /// The number that the host drew when it started.
     pub(crate) boot_number: Option<u32>,
+    /// The vehicle's hunting, where it was computed.
+    pub(crate) hunting: Option<Hunting>,
     /// Control cycles that were asked for.
     pub(crate) cycles: u64,
     /// Numbers of the damper slots on rigs, from one.
@@ -55,6 +58,7 @@ impl RunAbout {
             slow_down: options.slow_down.get(),
             session_number: Some(session.arming.number),
             boot_number: Some(session.arming.boot),
+            hunting: options.linear.as_ref().map(|linear| linear.hunting),
             cycles: run.cycles(),
             rig_slots: plan.rigs.iter().map(|rig| rig.slot + 1).collect(),
             bus_load: load.most,

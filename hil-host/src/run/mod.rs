@@ -95,11 +95,13 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
 
     let track = run.track.view();
     let mut pace = pace(options);
+    let hunting_hz = options.linear.as_ref().map(|linear| linear.hunting.frequency_hz);
     let terms = Terms {
         profile: options.profile,
         pace: pace.on_the_wire(),
         slow_down: options.slow_down,
         arming: arming(&plan, options)?,
+        gate_hz: hunting_hz.filter(|_| plan.real_bus().is_some()),
         shows_progress: true,
     };
     let session = session(run, &track, &plan.rigs, terms)?;
@@ -313,6 +315,7 @@ fn summary(
         bus_load: load.most,
         watched: session.watched,
         noted: session.noted(state),
+        hunting: options.linear.as_ref().map(|linear| linear.hunting),
     };
     Summary::of(&outcome, &recording.counts, statistics)
 }
