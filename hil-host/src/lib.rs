@@ -44,6 +44,7 @@ mod reset;
 mod residual_delay;
 pub mod rig;
 pub mod run;
+pub mod stability;
 mod statistics;
 mod summary;
 mod wire_state;

@@ -2,6 +2,7 @@
 //! does to it. Whoever starts a run computes it; the bench knows no study.
 
 use firmware_core::vehicle::DAMPER_SLOTS;
+use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 /// The least damped oscillation of a vehicle.
@@ -18,6 +19,8 @@ pub struct Hunting {
 pub struct LinearVehicle {
     /// Its least damped oscillation.
     pub hunting: Hunting,
+    /// The pole of it, 1/s.
+    pub hunting_pole: Complex64,
     /// Its poles, with the receptance at every slot.
     pub modes: Vec<LinearMode>,
 }
@@ -26,8 +29,8 @@ pub struct LinearVehicle {
 /// extends. A pole off the real axis stands for its conjugate too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearMode {
-    /// Real and imaginary part, 1/s; the imaginary part is not negative.
-    pub pole_per_s: [f64; 2],
-    /// Real and imaginary part, m/(N s).
-    pub residues: [[f64; 2]; DAMPER_SLOTS],
+    /// The pole, 1/s; its imaginary part is not negative.
+    pub pole: Complex64,
+    /// Residues, m/(N s).
+    pub residues: [Complex64; DAMPER_SLOTS],
 }

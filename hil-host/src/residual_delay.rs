@@ -142,7 +142,8 @@ fn student(freedom: u32) -> f64 {
         return *quantile;
     }
     let (z, n) = (1.959_964_f64, f64::from(freedom));
-    let (first, second) = (z.powi(3) + z, 5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z);
+    let cube = z * z * z;
+    let (first, second) = (cube + z, 5.0 * cube * z * z + 16.0 * cube + 3.0 * z);
     z + first / (4.0 * n) + second / (96.0 * n * n)
 }
 

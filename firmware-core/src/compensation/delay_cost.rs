@@ -42,7 +42,7 @@ pub fn damping_energy_lost(delay_s: f64, frequency_hz: f64, relaxation_s: f64) -
 /// let (hz, relaxation_s) = (3.5, 0.08);
 /// let delay_s = delay_that_costs(0.05, hz, relaxation_s);
 /// assert!((damping_energy_lost(delay_s, hz, relaxation_s) - 0.05).abs() < 1e-12);
-/// assert!((delay_s - 1.27e-3).abs() < 1e-5);
+/// assert!((delay_s - 1.282e-3).abs() < 1e-6);
 /// assert!(delay_that_costs(-0.05, hz, relaxation_s) < 0.0);
 /// ```
 pub fn delay_that_costs(share: f64, frequency_hz: f64, relaxation_s: f64) -> f64 {

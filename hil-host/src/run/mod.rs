@@ -12,6 +12,7 @@ mod progress;
 mod recording;
 mod setup;
 mod space;
+mod stability_check;
 
 pub use late_report::{LateReport, report};
 pub(crate) use plan::Plan;
@@ -40,6 +41,7 @@ use recording::{Output, Place, Recording, RunFile, Task};
 use report::Section;
 use scenario::run::Run;
 use setup::{arming, open_buses, pace};
+use stability_check::StabilityCheck;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -105,6 +107,11 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         shows_progress: true,
     };
     let session = session(run, &track, &plan.rigs, terms)?;
+    let stability = StabilityCheck::of(&session, run, options.linear.as_ref());
+    stability.lines().for_each(|line| eprintln!("{line}"));
+    if let Some(bus) = plan.real_bus() {
+        stability.refuse_on(bus)?;
+    }
     let mut state = session.start(session.line.start(run.start.state.clone()));
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;
