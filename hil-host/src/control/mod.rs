@@ -21,6 +21,7 @@ mod cycle;
 mod delay_gate;
 mod greeting;
 mod hash;
+mod measuring;
 mod news;
 mod no_answer;
 mod notices;
