@@ -146,33 +146,47 @@ impl<'a> RigLoop<'a> {
 
     /// The loop without a residual delay.
     fn gain(&self, s: Complex64) -> Complex64 {
-        let with: Complex64 = self
-            .modes
-            .iter()
-            .map(|mode| {
-                let residue = mode.residues[self.slot];
-                let own = residue / (s - mode.pole);
-                let other = residue.conj() / (s - mode.pole.conj());
-                if mode.pole.im == 0.0 { own } else { own + other }
-            })
-            .sum();
-        let damped = s * self.ce_n_s_per_m;
-        let damper = damped / (damped * self.compliance_m_per_n + 1.0);
-        let without = with / (Complex64::ONE - with * damper);
-        let Series([a0, a1, a2, a3]) = self.series;
-        let series = ((s * a3 + a2) * s + a1) * s + a0;
-        without * damper * series * (-s * (a1 / a0)).exp()
+        let (with, damper) = (self.receptance(s), self.damper(s));
+        with * damper * self.residual(s) / (Complex64::ONE - with * damper)
     }
 
-    /// The pole of the coupled vehicle near another, by Newton steps.
+    /// The vehicle with all its dampers.
+    fn receptance(&self, s: Complex64) -> Complex64 {
+        let of = |mode: &LinearMode| {
+            let residue = mode.residues[self.slot];
+            let own = residue / (s - mode.pole);
+            let other = residue.conj() / (s - mode.pole.conj());
+            if mode.pole.im == 0.0 { own } else { own + other }
+        };
+        self.modes.iter().map(of).sum()
+    }
+
+    /// The damper of the slot's model.
+    fn damper(&self, s: Complex64) -> Complex64 {
+        let damped = s * self.ce_n_s_per_m;
+        damped / (damped * self.compliance_m_per_n + 1.0)
+    }
+
+    /// The compensator on a rig of the delay that it is made for.
+    fn residual(&self, s: Complex64) -> Complex64 {
+        let Series([a0, a1, a2, a3]) = self.series;
+        (((s * a3 + a2) * s + a1) * s + a0) * (-s * (a1 / a0)).exp()
+    }
+
+    /// The pole of the coupled vehicle near another, by Newton steps: `1 + L = 0` in the form
+    /// `1 / G = K (1 - R exp(-s tau))`, which holds at the poles of `G` too.
     fn pole_near(&self, start: Complex64, tau_s: f64) -> Complex64 {
-        let characteristic = |s: Complex64| Complex64::ONE + self.gain(s) * (-s * tau_s).exp();
-        let mut s = start;
+        let characteristic = |s: Complex64| {
+            let late = self.residual(s) * (-s * tau_s).exp();
+            Complex64::ONE / self.receptance(s) - self.damper(s) * (Complex64::ONE - late)
+        };
+        // A pole of G itself is no number.
+        let mut s = start * (1.0 + 1e-9);
         for _ in 0..NEWTON_STEPS {
             let width = WIDTH * s.norm();
             let slope = (characteristic(s + width) - characteristic(s - width)) / (2.0 * width);
             let step = characteristic(s) / slope;
-            if !step.is_finite() {
+            if !step.is_finite() || step.norm() < 1e-12 * s.norm() {
                 break;
             }
             // Far steps lead to another pole.
