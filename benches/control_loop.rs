@@ -28,6 +28,7 @@ fn cycle(criterion: &mut Criterion) {
         pace: Pace::LockStep,
         slow_down: NonZeroU8::MIN,
         arming: Arming::in_memory(),
+        delay_gate: None,
         watched: [Some(0), Some(1), Some(3)],
         rear_bogie: Some(2),
     };

@@ -136,6 +136,7 @@ pub(crate) fn command(
         overwrite: common.overwrite,
         inputs: Vec::new(),
         name: "rig".to_owned(),
+        linear: None,
         realtime: args.realtime.options(),
     };
     eprintln!("expected heat, from {LABORATORY_DEGC} degrees Celsius on:");

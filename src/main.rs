@@ -17,6 +17,7 @@ mod faults;
 mod identify;
 mod identify_on_mass;
 mod keys;
+mod linear_vehicle;
 mod next_test;
 mod output;
 mod progress;

@@ -4,6 +4,7 @@ use crate::bench_options::{RealtimeArgs, WireArgs, slow_down};
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED, SAFE_STATE};
 use crate::keys::Keys;
+use crate::linear_vehicle::linear_vehicle;
 use crate::output::{print, stem};
 use crate::stop;
 use crate::value::number;
@@ -12,7 +13,7 @@ use hil_host::bus::BusChoice;
 use hil_host::control::End;
 use hil_host::{DamperSummary, PaceChoice, RunOptions, Summary, run};
 use report::{Cell, Table};
-use scenario::run::{Overrides, Run};
+use scenario::run::{Overrides, Run, SlotForce};
 use std::num::NonZeroU8;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -94,6 +95,7 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         overwrite: args.overwrite,
         inputs: vec![args.scenario.clone()],
         name: stem(&args.scenario),
+        linear: if on_rigs(&scenario) { linear_vehicle(&scenario)? } else { None },
         realtime: args.realtime.options(),
     };
     let requests = stop::requests();
@@ -153,6 +155,28 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     } else {
         ExitCode::SUCCESS
     })
+}
+
+/// Whether any damper is on a rig.
+fn on_rigs(run: &Run) -> bool {
+    run.slots.iter().any(|slot| matches!(slot.force, SlotForce::Rig { .. }))
+}
+
+/// How the rigs follow, and what their delay costs: one line for each, and what to be warned of.
+fn tracking_lines(dampers: &[DamperSummary]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for damper in dampers {
+        let Some(tracking) = &damper.tracking else { continue };
+        let measured = [("before RUN", tracking.before_run), ("in RUN", tracking.delay)];
+        for (when, delay) in measured {
+            let Some(delay) = delay else { continue };
+            lines.push(format!("{} {when}: {}", damper.name, delay.in_words()));
+        }
+        if let Some(warning) = tracking.warning() {
+            lines.push(format!("warning: {}: {warning}", damper.name));
+        }
+    }
+    lines
 }
 
 /// The forces, strokes and work of every damper.
@@ -215,6 +239,7 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
     if !summary.damper.is_empty() {
         lines.extend(damper_table(&summary.damper).lines());
     }
+    lines.extend(tracking_lines(&summary.damper));
     let bodies = [
         ("carbody", summary.accelerations.carbody),
         ("bogie front", summary.accelerations.bogie_front),

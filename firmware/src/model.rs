@@ -10,7 +10,7 @@ use core::hint::black_box;
 
 use firmware_core::command::Command;
 use firmware_core::compensation::{
-    Adaptive, Answer, Compensator, Feedforward, Series, damping_energy_lost,
+    Adaptive, Answer, Compensator, Feedforward, Series, damping_energy_lost, delay_that_costs,
 };
 use firmware_core::damper::effects::{CATALOGUE, EffectInfo};
 use firmware_core::damper::{
@@ -79,6 +79,9 @@ fn line(vehicle: &Vehicle, track: &Track<'_>, table: &ContactTable) {
     black_box(line.couple(&mut state, black_box([0.0; DAMPER_SLOTS])).is_ok());
     state.delay_run(black_box(0));
     line.step(&mut state, &black_box([ForceInput::Missing; DAMPER_SLOTS]));
+    let answers = black_box([None; DAMPER_SLOTS]);
+    line.step_on(track, &mut state, &black_box([ForceInput::Missing; DAMPER_SLOTS]), &answers);
+    black_box(state.is_measuring());
     black_box((line.is_faded_out(&state), state.run_cycles(), state.time_s(line.cycle_s)));
     black_box(Growth::default().take(black_box(0.0), black_box(0.1)));
     let snapshot = state.clone();
@@ -180,7 +183,9 @@ fn compensation() {
         let series = compensator.series(&state);
         black_box((state.has_run_away(), series.delay_s(black_box(1.0)), series.gain(1.0)));
     }
+    black_box(black_box(Compensator::None).with_known_delay(black_box(0.0)));
     black_box(damping_energy_lost(black_box(0.0), black_box(1.0), black_box(0.0)));
+    black_box(delay_that_costs(black_box(0.0), black_box(1.0), black_box(0.0)));
 }
 
 /// Look-ups on a track with a curve.

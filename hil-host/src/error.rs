@@ -45,6 +45,17 @@ pub enum BenchError {
         /// Its worst-case load, from 0 to 1.
         load: f64,
     },
+    /// A rig whose loop lacks the gain margin at a delay that it may have.
+    Unstable {
+        /// The bus.
+        bus: String,
+        /// The slot.
+        place: String,
+        /// What was found.
+        found: String,
+        /// The least gain margin.
+        margin: f64,
+    },
     /// A disk without room for the run.
     Space {
         /// The result folder.
@@ -185,6 +196,7 @@ impl BenchError {
             | Self::FastOnBus { .. }
             | Self::OtherHost { .. }
             | Self::BusLoad { .. }
+            | Self::Unstable { .. }
             | Self::Space { .. }
             | Self::Kept { .. }
             | Self::RealtimeRefused => true,
@@ -300,6 +312,12 @@ impl fmt::Display for BenchError {
                 f,
                 "{}: found the frame {id:03X} of another host, expected a bus without one: a run \
                  goes on there, and a second host would end it",
+                quoted(bus)
+            ),
+            Self::Unstable { bus, place, found, margin } => write!(
+                f,
+                "{place} on {}: found {found}, expected a gain margin of {margin:.0} at every \
+                 delay: compensate less, or use a faster rig",
                 quoted(bus)
             ),
             Self::BusLoad { bus, load } => write!(
@@ -443,6 +461,15 @@ mod tests {
             (BenchError::FastOnBus { bus: bus() }, [true, false, false]),
             (BenchError::OtherHost { bus: bus(), id: 0x80 }, [true, false, false]),
             (BenchError::BusLoad { bus: bus(), load: 1.08 }, [true, false, false]),
+            (
+                BenchError::Unstable {
+                    bus: bus(),
+                    place: "front left".to_owned(),
+                    found: "stable for delays up to 0.5 ms".to_owned(),
+                    margin: 2.0,
+                },
+                [true, false, false],
+            ),
             (
                 BenchError::Space { folder: path.clone(), free: 1, needed: 2, cycles: 3 },
                 [true, false, false],

@@ -13,6 +13,7 @@
 //! 3. [`control`]: the loop, and the watch over the damper of each rig.
 //! 4. [`rig`]: the other end of the bus, in line or as a process of its own; `reset` releases one
 //!    that is latched; [`Draw`] is the source of the numbers of both sides.
+//!    The delay that a rig leaves to the force is measured in blocks ([`DelayBlocks`]).
 //! 5. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
 //!    read back as a damper test.
 //! 6. [`faults`]: faults that are injected into a coupled run in virtual time.
@@ -34,6 +35,7 @@ pub mod doctor;
 mod draw;
 mod error;
 pub mod faults;
+mod linear_vehicle;
 mod options;
 mod page;
 mod progress_bar;
@@ -41,9 +43,11 @@ pub mod realtime;
 pub mod record;
 pub mod replay;
 mod reset;
+mod residual_delay;
 pub mod rig;
 pub mod rtcheck;
 pub mod run;
+pub mod stability;
 mod statistics;
 mod summary;
 mod wire_state;
@@ -51,9 +55,11 @@ mod wire_state;
 pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};
 pub use draw::Draw;
 pub use error::BenchError;
+pub use linear_vehicle::{Hunting, LinearMode, LinearVehicle};
 pub use options::{PaceChoice, RunOptions};
 pub use reset::{reset_over, reset_rig};
+pub use residual_delay::{DelayBlocks, ResidualDelay, Sensitivity};
 pub use summary::{
     Acceleration, Accelerations, ArmedSession, BusCount, DamperSummary, ForceRange, Frames,
-    Percentiles, StepPercentiles, Stroke, Summary,
+    MeasuredDelay, Percentiles, StepPercentiles, Stroke, Summary, TrackingSummary,
 };

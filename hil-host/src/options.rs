@@ -1,6 +1,7 @@
 //! What a run is given in addition to its scenario.
 
 use crate::bus::BusChoice;
+use crate::linear_vehicle::LinearVehicle;
 use crate::realtime::RealtimeOptions;
 use can_protocol::Profile;
 use serde::{Deserialize, Serialize};
@@ -51,6 +52,8 @@ pub struct RunOptions {
     pub inputs: Vec<PathBuf>,
     /// Name for the default folder.
     pub name: String,
+    /// The vehicle about steady running; without it no delay is judged.
+    pub linear: Option<LinearVehicle>,
     /// Real-time set-up.
     pub realtime: RealtimeOptions,
 }

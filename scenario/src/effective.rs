@@ -39,6 +39,8 @@ pub(crate) fn effective(
     file.plausibility = file.plausibility.with_defaults(motion.stroke_m);
     for slot in file.slot.iter_mut().filter(|slot| slot.on == On::Rig) {
         slot.model = Some(slot.model.take().unwrap_or_default().over(&file.damper));
+        slot.accept_delay_error = Some(slot.accept_delay_error.unwrap_or(false));
+        slot.compensation = Some(slot.compensation.take().unwrap_or_default().with_defaults());
     }
     for watch in file.slot.iter_mut().filter_map(|slot| slot.watch.as_mut()) {
         *watch = watch.with_defaults(&file.damper);

@@ -8,7 +8,8 @@
 //! Read [`run`] first. The parts of the file follow: [`vehicle`] and [`wheel_rail`], whose numbers
 //! carry their provenance ([`quantity`]); [`damper`], the damper of each slot, and [`watch`], the
 //! model that a rig is compared with; [`track`] and [`irregularity`]; [`rig`] and
-//! [`plausibility`], what is believed of it; [`compare`].
+//! [`plausibility`], what is believed of it, and `compensation`, how its delay is compensated;
+//! [`compare`].
 //! [`setting`] changes single numbers by their key, as studies do. [`datasheet::Datasheet`]
 //! converts a maker's data into a nominal damper.
 //!
@@ -24,6 +25,7 @@
 //! Layers: this crate uses `files` and `firmware-core`; it knows no bus, no study and no command.
 
 pub mod compare;
+mod compensation;
 pub mod conicity;
 pub mod contact_geometry;
 mod cycle;

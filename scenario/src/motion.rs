@@ -126,10 +126,14 @@ impl MotionFile {
     }
 }
 
+/// Cycles between the fades in which a host on a real bus measures the delay of its rigs.
+pub const MEASURING_CYCLES: u32 = 6000;
+
 impl Motion {
-    /// The time that the ramps at both ends take, from a ram that does not begin far away (s).
+    /// The time that the ramps at both ends and the measurement of the delay take, from a ram that
+    /// does not begin far away (s).
     pub(crate) fn ramps_s(&self) -> f64 {
-        4.0 * f64::from(self.ramp_cycles) * CYCLE_S
+        (4.0 * f64::from(self.ramp_cycles) + f64::from(MEASURING_CYCLES)) * CYCLE_S
     }
 }
 

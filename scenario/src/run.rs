@@ -1,8 +1,9 @@
 //! A run: vehicle, speed, track, damper slots and rig, ready to be simulated.
 
+pub use crate::compensation::{CompensationFile, CompensationKind};
 pub use crate::cycle::CYCLE_S;
 pub use crate::effective::Effective;
-pub use crate::motion::{BeyondLimits, Motion};
+pub use crate::motion::{BeyondLimits, MEASURING_CYCLES, Motion};
 pub use crate::plausibility::{BEYOND_STROKE_M, ForceLimit, Plausibility};
 pub use crate::readiness::Readiness;
 pub use crate::run_file::{On, RunFile, SlotFile, VirtualWearFile};

@@ -1,6 +1,7 @@
 //! A scenario as it stands in its file.
 
 use crate::compare::CompareFile;
+use crate::compensation::CompensationFile;
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
@@ -79,6 +80,10 @@ pub struct SlotFile {
     pub model: Option<DamperFile>,
     /// A model that the rig's force is compared with.
     pub watch: Option<WatchFile>,
+    /// Whether a run goes on whose delay costs more of the damping than is allowed.
+    pub accept_delay_error: Option<bool>,
+    /// How the delay of the rig is compensated.
+    pub compensation: Option<CompensationFile>,
 }
 
 /// Where the force of a slot comes from.

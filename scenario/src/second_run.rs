@@ -25,14 +25,20 @@ impl Run {
         let mut slots = self.slots.clone();
         for (number, slot) in slots.iter_mut().enumerate() {
             slot.force = match &slot.force {
-                SlotForce::Rig { node, bus, .. } if emulated(number) => SlotForce::Rig {
-                    node: *node,
-                    bus: bus.clone(),
-                    virtual_clearance_2a_m: 0.0,
-                    virtual_compliance_m_per_n: 0.0,
-                    model: Box::new(damper_mass::without(damper.clone()).map_err(refused)?),
-                    watch: None,
-                },
+                SlotForce::Rig { node, bus, compensator, accept_delay_error, .. }
+                    if emulated(number) =>
+                {
+                    SlotForce::Rig {
+                        node: *node,
+                        bus: bus.clone(),
+                        virtual_clearance_2a_m: 0.0,
+                        virtual_compliance_m_per_n: 0.0,
+                        model: Box::new(damper_mass::without(damper.clone()).map_err(refused)?),
+                        watch: None,
+                        compensator: *compensator,
+                        accept_delay_error: *accept_delay_error,
+                    }
+                }
                 _ => damper_mass::give_to_bodies(&mut vehicle, number, damper.clone())
                     .map(SlotForce::Modelled)
                     .map_err(refused)?,

@@ -8,6 +8,7 @@ use crate::source::Source;
 use crate::vehicle::VehicleFile;
 use crate::watch::WatchSetup;
 use files::{did_you_mean, number, quoted};
+use firmware_core::compensation::Compensator;
 use firmware_core::damper::{Damper, DamperError, Nominal};
 use firmware_core::vehicle::DAMPER_SLOTS;
 
@@ -40,6 +41,10 @@ pub enum SlotForce {
         model: Box<Damper>,
         /// The model that its force is compared with.
         watch: Option<Box<WatchSetup>>,
+        /// How its delay is compensated, what is known outside of it left out.
+        compensator: Compensator,
+        /// Whether a run goes on whose delay costs more than is allowed.
+        accept_delay_error: bool,
     },
 }
 
@@ -68,10 +73,12 @@ pub(crate) fn slots(
     for slot in &file.slot {
         let place = quoted(&slot.place);
         let of_a_rig = slot.virtual_wear.is_some() || slot.watch.is_some() || slot.model.is_some();
-        let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), of_a_rig];
+        let of_its_delay = slot.compensation.is_some() || slot.accept_delay_error.is_some();
+        let on_a_rig = [slot.node.is_some(), slot.bus.is_some(), of_a_rig, of_its_delay];
         if slot.on == On::Modelled && on_a_rig.contains(&true) {
             return Err(source.whole_error(format!(
-                "slot \"{place}\" is modelled: node, bus, virtual_wear, model and watch are for a rig"
+                "slot \"{place}\" is modelled: node, bus, virtual_wear, model, watch, compensation \
+                 and accept_delay_error are for a rig"
             )));
         }
     }
@@ -156,6 +163,11 @@ impl SlotFile {
             virtual_compliance_m_per_n: compliance,
             model: Box::new(model),
             watch,
+            compensator: match &self.compensation {
+                Some(compensation) => compensation.build(source)?,
+                None => Compensator::None,
+            },
+            accept_delay_error: self.accept_delay_error.unwrap_or(false),
         })
     }
 }

@@ -50,6 +50,7 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>) -> Session<'a> {
         pace: WirePace::LockStep,
         slow_down: NonZeroU8::MIN,
         arming: Arming::in_memory(),
+        delay_gate: None,
         watched: [Some(0), Some(1), Some(3)],
         rear_bogie: Some(2),
     }

@@ -10,6 +10,7 @@
 //! | [`trip`] | a vehicle under way: on one track at one speed, recorded at 1 kHz |
 //! | [`critical_speed`], [`ride`], [`curve`] | the three questions, each with its text and its page |
 //! | [`modes`], `describing_function` | linear vibrations, with a damper as stiffness and damping |
+//! | [`receptance`] | poles and residues of the vehicle at the places of its dampers |
 //! | [`study`] | asking at every point; the identity of a study |
 //! | [`grid`], [`GridPoint`], [`OverSeeds`] | points, their answers, quantities over several tracks |
 //! | [`StudyError`] | what can go wrong in any of them |
@@ -27,6 +28,7 @@ mod over_keys;
 mod over_seeds;
 mod point;
 mod point_table;
+pub mod receptance;
 pub mod ride;
 pub mod study;
 pub mod trip;

@@ -76,21 +76,21 @@ impl Coordinate {
         all
     }
 
-    fn position(self, state: &mut VehicleState) -> &mut f64 {
+    pub(crate) fn position(self, state: &mut VehicleState) -> &mut f64 {
         match self {
             Self::Body(body, coordinate) => &mut state.position[body][coordinate].0[0],
             Self::Rail(axle, side, way) => &mut state.rail_position[axle][side][way].0[0],
         }
     }
 
-    fn velocity(self, state: &mut VehicleState) -> &mut f64 {
+    pub(crate) fn velocity(self, state: &mut VehicleState) -> &mut f64 {
         match self {
             Self::Body(body, coordinate) => &mut state.half_velocity[body][coordinate].0[0],
             Self::Rail(axle, side, way) => &mut state.rail_half_velocity[axle][side][way].0[0],
         }
     }
 
-    fn acceleration(self, state: &VehicleState) -> f64 {
+    pub(crate) fn acceleration(self, state: &VehicleState) -> f64 {
         match self {
             Self::Body(body, coordinate) => state.acceleration[body][coordinate].lane(0),
             Self::Rail(axle, side, way) => state.rail_acceleration[axle][side][way].lane(0),

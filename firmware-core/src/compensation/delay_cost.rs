@@ -31,6 +31,32 @@ pub fn damping_energy_lost(delay_s: f64, frequency_hz: f64, relaxation_s: f64) -
     1.0 - cos + omega * relaxation_s * sin
 }
 
+/// The delay at which [`damping_energy_lost`] first reaches a share, s; a negative share gives the
+/// lead. Infinite where no delay, or no lead, costs as much.
+///
+/// With `R = sqrt(1 + (w lambda)^2)` and `phi = atan(1 / (w lambda))` the loss is
+/// `1 + R sin(w tau - phi)`, and so `w tau = phi + asin((share - 1) / R)`.
+///
+/// ```
+/// use firmware_core::compensation::{damping_energy_lost, delay_that_costs};
+/// let (hz, relaxation_s) = (3.5, 0.08);
+/// let delay_s = delay_that_costs(0.05, hz, relaxation_s);
+/// assert!((damping_energy_lost(delay_s, hz, relaxation_s) - 0.05).abs() < 1e-12);
+/// assert!((delay_s - 1.282e-3).abs() < 1e-6);
+/// assert!(delay_that_costs(-0.05, hz, relaxation_s) < 0.0);
+/// ```
+pub fn delay_that_costs(share: f64, frequency_hz: f64, relaxation_s: f64) -> f64 {
+    debug_assert!(frequency_hz > 0.0 && relaxation_s >= 0.0, "{frequency_hz} Hz, {relaxation_s} s");
+    let omega = TAU * frequency_hz;
+    let slope = omega * relaxation_s;
+    let height = libm::hypot(1.0, slope);
+    let sine = (share - 1.0) / height;
+    if sine.abs() > 1.0 {
+        return libm::copysign(f64::INFINITY, share);
+    }
+    (libm::atan2(1.0, slope) + libm::asin(sine)) / omega
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -50,6 +76,23 @@ mod tests {
         ] {
             let lost = 100.0 * damping_energy_lost(delay_ms * 1e-3, hz, w_lambda / (TAU * hz));
             assert!((lost - percent).abs() <= tolerance, "{w_lambda} {hz} {delay_ms}: {lost}");
+        }
+    }
+
+    #[test]
+    fn the_delay_that_costs_a_share_costs_it() {
+        for relaxation_s in [0.0, 0.01, 0.08, 0.33] {
+            assert!(delay_that_costs(0.0, 3.5, relaxation_s).abs() < 1e-15);
+            for share in [-0.05, -0.01, 0.02, 0.05, 0.5] {
+                let delay_s = delay_that_costs(share, 3.5, relaxation_s);
+                if delay_s.is_infinite() {
+                    // A pure dashpot loses at every delay and at every lead.
+                    assert!(relaxation_s < 0.02 && share < 0.0, "{relaxation_s} {share}");
+                    continue;
+                }
+                let lost = damping_energy_lost(delay_s, 3.5, relaxation_s);
+                assert!((lost - share).abs() < 1e-12, "{relaxation_s} {share}: {lost}");
+            }
         }
     }
 

@@ -18,7 +18,7 @@ mod series;
 mod virtual_wear;
 
 pub use adaptive::{Adaptive, AdaptiveState, Answer, RUNAWAY_S};
-pub use delay_cost::damping_energy_lost;
+pub use delay_cost::{damping_energy_lost, delay_that_costs};
 pub use feedforward::Feedforward;
 pub use series::Series;
 pub use virtual_wear::{VirtualWear, VirtualWearState};
@@ -37,8 +37,8 @@ pub enum Compensator {
     Adaptive(Adaptive),
 }
 
-/// What a compensator remembers.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What a compensator remembers. The default is the start of every one that does not adapt.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CompensatorState {
     differences: Differences,
     adaptive: Option<AdaptiveState>,
@@ -91,6 +91,16 @@ impl Compensator {
                 debug_assert!(false, "a state of another compensator");
                 wanted
             }
+        }
+    }
+
+    /// The same with a further delay that is known, s.
+    #[must_use]
+    pub fn with_known_delay(self, known_delay_s: f64) -> Self {
+        match self {
+            Self::None => Self::None,
+            Self::Feedforward(fixed) => Self::Feedforward(fixed.with_known_delay(known_delay_s)),
+            Self::Adaptive(adaptive) => Self::Adaptive(adaptive.with_known_delay(known_delay_s)),
         }
     }
 

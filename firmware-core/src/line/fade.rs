@@ -4,23 +4,28 @@
 //! x = x_0 + g_m (x_vehicle - x_0)              x_0: where the ram stood
 //! F = (1 - g_c) F_model + g_c F_measured       the vehicle always has a damper
 //!
-//! RAMP_IN:   g_m from 0 to 1, then g_c from 0 to 1
+//! RAMP_IN:   g_m from 0 to 1, both stay while the delay is measured, then g_c from 0 to 1
 //! RAMP_OUT:  g_c to 0, then g_m to 0: the ram rests where it began
 //! ```
 //! A force that is not believed any more is faded out within [`URGENT_S`], from its last believed
-//! value; a ram is never brought back along a displacement that is not believed: that is SAFE.
+//! value. A compensator acts on as much of the command as the motion is faded in, so that a ram
+//! begins and ends where it stands. A ram is never brought back along a displacement that is not believed: that is SAFE.
 
 use super::slot::SlotState;
 use super::{Line, LineState, Slot};
 use crate::command::Command;
+use crate::compensation::{Answer, Compensator};
 use crate::supervision::{CommandLimits, Event, Outcome, Ramp, State};
 use crate::vehicle::DAMPER_SLOTS;
 
-/// Length of both fades.
+/// Length of both fades, and of the pause between them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Fade {
     /// Cycles in which the ram takes up the vehicle's motion.
     pub motion_cycles: u32,
+    /// Cycles between them, in which the ram moves with the vehicle and its force does not act: the
+    /// delay is measured.
+    pub measuring_cycles: u32,
     /// Cycles in which the measured force takes the place of the model's.
     pub coupling_cycles: u32,
 }
@@ -72,8 +77,9 @@ impl Line<'_> {
         let mut fade = self.fade;
         let rams = self.slots.iter().zip(&mut state.slots).zip(motions).zip(rams_m).enumerate();
         for (slot, (((kind, memory), (extension, _)), ram_m)) in rams {
-            let Slot::Rig(_) = kind else { continue };
+            let Slot::Rig(rig) = kind else { continue };
             memory.begin(ram_m);
+            memory.compensator = rig.compensator.start();
             let way_m = (extension.lane(0) - memory.mid_stroke_m - ram_m).abs();
             let longer = fade.over(way_m, &memory.limits, self.cycle_s);
             fade = longer.ok_or(TooFar { slot, ram_m })?;
@@ -81,7 +87,7 @@ impl Line<'_> {
         if fade.motion_cycles == 0 {
             state.slots.iter_mut().for_each(|memory| memory.motion = Ramp::FULL);
         }
-        if fade.coupling_cycles == 0 {
+        if fade.coupling_cycles == 0 && fade.measuring_cycles == 0 {
             state.slots.iter_mut().for_each(|memory| memory.coupling = Ramp::FULL);
         }
         state.fade = fade;
@@ -89,7 +95,8 @@ impl Line<'_> {
             // Without a rig there is nothing to couple.
             return Ok(());
         }
-        state.ramp_in_cycles = fade.motion_cycles + fade.coupling_cycles;
+        let before = fade.motion_cycles + fade.measuring_cycles;
+        state.ramp_in_cycles = before + fade.coupling_cycles;
         let outcome = state.on(Event::Couple);
         debug_assert!(outcome == Outcome::Enters(State::RampIn), "coupled without being armed");
         Ok(())
@@ -101,11 +108,13 @@ impl Line<'_> {
             state.on(Event::RampDone);
         }
         let (phase, fade) = (state.state, state.fade);
+        let is_measuring = state.is_measuring();
         let urgent_cycles = libm::ceil(URGENT_S / self.cycle_s) as u32;
         let slots = self.slots.iter().zip(&mut state.slots);
         for (_, memory) in slots.filter(|(slot, _)| matches!(slot, Slot::Rig(_))) {
             match phase {
                 State::RampIn if !memory.motion.is_full() => memory.motion.up(fade.motion_cycles),
+                State::RampIn if is_measuring => {}
                 State::RampIn => memory.coupling.up(fade.coupling_cycles),
                 State::RampOut if !memory.coupling.is_empty() => {
                     let cycles = fade.coupling_cycles;
@@ -137,6 +146,14 @@ impl Line<'_> {
 }
 
 impl LineState {
+    /// Whether the rigs move with the vehicle and their forces do not act yet.
+    pub fn is_measuring(&self) -> bool {
+        let Fade { motion_cycles, measuring_cycles, .. } = self.fade;
+        let begin = u64::from(motion_cycles);
+        let end = begin + u64::from(measuring_cycles);
+        self.state == State::RampIn && (begin..end).contains(&self.cycle)
+    }
+
     /// Has RUN begin after at least so many cycles, so that it begins at the same place on the
     /// track as that of another run. For a line that was not stepped yet.
     pub fn delay_run(&mut self, cycles: u32) {
@@ -153,8 +170,40 @@ impl SlotState {
     pub(super) fn begin(&mut self, ram_m: f64) {
         self.ram_start_m = ram_m;
         self.command = Command { displacement_m: ram_m, velocity_m_per_s: 0.0 };
+        self.wanted = self.command;
         (self.motion, self.coupling) = (Ramp::default(), Ramp::default());
         self.is_force_believed = true;
+    }
+
+    /// The command that a rig answers with the wanted motion.
+    ///
+    /// A compensator gives a ram at rest away from mid-stroke another place, where its gain is not
+    /// one; so its share grows with the motion.
+    pub(super) fn compensated(
+        &mut self,
+        compensator: &Compensator,
+        answer: Option<Answer>,
+        (fade, phase): (Fade, State),
+        cycle_s: f64,
+    ) -> Command {
+        let wanted = self.wanted;
+        let whole = compensator.step(&mut self.compensator, wanted, answer, cycle_s);
+        if self.motion.is_full() {
+            return whole;
+        }
+        let (gain, slope) = self.motion_gain(fade, phase);
+        let way_m = whole.displacement_m - wanted.displacement_m;
+        let velocity = whole.velocity_m_per_s - wanted.velocity_m_per_s;
+        Command {
+            displacement_m: wanted.displacement_m + gain * way_m,
+            velocity_m_per_s: wanted.velocity_m_per_s + gain * velocity + slope * way_m / cycle_s,
+        }
+    }
+
+    /// The share of the vehicle's motion and its change in a cycle.
+    fn motion_gain(&self, fade: Fade, phase: State) -> (f64, f64) {
+        let slope = self.motion.slope(fade.motion_cycles);
+        (self.motion.gain(), if phase == State::RampOut { -slope } else { slope })
     }
 
     /// The command for a rig on its way into or out of the vehicle's motion.
@@ -162,9 +211,7 @@ impl SlotState {
         if self.motion.is_full() {
             return vehicle;
         }
-        let gain = self.motion.gain();
-        let slope = self.motion.slope(fade.motion_cycles);
-        let slope = if phase == State::RampOut { -slope } else { slope };
+        let (gain, slope) = self.motion_gain(fade, phase);
         let way_m = vehicle.displacement_m - self.ram_start_m;
         Command {
             displacement_m: self.ram_start_m + gain * way_m,

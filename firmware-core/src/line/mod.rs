@@ -2,6 +2,8 @@
 //!
 //! ```text
 //! received forces -> guard -> vehicle step (modelled dampers inside) -> compensation -> commands
+//!
+//! compensation: extension -> wear -> fade -> wanted -> compensator -> limits -> command
 //! ```
 //! A rig is coupled gradually ([`Fade`]): its ram takes up the vehicle's motion from where it
 //! stands, then its measured force takes the place of a model's. At the end it is the other way
@@ -10,6 +12,20 @@
 //! The step of a cycle takes the forces that were received since the last one and holds them over
 //! the cycle; modelled dampers act at every substep. Forces are applied in slot order. What goes
 //! out is each rig's displacement and velocity at the end of the cycle.
+//!
+//! **Delay of the force.** Cycle `k` holds its forces over `[kT, (k+1)T]` and commands the extension
+//! at `(k+1)T`. A rig without any lag runs on from there and measures at `(k+2)T`; what it measures
+//! arrives in cycle `k+1`, is the extension that leaves in the same cycle, and its force is held
+//! over `[(k+1)T, (k+2)T]`, half a cycle too early in the mean. With the delay `tau_x` of the
+//! measured displacement that arrives in a cycle against the wanted one that leaves in it,
+//!
+//! ```text
+//! tau = tau_x - T / 2
+//! ```
+//!
+//! is the delay of the force, at every pace: what is older on a clock is part of `tau_x`. So
+//! [`KNOWN_DELAY_CYCLES`] is the part that a compensator knows without a measurement, and an answer
+//! is paired with the command of the cycle in which it arrives.
 
 mod fade;
 mod open_loop;
@@ -19,6 +35,7 @@ pub use fade::{Fade, TooFar, URGENT_S};
 pub use slot::{RigSlot, Slot, SlotState};
 
 use crate::command::Command;
+use crate::compensation::{Answer, Compensator};
 use crate::damper::DamperState;
 use crate::guard::ForceInput;
 use crate::lanes::Lanes;
@@ -27,6 +44,9 @@ use crate::track::Track;
 use crate::vehicle::{DAMPER_SLOTS, Running, Vehicle, VehicleState};
 use crate::wheel_rail::table::ContactTable;
 use slot::SlotForces;
+
+/// Delay of the force outside of the rigs, in cycles: it is held over a cycle, from its beginning.
+pub const KNOWN_DELAY_CYCLES: f64 = -0.5;
 
 /// Everything that does not change during a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,6 +173,7 @@ impl Line<'_> {
             memory.damper = DamperState::rest();
             if let Slot::Rig(rig) = slot {
                 memory.limits = rig.limits;
+                memory.compensator = rig.compensator.start();
             }
         }
         state
@@ -160,15 +181,17 @@ impl Line<'_> {
 
     /// One cycle: takes what arrived, leaves the commands in the slots.
     pub fn step(&self, state: &mut LineState, inputs: &[ForceInput; DAMPER_SLOTS]) {
-        self.step_on(self.track, state, inputs);
+        self.step_on(self.track, state, inputs, &[None; DAMPER_SLOTS]);
     }
 
-    /// The same on any stretch of the line's track that holds the whole vehicle.
+    /// The same on any stretch of the line's track that holds the whole vehicle, with the measured
+    /// displacements that arrived with the forces.
     pub fn step_on(
         &self,
         track: &Track<'_>,
         state: &mut LineState,
         inputs: &[ForceInput; DAMPER_SLOTS],
+        answers: &[Option<Answer>; DAMPER_SLOTS],
     ) {
         self.assert_configured();
         debug_assert!(state.state.moves() || state.is_safe(), "a step in {:?}", state.state);
@@ -210,8 +233,8 @@ impl Line<'_> {
             return;
         }
         let (fade, phase) = (state.fade, state.state);
-        for ((slot, memory), (extension, rate)) in
-            self.slots.iter().zip(&mut state.slots).zip(motions)
+        for (((slot, memory), (extension, rate)), answer) in
+            self.slots.iter().zip(&mut state.slots).zip(motions).zip(answers)
         {
             let Slot::Rig(rig) = slot else { continue };
             let (displacement_m, moves) = rig.wear.displacement_m(
@@ -221,10 +244,16 @@ impl Line<'_> {
             );
             let velocity_m_per_s = if moves { rate.lane(0) } else { 0.0 };
             let vehicle = Command { displacement_m, velocity_m_per_s };
-            let wanted = memory.faded(vehicle, fade, phase);
-            let limited = memory.limits.limited(memory.command, wanted, self.cycle_s);
+            memory.wanted = memory.faded(vehicle, fade, phase);
+            let compensated = if rig.compensator == Compensator::None {
+                memory.wanted
+            } else {
+                memory.compensated(&rig.compensator, *answer, (fade, phase), self.cycle_s)
+            };
+            let limited = memory.limits.limited(memory.command, compensated, self.cycle_s);
             memory.limited += u64::from(limited.is_saturated);
             memory.command = limited.command;
+            memory.compensator.sent(memory.command);
             debug_assert!(memory.command.is_finite(), "a plausible state gives a finite command");
         }
         debug_assert!(!state.is_safe(), "a line in its safe state moves nothing");
@@ -269,6 +298,7 @@ mod tests {
         RigSlot {
             model,
             wear: VirtualWear::default(),
+            compensator: Compensator::None,
             limits: CommandLimits {
                 stroke_m: 0.05,
                 velocity_m_per_s: 0.3,

@@ -2,7 +2,7 @@
 
 use super::Line;
 use crate::command::Command;
-use crate::compensation::{VirtualWear, VirtualWearState};
+use crate::compensation::{Compensator, CompensatorState, VirtualWear, VirtualWearState};
 use crate::damper::{Damper, DamperState, Motion};
 use crate::guard::Guard;
 use crate::supervision::{CommandLimits, Ramp};
@@ -26,6 +26,8 @@ pub struct RigSlot {
     pub model: Damper,
     /// Wear in software.
     pub wear: VirtualWear,
+    /// How the delay of the rig is compensated.
+    pub compensator: Compensator,
     /// Limits of the commands that the bench asks for.
     pub limits: CommandLimits,
 }
@@ -43,6 +45,10 @@ pub struct SlotState {
     pub mid_stroke_m: f64,
     /// Limits of the commands: those of the bench, or tighter ones that the rig asks for.
     pub limits: CommandLimits,
+    /// Where the ram is wanted: the vehicle's motion with wear and fades.
+    pub wanted: Command,
+    /// What the compensator remembers.
+    pub compensator: CompensatorState,
     /// Last command to a rig.
     pub command: Command,
     /// Commands that a limit has changed.

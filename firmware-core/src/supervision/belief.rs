@@ -95,6 +95,8 @@ pub struct Belief {
     since_displacement: u32,
     sent: [Command; REMEMBERED],
     next: usize,
+    /// Whether the compensator of the rig has fallen back to its start values.
+    has_run_away: bool,
     found: Findings,
 }
 
@@ -160,6 +162,15 @@ impl Belief {
             Signal::Residual,
             libm::sqrt(self.residual2),
         );
+    }
+
+    /// Takes that an adaptive compensator has fallen back to its start values, for good.
+    pub fn compensation(&mut self, checks: &Checks, has_run_away: bool) {
+        if has_run_away && !self.has_run_away {
+            self.has_run_away = true;
+            let (signal, action) = (Signal::Compensation, checks.compensation);
+            self.found.act(Cause { signal, value: 1.0, limit: f64::INFINITY, action });
+        }
     }
 
     /// What was beyond a limit and ended nothing, by signal.

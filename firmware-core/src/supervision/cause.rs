@@ -57,6 +57,10 @@ pub enum Signal {
     CommandLimit,
     /// Frames of a second sender under an id of this session.
     SecondSender,
+    /// The residual delay, measured before the force acts.
+    Delay,
+    /// An estimate of an adaptive compensator that stays beyond its bounds.
+    Compensation,
     /// The vehicle has left its track, or its numbers.
     Vehicle,
     /// An operator.
@@ -65,7 +69,7 @@ pub enum Signal {
 
 impl Signal {
     /// All signals.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 30] = [
         Self::LostMeasurements,
         Self::LostCommands,
         Self::OldMeasurements,
@@ -92,6 +96,8 @@ impl Signal {
         Self::Growth,
         Self::CommandLimit,
         Self::SecondSender,
+        Self::Delay,
+        Self::Compensation,
         Self::Vehicle,
         Self::Operator,
     ];
@@ -125,6 +131,8 @@ impl Signal {
             Self::Growth => "growth",
             Self::CommandLimit => "command_limit",
             Self::SecondSender => "second_sender",
+            Self::Delay => "delay",
+            Self::Compensation => "compensation",
             Self::Vehicle => "vehicle",
             Self::Operator => "operator",
         }
@@ -159,6 +167,8 @@ impl Signal {
             Self::Growth => "size of a motion that grows towards the end of the stroke",
             Self::CommandLimit => "command beyond its limits",
             Self::SecondSender => "second sender on",
+            Self::Delay => "residual delay",
+            Self::Compensation => "estimate of the compensator beyond its bounds",
             Self::Vehicle => "vehicle off its track",
             Self::Operator => "stopped by the operator",
         }
@@ -186,6 +196,7 @@ impl Signal {
             Self::Acceleration => Some("m/s2"),
             Self::Displacement | Self::Tracking | Self::Growth => Some("m"),
             Self::Temperature => Some("degC"),
+            Self::Delay => Some("s"),
             Self::Work => Some("J"),
             Self::LostMeasurements
             | Self::LostCommands
@@ -203,6 +214,7 @@ impl Signal {
             | Self::CommandLimit
             | Self::BusDown
             | Self::SecondSender
+            | Self::Compensation
             | Self::Vehicle
             | Self::Operator => None,
         }

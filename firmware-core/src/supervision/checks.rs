@@ -67,6 +67,8 @@ pub struct Checks {
     pub lost_of_50: Action,
     /// What losses over the long window ask for.
     pub lost_of_250: Action,
+    /// What an adaptive compensator asks for whose estimate has run away.
+    pub compensation: Action,
 }
 
 impl Checks {
@@ -117,6 +119,7 @@ impl Checks {
             lost_in_a_row: Stop,
             lost_of_50: RampOut,
             lost_of_250: RampOut,
+            compensation: RampOut,
         }
     }
 }

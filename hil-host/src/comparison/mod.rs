@@ -33,7 +33,7 @@ pub(crate) fn compare(
     (other, second): (&Run, &SecondRun),
 ) -> Comparison {
     let (sums, sums_before) = (statistics.after_run_in(), second.statistics.after_run_in());
-    let dampers = crate::summary::dampers(other, &second.counts, sums_before);
+    let dampers = crate::summary::dampers(other, &second.counts, sums_before, None);
     let accelerations = crate::summary::accelerations(second.watched, sums_before);
     let before = figures(other, &dampers, &accelerations, sums_before);
     let after = figures(run, &summary.damper, &summary.accelerations, sums);

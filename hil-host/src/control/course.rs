@@ -173,9 +173,9 @@ mod tests {
         let overrides = Overrides { duration_s: Some(86_400.0), speed_kmh: None };
         let run = Run::load(&path, overrides).unwrap();
         let first = run.track.samples.samples.len();
-        // 24 h at 160 km/h are 3840 km.
+        // 24 h at 160 km/h are 3840 km; the fades and the measurement of the delay take 8 s more.
         let whole = first + run.track.samples.behind;
-        assert!((38_400_000..38_402_000).contains(&whole), "{whole}");
+        assert!((38_403_000..38_405_000).contains(&whole), "{whole}");
         assert!(first * (1 + BUFFERS) <= 800_000, "{first}");
         let track = run.track.view();
         let mut course = Course::new(&run, &track);

@@ -9,6 +9,7 @@ use crate::record::{FrameBytes, InputKind, Row};
 use crate::wire_state::wire_state;
 use can_protocol::Frame;
 use core::time::Duration;
+use firmware_core::compensation::Answer;
 use firmware_core::guard::ForceInput;
 use firmware_core::line::Slot;
 use firmware_core::supervision::{Action, Cause, Signal, State};
@@ -33,6 +34,8 @@ pub(super) const SYNC_CYCLES: u64 = 100;
 pub(super) struct Inputs {
     /// What the guard gets.
     pub(super) force: [ForceInput; DAMPER_SLOTS],
+    /// What the compensator gets: the measured displacement that came with the force.
+    pub(super) answer: [Option<Answer>; DAMPER_SLOTS],
     /// What the record gets.
     pub(super) kind: [InputKind; DAMPER_SLOTS],
     /// Payload of the frame that each input came from.
@@ -90,6 +93,7 @@ impl Session<'_> {
         self.judge(state, &inputs);
         let compute = step(self, state, &inputs);
         self.judge_commands(state);
+        self.measure_delay(state, &inputs);
         self.watch_growth(state);
         let commands = self.encode(state);
         self.send(state, buses, &commands);
@@ -117,12 +121,14 @@ impl Session<'_> {
     fn decode(&self, state: &mut SessionState) -> Inputs {
         let mut inputs = Inputs {
             force: [ForceInput::Missing; DAMPER_SLOTS],
+            answer: [None; DAMPER_SLOTS],
             kind: [InputKind::NoRig; DAMPER_SLOTS],
             frame: [FrameBytes::default(); DAMPER_SLOTS],
         };
         for (port, memory) in self.ports.iter().zip(&mut state.ports) {
             let (force, frame) = port.take_input(memory);
             inputs.force[port.slot] = force;
+            inputs.answer[port.slot] = memory.answer(force);
             inputs.kind[port.slot] = force.into();
             inputs.frame[port.slot] = frame;
         }
@@ -151,6 +157,9 @@ impl Session<'_> {
                 self.stop(state, None, cause, action);
             }
         }
+        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            port.judge_compensation(memory, &state.line.slots[port.slot].compensator);
+        }
         for (number, port) in self.ports.iter().enumerate() {
             let Some((cause, action)) =
                 state.ports.get(number).and_then(|memory| port.cause(memory))
@@ -172,7 +181,7 @@ impl Session<'_> {
         inputs: &Inputs,
     ) -> Duration {
         let (begin, cycle) = (Instant::now(), state.line.cycle);
-        self.line.step_on(track, &mut state.line, &inputs.force);
+        self.line.step_on(track, &mut state.line, &inputs.force, &inputs.answer);
         debug_assert_eq!(state.line.cycle, cycle + 1, "a step is one cycle");
         if state.line.is_safe() && state.stop.is_none() {
             self.stop(state, None, Self::fact(Signal::Vehicle), Action::Stop);

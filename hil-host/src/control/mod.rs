@@ -9,7 +9,8 @@
 //! A [`Session`] holds the parameters and [`SessionState`] everything that changes; a [`Course`] is
 //! the track under a long run. [`Buses`] are its buses and the recorder that keeps every frame.
 //! [`Session::greet`] meets the rigs and arms them. A [`Port`] is the host's end of one rig: what
-//! is believed of it, what it says of itself, and a [`Watch`] over its damper. The first cause that
+//! is believed of it, what it says of itself, and a [`Watch`] over its damper. A [`DelayGate`] keeps
+//! a session from RUN whose delay costs too much of the damping. The first cause that
 //! ends a run is a [`Stop`]. [`Session::notify`] hands it to the events of the run, and what a
 //! check has noted.
 
@@ -17,8 +18,10 @@ mod arming;
 mod buses;
 mod course;
 mod cycle;
+mod delay_gate;
 mod greeting;
 mod hash;
+mod measuring;
 mod news;
 mod no_answer;
 mod notices;
@@ -35,6 +38,7 @@ mod watch;
 
 pub use buses::Buses;
 pub use course::{Course, NoStretch};
+pub use delay_gate::{COST_REFUSED, COST_WARNED, DelayGate, DelayGateState};
 pub use no_answer::NoAnswer;
 pub use notices::Notices;
 pub use open_loop::{Motion, Seen};

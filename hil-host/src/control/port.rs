@@ -10,6 +10,7 @@ use can_protocol::{
     Receiver, ReceiverState, Residual, RunState, Seal, SessionCode, Status,
 };
 use firmware_core::command;
+use firmware_core::compensation::{Answer, CompensatorState};
 use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{
     Action, Arrival, Belief, Cause, Checks, Frames, Growth, Measured, Rule, SecondSender, Signal,
@@ -229,6 +230,12 @@ impl Port {
         }
     }
 
+    /// Judges whether the compensator of the rig has run away.
+    pub(super) fn judge_compensation(&self, state: &mut PortState, compensator: &CompensatorState) {
+        let checks = agreed(&self.checks, state.armed.as_ref());
+        state.belief.compensation(checks, compensator.has_run_away());
+    }
+
     /// The cause in a command that its limits have changed, where that ends a run.
     pub(super) fn beyond_limits(&self, limited: u64) -> Option<Cause> {
         let (signal, action) = (Signal::CommandLimit, Action::Stop);
@@ -365,6 +372,14 @@ impl PortState {
     /// Whether the rig is armed.
     pub fn is_armed(&self) -> bool {
         self.armed.is_some()
+    }
+
+    /// The displacement that came with a force that is believed. It is paired with the command of
+    /// the cycle in which it arrives, so that a compensator learns the way on the bus too.
+    pub(super) fn answer(&self, force: ForceInput) -> Option<Answer> {
+        let ForceInput::Fresh(_) = force else { return None };
+        let displacement_m = self.used.and_then(|used| used.displacement_m)?;
+        Some(Answer { displacement_m, age_cycles: 0 })
     }
 
     /// Whether measurements came since the last cycle, and all of them failed their check.

@@ -41,6 +41,7 @@ impl Session<'_> {
             row.residual_rms_n[slot] = view.residual_rms_n.unwrap_or(f64::NAN);
             row.residual_limit_n[slot] = view.limit_n.unwrap_or(f64::NAN);
             row.drift[slot] = view.verdict;
+            row.wanted_m[slot] = state.line.slots[slot].wanted.displacement_m;
             let command = state.line.slots[slot].command;
             row.command_m[slot] = command.displacement_m;
             row.command_m_per_s[slot] = command.velocity_m_per_s;

@@ -1,5 +1,6 @@
 //! What a session is: parameters and state.
 
+use super::delay_gate::{DelayGate, DelayGateState};
 use super::hash;
 use super::overheard::Overheard;
 use super::port::{Port, PortState};
@@ -29,6 +30,8 @@ pub struct Session<'a> {
     pub slow_down: NonZeroU8,
     /// What the host brings into the arming exchange.
     pub arming: Arming,
+    /// The gate before RUN; none where the delay is not judged.
+    pub delay_gate: Option<DelayGate>,
     /// Bodies whose accelerations are recorded: carbody, front bogie, first wheelset.
     pub watched: [Option<usize>; 3],
     /// The rear bogie.
@@ -42,6 +45,8 @@ pub struct SessionState {
     pub line: LineState,
     /// The ports' states, in slot order.
     pub ports: Vec<PortState, DAMPER_SLOTS>,
+    /// What the gate before RUN has measured.
+    pub gate: DelayGateState,
     /// The trajectory hash so far.
     pub hash: u64,
     /// Ticks of the clock that were skipped.
@@ -78,6 +83,7 @@ impl Session<'_> {
         SessionState {
             line,
             ports: self.ports.iter().map(|_| PortState::default()).collect(),
+            gate: DelayGateState::default(),
             hash: hash::START,
             skipped: 0,
             late: 0,

@@ -144,7 +144,8 @@ impl Stop {
                 (FaultCode::ForceLimit, per_mille)
             }
             Signal::Velocity => (FaultCode::VelocityLimit, per_mille),
-            Signal::Tracking => (FaultCode::Tracking, value * 1e6),
+            Signal::Tracking | Signal::Delay => (FaultCode::Tracking, value * 1e6),
+            Signal::Compensation => (FaultCode::Tracking, 0.0),
             Signal::Work => (FaultCode::Energy, value),
             Signal::RigState => (FaultCode::StateMismatch, value),
             Signal::RigFault => (FaultCode::from_code(value as u16), 0.0),

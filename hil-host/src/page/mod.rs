@@ -71,7 +71,7 @@ pub(crate) fn page(
     for section in [forces(run, &statistics.traces), loops(run, &statistics.traces)] {
         report = report.section(section);
     }
-    if let Some(section) = rigs(run, statistics) {
+    if let Some(section) = rigs(run, summary, statistics) {
         report = report.section(section);
     }
     if let Some(section) = watch(run, counts, &statistics.traces) {

@@ -33,6 +33,11 @@ pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: En
     for reason in &summary.not_held {
         section = section.warning(&format!("Completed, not held: {reason}."));
     }
+    for damper in &summary.damper {
+        if let Some(warning) = damper.tracking.and_then(|tracking| tracking.warning()) {
+            section = section.warning(&format!("{}: {warning}.", damper.name));
+        }
+    }
     if let Some(fault) = &summary.record_fault {
         section = section.warning(fault);
     }

@@ -2,13 +2,14 @@
 
 use super::traces::line;
 use crate::statistics::{RigTraces, Statistics};
+use crate::summary::{MeasuredDelay, Summary};
 use report::{Cell, Plot, Section, Table};
 use scenario::run::{Run, SlotForce};
 
 /// The rigs of a run; none where there is no rig.
-pub(super) fn rigs(run: &Run, statistics: &Statistics) -> Option<Section> {
+pub(super) fn rigs(run: &Run, summary: &Summary, statistics: &Statistics) -> Option<Section> {
     let mut section = Section::new("Rigs");
-    let mut table = Table::new("Tracking")
+    let mut table = Table::new("Tracking of the command")
         .text("damper")
         .number("delay", "ms")
         .number("error rms", "mm")
@@ -42,5 +43,43 @@ pub(super) fn rigs(run: &Run, statistics: &Statistics) -> Option<Section> {
         let force = line(force.x("time", "s").y("force", "kN"), "measured", measured_n, 1e-3);
         section = section.plot(stroke).plot(line(force, "model", model_n, 1e-3));
     }
-    any.then(|| section.table(table))
+    any.then(|| section.table(table).table(delay_table(summary)))
+}
+
+/// The delay of the force of every rig against the wanted motion, and what it costs.
+fn delay_table(summary: &Summary) -> Table {
+    let mut table = Table::new("Delay of the force")
+        .text("damper")
+        .text("measured")
+        .number("delay", "ms")
+        .number("± (95 %)", "ms")
+        .number("blocks", "s")
+        .number("damping lost", "%")
+        .number("at most", "%")
+        .number("NRMSE to the wanted motion", "%")
+        .number("energy error", "%");
+    for damper in &summary.damper {
+        let Some(tracking) = &damper.tracking else { continue };
+        let measured = [("before RUN", tracking.before_run), ("in RUN", tracking.delay)];
+        for (when, delay) in measured {
+            let Some(delay) = delay else { continue };
+            let MeasuredDelay { mean_s, half_width_s, blocks, .. } = delay;
+            let in_run = (when == "in RUN").then_some(tracking);
+            table = table.row([
+                Cell::from(damper.name.as_str()),
+                when.into(),
+                (mean_s * 1e3).into(),
+                (half_width_s * 1e3).into(),
+                f64::from(blocks).into(),
+                delay.damping_lost_percent.into(),
+                delay.damping_lost_at_most_percent.into(),
+                in_run.and_then(|tracking| tracking.nrmse).map(|share| share * 1e2).into(),
+                in_run
+                    .and_then(|tracking| tracking.exchanged_energy_error)
+                    .map(|share| share * 1e2)
+                    .into(),
+            ]);
+        }
+    }
+    table
 }

@@ -157,6 +157,9 @@ row! {
     extension_m_per_s: [f64; DAMPER_SLOTS],
     /// Force of every slot as the vehicle felt it in the last substep (N).
     force_n: [f64; DAMPER_SLOTS],
+    /// Displacement that the rig is wanted at: the extension with wear and fades, before
+    /// compensation and limits; zero for a modelled damper (m).
+    wanted_m: [f64; DAMPER_SLOTS],
     /// Displacement sent to the rig; zero for a modelled damper (m).
     command_m: [f64; DAMPER_SLOTS],
     /// Velocity sent to the rig (m/s).

@@ -336,7 +336,8 @@ fn terms(about: &RunAbout, log: &Path) -> Result<Terms, BenchError> {
             (sync.profile, sync.pace, sync.slow_down)
         });
     let arming = Arming { number, boot, ..Arming::in_memory() };
-    Ok(Terms { profile, pace, slow_down, arming, shows_progress: false })
+    let gate_hz = about.gate_hz;
+    Ok(Terms { profile, pace, slow_down, arming, gate_hz, shows_progress: false })
 }
 
 fn kept(file: &Path, found: &str, expected: &'static str) -> BenchError {

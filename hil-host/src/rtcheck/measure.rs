@@ -165,7 +165,7 @@ fn paced(
                 continue;
             };
             let begin_ns = now_ns();
-            line.step_on(track, state, &inputs);
+            line.step_on(track, state, &inputs, &[None; DAMPER_SLOTS]);
             measured.step_ns.saturating_record(now_ns().saturating_sub(begin_ns));
             if course.as_ref().is_some_and(|course| course.is_passed(state)) {
                 break;

@@ -3,6 +3,7 @@
 use super::plan::{BusLoad, Plan};
 use crate::BenchError;
 use crate::control::Session;
+use crate::linear_vehicle::Hunting;
 use crate::options::{PaceChoice, RunOptions};
 use crate::record::ABOUT;
 use files::{Limit, ResultFolder, input};
@@ -29,6 +30,8 @@ pub(crate) struct RunAbout {
     pub(crate) session_number: Option<u32>,
     /// The number that the host drew when it started.
     pub(crate) boot_number: Option<u32>,
+    /// The vehicle's hunting, where it was computed.
+    pub(crate) hunting: Option<Hunting>,
     /// Control cycles that were asked for.
     pub(crate) cycles: u64,
     /// Places of the damper slots on the vehicle; none in a file of an earlier version.
@@ -40,6 +43,9 @@ pub(crate) struct RunAbout {
     pub(crate) bus_load: f64,
     /// The load of every bus, one line each.
     pub(crate) bus_lines: Vec<String>,
+    /// The hunting frequency at which the residual delay was judged (Hz); none where it was not.
+    #[serde(default)]
+    pub(crate) gate_hz: Option<f64>,
     /// Bodies whose accelerations are recorded: carbody, front bogie, first wheelset.
     pub(crate) watched: [Option<usize>; 3],
 }
@@ -63,11 +69,13 @@ impl RunAbout {
             slow_down: options.slow_down.get(),
             session_number: Some(session.arming.number),
             boot_number: Some(session.arming.boot),
+            hunting: options.linear.as_ref().map(|linear| linear.hunting),
             cycles: run.cycles(),
             places: run.slots.iter().map(|slot| slot.place.clone()).collect(),
             rig_slots: plan.rigs.iter().map(|rig| rig.slot + 1).collect(),
             bus_load: load.most,
             bus_lines: load.lines.clone(),
+            gate_hz: session.delay_gate.as_ref().map(|gate| gate.hunting_hz),
             watched: session.watched,
         }
     }

@@ -46,6 +46,7 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
         pace: about.pace,
         bus_load: about.bus_load,
         watched: about.watched,
+        hunting: about.hunting,
         rigs: about.rig_slots.len(),
         events: read_events(&folder.file(EVENTS)),
     };

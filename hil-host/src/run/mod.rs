@@ -14,6 +14,7 @@ mod recording;
 mod sequence;
 mod setup;
 mod space;
+mod stability_check;
 mod work;
 
 pub use late_report::{LateReport, report};
@@ -46,6 +47,7 @@ use recording::{Output, Place, Recording, RunFile, Task};
 use report::Section;
 use scenario::run::Run;
 use setup::{arming, open_buses, pace};
+use stability_check::StabilityCheck;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -101,14 +103,21 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
 
     let track = run.track.view();
     let mut pace = pace(options);
+    let hunting_hz = options.linear.as_ref().map(|linear| linear.hunting.frequency_hz);
     let terms = Terms {
         profile: options.profile,
         pace: pace.on_the_wire(),
         slow_down: options.slow_down,
         arming: arming(&plan.buses, options)?,
+        gate_hz: hunting_hz.filter(|_| plan.real_bus().is_some()),
         shows_progress: true,
     };
     let session = session(run, &track, &plan.rigs, terms)?;
+    let stability = StabilityCheck::of(&session, run, options.linear.as_ref());
+    stability.lines().for_each(|line| eprintln!("{line}"));
+    if let Some(bus) = plan.real_bus() {
+        stability.refuse_on(bus)?;
+    }
     let mut state = session.start(session.line.start(run.start.state.clone()));
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;
@@ -319,6 +328,7 @@ fn summary(
         bus_load: load.most,
         watched: session.watched,
         noted: session.noted(state),
+        hunting: options.linear.as_ref().map(|linear| linear.hunting),
     };
     Summary::of(&outcome, &recording.counts, statistics)
 }

@@ -19,7 +19,7 @@ use crate::statistics::Tracking;
 use can_protocol::{MessageId, Node, Profile};
 use files::ResultFolder;
 use firmware_core::command::Command;
-use firmware_core::compensation::VirtualWear;
+use firmware_core::compensation::{Compensator, VirtualWear};
 use firmware_core::line::{Fade, Line, RigSlot, Slot};
 use firmware_core::supervision::{Checks, CommandLimits};
 use firmware_core::track::Track;
@@ -140,6 +140,7 @@ pub fn open_loop(
         },
         watched: [None; 3],
         rear_bogie: None,
+        delay_gate: None,
     };
     let mut state = session.start(session.line.start(VehicleState::default()));
     let epoch = Epoch::now();
@@ -186,7 +187,12 @@ fn line<'a>(plan: &OpenLoopPlan<'_>, vehicle: &'a Vehicle, track: &'a Track<'a>)
     let mut slots = [const { Slot::Empty }; DAMPER_SLOTS];
     // The model acts in no cycle: nothing is coupled.
     let model = plan.rig.damper.clone();
-    slots[SLOT] = Slot::Rig(RigSlot { model, wear: VirtualWear::default(), limits: plan.limits });
+    slots[SLOT] = Slot::Rig(RigSlot {
+        model,
+        wear: VirtualWear::default(),
+        compensator: Compensator::None,
+        limits: plan.limits,
+    });
     Line {
         vehicle,
         track,
@@ -196,7 +202,7 @@ fn line<'a>(plan: &OpenLoopPlan<'_>, vehicle: &'a Vehicle, track: &'a Track<'a>)
         substeps: 1,
         slots,
         // An end is orderly: the ram comes to rest.
-        fade: Fade { motion_cycles: 1, coupling_cycles: 0 },
+        fade: Fade { motion_cycles: 1, ..Fade::default() },
     }
 }
 

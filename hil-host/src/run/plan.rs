@@ -68,7 +68,7 @@ impl Plan {
     }
 
     /// The first bus that is not in memory.
-    fn real_bus(&self) -> Option<&BusChoice> {
+    pub(crate) fn real_bus(&self) -> Option<&BusChoice> {
         self.buses.iter().find(|bus| **bus != BusChoice::Memory)
     }
 

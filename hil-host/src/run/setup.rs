@@ -5,17 +5,17 @@ use super::plan::{Plan, RigPlace};
 use crate::BenchError;
 use crate::bus::{AnyBus, BusChoice, MemoryBus, SocketCanBus};
 use crate::clock::Pacer;
-use crate::control::{Arming, MOST_FORCE_N, Pace, Port, Session, Watch};
+use crate::control::{Arming, DelayGate, MOST_FORCE_N, Pace, Port, Session, Watch};
 use crate::draw::Draw;
 use crate::options::{PaceChoice, RunOptions};
 use crate::rig::RigNode;
 use can_protocol::{MessageId, Node, Pace as WirePace, Profile, Sender};
 use firmware_core::compensation::VirtualWear;
-use firmware_core::line::{Fade, Line, RigSlot, Slot};
+use firmware_core::line::{Fade, KNOWN_DELAY_CYCLES, Line, RigSlot, Slot};
 use firmware_core::supervision::CommandLimits;
 use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
-use scenario::run::{CYCLE_S, Run, SlotForce};
+use scenario::run::{CYCLE_S, MEASURING_CYCLES, Run, SlotForce};
 use std::num::NonZeroU8;
 use std::time::Duration;
 
@@ -26,6 +26,8 @@ pub(crate) struct Terms {
     pub(crate) pace: WirePace,
     pub(crate) slow_down: NonZeroU8,
     pub(crate) arming: Arming,
+    /// Frequency of hunting at which the delay is judged before RUN (Hz); none where it is not.
+    pub(crate) gate_hz: Option<f64>,
     /// Whether set-up that takes long shows its progress.
     pub(crate) shows_progress: bool,
 }
@@ -35,7 +37,7 @@ impl Terms {
     pub(crate) fn in_memory(profile: Profile) -> Self {
         let arming = Arming::in_memory();
         let (pace, slow_down) = (WirePace::LockStep, NonZeroU8::MIN);
-        Self { profile, pace, slow_down, arming, shows_progress: false }
+        Self { profile, pace, slow_down, arming, gate_hz: None, shows_progress: false }
     }
 }
 
@@ -46,7 +48,8 @@ pub(crate) fn session<'a>(
     rigs: &[RigPlace],
     terms: Terms,
 ) -> Result<Session<'a>, can_protocol::Error> {
-    let Terms { profile, pace, slow_down, arming, shows_progress } = terms;
+    let Terms { profile, pace, slow_down, arming, gate_hz, shows_progress } = terms;
+    let gate = gate_hz.filter(|_| !rigs.is_empty());
     // A second of work, which a run without rigs does not need.
     let forces_n = if rigs.is_empty() {
         [f64::INFINITY; DAMPER_SLOTS]
@@ -64,13 +67,18 @@ pub(crate) fn session<'a>(
         })
     };
     let body = |name: &str| run.body_names.iter().position(|body| body == name);
+    let mut line = line(run, track);
+    if gate.is_some() {
+        line.fade.measuring_cycles = MEASURING_CYCLES;
+    }
     Ok(Session {
-        line: line(run, track),
+        line,
         ports: rigs.iter().map(port).collect::<Result<_, can_protocol::Error>>()?,
         profile,
         pace,
         slow_down,
         arming: arming.requiring(&run.readiness),
+        delay_gate: gate.map(|hunting_hz| DelayGate { hunting_hz, accepted: accepted(run) }),
         watched: [body("carbody"), body("bogie_front"), body("wheelset_1")],
         rear_bogie: body("bogie_rear"),
     })
@@ -86,7 +94,11 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
         *slot = match &place.force {
             SlotForce::Modelled(damper) => Slot::Modelled(damper.clone().prepared(substep_s)),
             SlotForce::Rig {
-                virtual_clearance_2a_m, virtual_compliance_m_per_n, model, ..
+                virtual_clearance_2a_m,
+                virtual_compliance_m_per_n,
+                model,
+                compensator,
+                ..
             } => Slot::Rig(RigSlot {
                 model: (**model).clone().prepared(substep_s),
                 wear: VirtualWear {
@@ -94,6 +106,7 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
                     compliance_m_per_n: *virtual_compliance_m_per_n,
                     ..VirtualWear::default()
                 },
+                compensator: compensator.with_known_delay(KNOWN_DELAY_CYCLES * CYCLE_S),
                 limits: limits(run),
             }),
         };
@@ -108,9 +121,19 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
         slots,
         fade: Fade {
             motion_cycles: run.motion.ramp_cycles,
+            measuring_cycles: 0,
             coupling_cycles: run.motion.ramp_cycles,
         },
     }
+}
+
+/// Slots that accept the cost of their delay.
+fn accepted(run: &Run) -> [bool; DAMPER_SLOTS] {
+    let mut accepted = [false; DAMPER_SLOTS];
+    for (accepted, slot) in accepted.iter_mut().zip(&run.slots) {
+        *accepted = matches!(slot.force, SlotForce::Rig { accept_delay_error: true, .. });
+    }
+    accepted
 }
 
 /// The limits of the commands to a rig.

@@ -6,6 +6,7 @@ use super::liveliest::Liveliest;
 use super::power::Power;
 use super::tracking::Tracking;
 use crate::record::{InputKind, Row};
+use crate::residual_delay::DelayBlocks;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::CYCLE_S;
 use signal::spectrum::Welch;
@@ -54,8 +55,14 @@ pub(crate) struct SlotSums {
     pub(crate) given: Energy,
     /// Energy that the rig took at the displacement that it measured.
     pub(crate) taken: Energy,
-    /// How well the rig follows.
+    /// Energy that the vehicle gave at the displacement that it wanted of the rig.
+    pub(crate) wanted: Energy,
+    /// How well the rig follows its command.
     pub(crate) tracking: Tracking,
+    /// How well it follows the wanted motion.
+    pub(crate) following: Tracking,
+    /// The delay of its force.
+    pub(crate) delay: DelayBlocks,
     /// Force that the rig measured less that of the slot's model (N).
     pub(crate) residual: Power,
     /// Where the force does most.
@@ -81,7 +88,10 @@ impl Default for Sums {
             work_j: 0.0,
             given: Energy::default(),
             taken: Energy::default(),
+            wanted: Energy::default(),
             tracking: Tracking::default(),
+            following: Tracking::default(),
+            delay: DelayBlocks::default(),
             residual: Power::default(),
             liveliest: Liveliest::new((ZOOM_S / CYCLE_S) as usize),
             cycles: HalfCycles::new(0.0, 0.0),
@@ -138,6 +148,11 @@ impl Sums {
     }
 }
 
+/// The displacement that has arrived in a cycle; not a number where none has.
+fn fresh_m(row: &Row, slot: usize) -> f64 {
+    if row.input[slot] == InputKind::Fresh { row.measured_m[slot] } else { f64::NAN }
+}
+
 impl SlotSums {
     fn take(&mut self, row: &Row, slot: usize) {
         let (force_n, stroke_m) = (row.force_n[slot], row.extension_m[slot]);
@@ -158,6 +173,9 @@ impl SlotSums {
         self.given.take(force_n, stroke_m);
         self.taken.take(row.measured_n[slot], row.measured_m[slot]);
         self.tracking.take(row.command_m[slot], row.measured_m[slot]);
+        self.wanted.take(force_n, row.wanted_m[slot]);
+        self.following.take(row.wanted_m[slot], row.measured_m[slot]);
+        self.delay.take(row.wanted_m[slot], fresh_m(row, slot));
         let residual_n = row.measured_n[slot] - row.model_n[slot];
         if residual_n.is_finite() {
             self.residual.take(residual_n);

@@ -1,6 +1,8 @@
 //! Force, stroke, work and residual of every damper slot.
 
+use super::tracking::TrackingSummary;
 use crate::counts::Counts;
+use crate::linear_vehicle::Hunting;
 use crate::statistics::{SlotSums, Sums};
 use can_protocol::Watch;
 use scenario::run::{CYCLE_S, Run, SlotForce};
@@ -26,6 +28,8 @@ pub struct DamperSummary {
     pub work_per_s_j: f64,
     /// On a rig: energy that the vehicle gave less energy that the rig took, over the latter.
     pub exchanged_energy_error: Option<f64>,
+    /// How its rig follows, and what the delay costs; null without a rig.
+    pub tracking: Option<TrackingSummary>,
     /// Cycles in which nothing new arrived; null without a rig.
     pub stale_cycles: Option<u64>,
     /// Commands that did not fit the frame and were cut to its limits; null without a rig.
@@ -67,11 +71,17 @@ pub struct Stroke {
 const LOWEST_PEAK_HZ: f64 = 0.5;
 
 /// Every damper slot.
-pub(crate) fn dampers(run: &Run, counts: &Counts, sums: &Sums) -> Vec<DamperSummary> {
+pub(crate) fn dampers(
+    run: &Run,
+    counts: &Counts,
+    sums: &Sums,
+    hunting: Option<Hunting>,
+) -> Vec<DamperSummary> {
     let slots = run.slots.iter().enumerate();
     let dampers = slots.map(|(slot, place)| {
         let rig = matches!(place.force, SlotForce::Rig { .. });
-        damper(&place.place, rig, slot, counts, sums)
+        let tracking = TrackingSummary::of(&place.force, hunting, &sums.slots[slot]);
+        DamperSummary { tracking, ..damper(&place.place, rig, slot, counts, sums) }
     });
     dampers.collect()
 }
@@ -95,6 +105,7 @@ fn damper(name: &str, rig: bool, slot: usize, counts: &Counts, sums: &Sums) -> D
         frequency_zero_crossing_hz: sums.zero_crossing_hz(),
         work_per_s_j: sums.work_j / duration_s,
         exchanged_energy_error: rig.then(|| energy_error(sums)).flatten(),
+        tracking: None,
         stale_cycles: rig.then_some(counts.stale[slot]),
         saturated_commands: None,
         flagged_measurements: None,

@@ -4,6 +4,7 @@ use super::{ArmedSession, Frames, Summary, accelerations, dampers, percentiles, 
 use crate::bus::BusCounters;
 use crate::control::{End, HASH_ALGORITHM, NotedSummary, StopSummary};
 use crate::counts::Counts;
+use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
 use crate::record::RunEvent;
 use crate::statistics::Statistics;
@@ -40,6 +41,8 @@ pub(crate) struct Asked {
     pub(crate) pace: PaceChoice,
     pub(crate) bus_load: f64,
     pub(crate) watched: [Option<usize>; 3],
+    /// The vehicle's hunting.
+    pub(crate) hunting: Option<Hunting>,
     /// What happened, from the file of the events.
     pub(crate) events: Vec<RunEvent>,
     /// Damper slots on rigs.
@@ -88,7 +91,8 @@ impl Summary {
             frames: kept.map_or(counted, |kept| kept.frames),
             bus_counters: kept
                 .map_or_else(|| BusCounters::default().into(), |kept| kept.bus_counters),
-            damper: dampers(run, counts, sums),
+            damper: dampers(run, counts, sums, asked.hunting),
+            hunting: asked.hunting,
             accelerations: accelerations(asked.watched, sums),
             comparison: None,
             state: kept.map_or(End::Stopped, |kept| kept.state),

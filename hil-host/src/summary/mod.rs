@@ -9,12 +9,14 @@ mod late;
 mod outcome;
 mod sessions;
 mod times;
+mod tracking;
 
 pub use accelerations::{Acceleration, Accelerations};
 pub use dampers::{DamperSummary, ForceRange, Stroke};
 pub use frames::{BusCount, Frames};
 pub use sessions::ArmedSession;
 pub use times::{Percentiles, StepPercentiles};
+pub use tracking::{MeasuredDelay, TrackingSummary};
 
 pub(crate) use accelerations::accelerations;
 pub(crate) use dampers::dampers;
@@ -25,6 +27,7 @@ pub(crate) use times::microseconds;
 use crate::comparison::Comparison;
 use crate::control::{End, HASH_ALGORITHM, NotedSummary, StopSummary};
 use crate::counts::Counts;
+use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
 use crate::record::RunEvent;
 use crate::statistics::Statistics;
@@ -78,6 +81,9 @@ pub struct Summary {
     pub bus_counters: BusCount,
     /// The damper slots, in their order.
     pub damper: Vec<DamperSummary>,
+    /// The vehicle's least damped oscillation, at which delays are judged; null where it was not
+    /// computed.
+    pub hunting: Option<Hunting>,
     /// Accelerations of three bodies.
     pub accelerations: Accelerations,
     /// The same run with another damper; null without `[compare]`.
@@ -113,13 +119,17 @@ impl Summary {
         let state = outcome.state;
         let sums = statistics.after_run_in();
         let clocked = outcome.pace == PaceChoice::Realtime;
-        let mut dampers = dampers(run, counts, sums);
+        let mut dampers = dampers(run, counts, sums, outcome.hunting);
         for (port, memory) in outcome.ports.iter().zip(&state.ports) {
             debug_assert!(port.slot < dampers.len(), "a rig without a damper slot");
             if let Some(damper) = dampers.get_mut(port.slot) {
                 damper.saturated_commands = Some(memory.saturated);
                 damper.flagged_measurements = Some(memory.flagged);
                 damper.limited_commands = Some(state.line.slots[port.slot].limited);
+                if let Some(tracking) = &mut damper.tracking {
+                    let delay = state.gate.delays[port.slot].residual();
+                    tracking.before_run = delay.map(|delay| tracking.measured(delay));
+                }
             }
         }
         let frames = frames(outcome);
@@ -156,6 +166,7 @@ impl Summary {
             frames,
             bus_counters: outcome.counters.into(),
             damper: dampers,
+            hunting: outcome.hunting,
             accelerations: accelerations(outcome.watched, sums),
             comparison: None,
             state: outcome.end,

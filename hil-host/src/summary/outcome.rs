@@ -2,6 +2,7 @@
 
 use crate::bus::BusCounters;
 use crate::control::{End, NotedSummary, Port, SessionState};
+use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
 use crate::record::RunEvent;
 use scenario::run::Run;
@@ -23,6 +24,8 @@ pub(crate) struct Outcome<'a> {
     pub(crate) events: Vec<RunEvent>,
     pub(crate) bus_load: f64,
     pub(crate) watched: [Option<usize>; 3],
+    /// The vehicle's hunting.
+    pub(crate) hunting: Option<Hunting>,
     /// What was beyond a limit and ended nothing.
     pub(crate) noted: Vec<NotedSummary>,
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
 
 mod control_loop;
+mod delay_gate;
 mod driven_rigs;
 mod fault_table;
 mod faults;

@@ -3,6 +3,7 @@
 use crate::support::locomotive::{NODE, scenario, session};
 use can_protocol::{Pace as WirePace, Profile};
 use firmware_core::command::Command;
+use firmware_core::compensation::{Compensator, Feedforward, Series};
 use firmware_core::supervision::{Action, Cause, Event, Signal, State};
 use hil_host::bus::MemoryBus;
 use hil_host::clock::{Pacer, Tick};
@@ -12,7 +13,7 @@ use hil_host::control::{
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
 use proptest::prelude::*;
-use scenario::run::{Overrides, Run};
+use scenario::run::{Overrides, Run, SlotForce};
 use std::path::Path;
 use std::time::Duration;
 
@@ -204,13 +205,20 @@ proptest! {
         ends_at in 0_u64..3000,
         at_once in any::<bool>(),
         ramp_cycles in prop_oneof![Just(0_u32), 1_u32..700],
+        delay_ms in prop_oneof![Just(0.0), -5.0..20.0_f64],
+        gain in 0.9..1.1_f64,
         virtual_clearance_m in prop_oneof![Just(0.0), 1e-3..8e-3_f64],
     ) {
         let mut run = scenario();
         run.motion.ramp_cycles = ramp_cycles;
         for slot in &mut run.slots {
-            if let scenario::run::SlotForce::Rig { virtual_clearance_2a_m, .. } = &mut slot.force {
+            if let SlotForce::Rig { virtual_clearance_2a_m, compensator, .. } = &mut slot.force {
                 *virtual_clearance_2a_m = virtual_clearance_m;
+                if delay_ms != 0.0 {
+                    let Series([_, a1, a2, a3]) = Series::IDENTITY.with_delay(delay_ms * 1e-3);
+                    let inverse = Feedforward::inverse([gain, a1, a2, a3]);
+                    *compensator = Compensator::Feedforward(inverse);
+                }
             }
         }
         let motion = run.motion;

@@ -20,6 +20,7 @@
 //! lost_in_a_row = { after_cycles = 5, action = "stop" }
 //! lost_of_50 = { limit_cycles = 8.0, action = "ramp out" }
 //! lost_of_250 = { limit_cycles = 18.0, action = "ramp out" }
+//! compensation = { action = "ramp out" }      # an adaptive compensator has run away
 //! lost_rows = { after_cycles = 1000, action = "ramp out" }  # or log: the run goes on
 //! ```
 //! A signal is beyond its limit in `after_cycles` cycles in a row before its action follows. The
@@ -95,6 +96,8 @@ pub struct PlausibilityFile {
     pub lost_of_50: Option<CheckFile>,
     /// The same, of 250.
     pub lost_of_250: Option<CheckFile>,
+    /// An adaptive compensator whose estimate has run away.
+    pub compensation: Option<CheckFile>,
     /// Rows of the record, lost in a row.
     pub lost_rows: Option<CheckFile>,
 }
@@ -183,6 +186,10 @@ const LOST_OF_250: Signal = Signal {
     ..signal("lost_of_250", &[(Limit::Cycles, 0.0, LONG_CYCLES as f64)])
 };
 
+/// It has fallen back to its start values by itself: nothing has to stop at once.
+const COMPENSATION: Signal =
+    Signal { most_cycles: None, actions: WITHOUT_HOLD, ..signal("compensation", &[]) };
+
 /// A disk that is full moves no ram: nothing has to stop at once.
 const LOST_ROWS: Signal = Signal {
     most_cycles: Some(100_000_000),
@@ -253,6 +260,12 @@ impl PlausibilityFile {
             lost_in_a_row: condition(&LOST_IN_A_ROW, &self.lost_in_a_row, row),
             lost_of_50: share(&LOST_OF_50, &self.lost_of_50, short, checks.lost_of_50),
             lost_of_250: share(&LOST_OF_250, &self.lost_of_250, long, checks.lost_of_250),
+            compensation: Some(COMPENSATION.with_defaults(
+                self.compensation.as_ref(),
+                None,
+                None,
+                checks.compensation,
+            )),
             lost_rows: condition(&LOST_ROWS, &self.lost_rows, LOST_ROWS_CYCLES),
         }
     }
@@ -298,6 +311,9 @@ impl PlausibilityFile {
             })
         };
         let lost_rows = condition(&LOST_ROWS, &self.lost_rows, LOST_ROWS_CYCLES)?;
+        let run_away = check(source, &COMPENSATION, self.compensation.as_ref());
+        run_away.limit()?;
+        run_away.cycles_or(1)?;
         let checks = Checks {
             force: without_limit(&force, usual.force)?,
             force_rate: rule(&FORCE_RATE, &self.force_rate, usual.force_rate)?,
@@ -331,6 +347,7 @@ impl PlausibilityFile {
             lost_in_a_row: lost_in_a_row.action,
             lost_of_50,
             lost_of_250,
+            compensation: run_away.action_or(usual.compensation)?,
             ..usual
         };
         Ok(Plausibility {
@@ -392,7 +409,7 @@ mod tests {
     fn the_defaults_written_out_build_the_same_and_name_every_signal() {
         let text = toml::to_string(&PlausibilityFile::default().with_defaults(0.1)).unwrap();
         assert_eq!(built(&text).unwrap(), built("").unwrap());
-        assert_eq!(text.matches("action = ").count(), 19, "{text}");
+        assert_eq!(text.matches("action = ").count(), 20, "{text}");
         assert_eq!(text.matches("after_cycles = ").count(), 15, "{text}");
     }
 

@@ -41,6 +41,7 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>, pace: Pace) -> Ses
         pace,
         slow_down: NonZeroU8::MIN,
         arming: Arming::in_memory().requiring(&run.readiness),
+        delay_gate: None,
         watched: [Some(0), Some(1), Some(3)],
         rear_bogie: Some(2),
     }

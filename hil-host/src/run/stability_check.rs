@@ -1,0 +1,72 @@
+//! Before anything moves: whether every rig stays stable for the delays that it may have.
+//!
+//! The largest delay is what the gate before RUN lets through, and as many cycles as a measurement
+//! may be old before it is not believed any more. An adaptive compensator is judged by its start
+//! values.
+
+use crate::BenchError;
+use crate::bus::BusChoice;
+use crate::control::{COST_REFUSED, Session};
+use crate::linear_vehicle::LinearVehicle;
+use crate::residual_delay::Sensitivity;
+use crate::stability::{BEYOND_HUNTING, LEAST_MARGIN, RigLoop, Stability};
+use firmware_core::compensation::{Compensator, Series, delay_that_costs};
+use firmware_core::line::{KNOWN_DELAY_CYCLES, RigSlot, Slot};
+use firmware_core::supervision::OLDEST_CYCLES;
+use scenario::run::{CYCLE_S, Run};
+
+/// What was found of every rig.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct StabilityCheck {
+    rigs: Vec<(String, Stability)>,
+}
+
+impl StabilityCheck {
+    /// Of the rigs of a session; of none where the vehicle is not known.
+    pub(super) fn of(session: &Session<'_>, run: &Run, vehicle: Option<&LinearVehicle>) -> Self {
+        let Some(vehicle) = vehicle else { return Self::default() };
+        let rigs = session.line.slots.iter().zip(&run.slots).enumerate();
+        let found = rigs.filter_map(|(slot, (kind, place))| {
+            let Slot::Rig(rig) = kind else { return None };
+            Some((place.place.clone(), of_rig(rig, slot, vehicle)))
+        });
+        Self { rigs: found.collect() }
+    }
+
+    /// One line for each rig.
+    pub(super) fn lines(&self) -> impl Iterator<Item = String> {
+        self.rigs.iter().map(|(place, found)| format!("{place}: {}", found.in_words()))
+    }
+
+    /// Refuses a rig on a real bus without the margin.
+    pub(super) fn refuse_on(&self, bus: &BusChoice) -> Result<(), BenchError> {
+        let Some((place, found)) = self.rigs.iter().find(|(_, found)| !found.holds()) else {
+            return Ok(());
+        };
+        Err(BenchError::Unstable {
+            bus: bus.to_string(),
+            place: place.clone(),
+            found: found.in_words(),
+            margin: LEAST_MARGIN,
+        })
+    }
+}
+
+fn of_rig(rig: &RigSlot, slot: usize, vehicle: &LinearVehicle) -> Stability {
+    let series = match rig.compensator {
+        Compensator::None => Series::IDENTITY,
+        compensator => {
+            let own = compensator.series(&compensator.start());
+            own.with_delay(KNOWN_DELAY_CYCLES * CYCLE_S)
+        }
+    };
+    let hunting_hz = vehicle.hunting.frequency_hz;
+    let Sensitivity { relaxation_s, .. } = Sensitivity::of(&rig.model, hunting_hz);
+    let let_through_s = delay_that_costs(COST_REFUSED, hunting_hz, relaxation_s);
+    let delay_s = let_through_s + f64::from(OLDEST_CYCLES) * CYCLE_S;
+    RigLoop::new(vehicle, slot, rig.model.nominal(), series).check(
+        delay_s,
+        BEYOND_HUNTING * hunting_hz,
+        vehicle.hunting_pole,
+    )
+}
