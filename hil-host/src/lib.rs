@@ -13,10 +13,11 @@
 //! 3. [`control`]: the loop, and the watch over the damper of each rig.
 //! 4. [`rig`]: the other end of the bus, in line or as a process of its own; `reset` releases one
 //!    that is latched; [`Draw`] is the source of the numbers of both sides.
-//! 5. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
+//! 5. [`gateway`]: a rig that speaks its own messages, by its DBC, behind a bus of ours.
+//! 6. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
 //!    read back as a damper test.
-//! 6. [`faults`]: faults that are injected into a coupled run in virtual time.
-//! 7. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `counts` (while
+//! 7. [`faults`]: faults that are injected into a coupled run in virtual time.
+//! 8. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `counts` (while
 //!    it goes on), `statistics` (from the record), `summary` (`summary.json`), `page`
 //!    (`report.html`), `comparison` (the same run with another damper).
 //!
@@ -33,6 +34,7 @@ mod counts;
 mod draw;
 mod error;
 pub mod faults;
+pub mod gateway;
 mod options;
 mod page;
 mod progress_bar;

@@ -52,7 +52,10 @@ mod states;
 pub use actuator::{DECELERATION_M_PER_S2, Limits, RamState, Reference};
 pub use condition::Condition;
 pub use emulator::{Emulator, EmulatorState, Reading, Target};
+pub(crate) use outbox::{Outbox, Says};
+pub(crate) use session::Session;
 pub use session::{FrameCounts, Timing};
+pub(crate) use states::follow;
 
 use crate::bus::WireFrame;
 use crate::draw::Draw;
@@ -64,10 +67,7 @@ use can_protocol::{
 };
 use firmware_core::supervision::{Event, Outcome, State};
 use net::StepNet;
-use outbox::{Outbox, Says};
 use scenario::rig::RigSetup;
-use session::Session;
-use states::follow;
 
 /// Cycles without a valid command after which a commanded rig goes safe.
 pub const WATCHDOG_CYCLES: u32 = 5;
@@ -485,6 +485,8 @@ impl RigNode {
             flags,
             pressure: self.pressure,
             trips: self.trips,
+            // Oil is not modelled.
+            temperature_degc: None,
         }
     }
 

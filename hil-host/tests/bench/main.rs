@@ -4,6 +4,7 @@
 mod control_loop;
 mod fault_table;
 mod faults;
+mod gateway;
 mod plausibility;
 mod ramps;
 mod rig_answers;
