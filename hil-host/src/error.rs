@@ -390,6 +390,12 @@ impl From<BusError> for BenchError {
     }
 }
 
+impl From<GatewayError> for BenchError {
+    fn from(why: GatewayError) -> Self {
+        Self::Gateway(Box::new(why))
+    }
+}
+
 impl From<FolderError> for BenchError {
     fn from(why: FolderError) -> Self {
         Self::Folder(why)

@@ -6,6 +6,7 @@ mod opened;
 #[path = "../support/record.rs"]
 mod record;
 
+mod foreign;
 mod interface;
 mod participants;
 mod peer;

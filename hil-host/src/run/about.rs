@@ -24,6 +24,9 @@ pub(crate) struct RunAbout {
     pub(crate) session_number: Option<u32>,
     /// The number that the host drew when it started.
     pub(crate) boot_number: Option<u32>,
+    /// What was accepted to be missing in a rig's own messages; empty where the rigs speak ours.
+    #[serde(default)]
+    pub(crate) accepted_losses: Vec<String>,
     /// Control cycles that were asked for.
     pub(crate) cycles: u64,
     /// Numbers of the damper slots on rigs, from one.
@@ -55,6 +58,12 @@ impl RunAbout {
             slow_down: options.slow_down.get(),
             session_number: Some(session.arming.number),
             boot_number: Some(session.arming.boot),
+            accepted_losses: options
+                .gateway
+                .iter()
+                .flat_map(|plan| plan.losses())
+                .map(|loss| loss.name().to_owned())
+                .collect(),
             cycles: run.cycles(),
             rig_slots: plan.rigs.iter().map(|rig| rig.slot + 1).collect(),
             bus_load: load.most,

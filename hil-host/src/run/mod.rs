@@ -84,6 +84,7 @@ pub struct Finished {
 pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finished, BenchError> {
     let plan = Plan::new(run, &options.bus)?;
     plan.check_pace(options.pace)?;
+    plan.check_gateway(options)?;
     let load = plan.load(options)?;
     let mut folder = checked_folder(run, options, &plan)?;
     let other = run.compared(|slot| plan.is_emulated(slot))?;

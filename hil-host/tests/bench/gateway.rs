@@ -4,6 +4,7 @@ use crate::support::locomotive::{scenario, session};
 use crate::support::own_messages::{Habits, OwnRig, gateway, plan, planned};
 use can_protocol::arming::Refusal;
 use can_protocol::{ArmItem, Pace as WirePace, RunState};
+use hil_host::bus::Bus;
 use hil_host::clock::Pacer;
 use hil_host::control::{Buses, Course, End, NoAnswer, Pace, Requests, Session, SessionState};
 use hil_host::gateway::{Gateway, GatewayError, GatewayPlan, Loss, Unready};
@@ -67,6 +68,18 @@ fn both_examples_of_messages_are_coupled_and_run_to_the_end() {
         assert!(ram_m > 3e-3, "{name} {pace:?}: at most {ram_m} m");
         assert!(ran.state.ports[0].used.unwrap().force_n.is_some());
     }
+}
+
+#[test]
+fn a_long_run_of_own_messages_loses_no_frame() {
+    let asked = std::env::var("OWN_MESSAGES_CYCLES").ok();
+    let cycles = asked.map_or(5000, |text| text.parse().unwrap());
+    let ran = run_with(plan("servo", |map| map), "servo", sound(), WirePace::LockStep, cycles);
+    assert_eq!((ran.end, ran.lost, ran.bus.repeated()), (Ok(End::Completed), 0, 0));
+    let counters = ran.bus.counters();
+    println!("{cycles} cycles: {} frames sent, {} received", counters.sent, counters.received);
+    assert!(counters.sent > cycles && counters.received > cycles);
+    assert_eq!(counters.send_dropped + counters.receive_dropped, 0);
 }
 
 #[test]
