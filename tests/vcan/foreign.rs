@@ -143,7 +143,8 @@ fn a_rig_that_does_not_stop_after_its_declared_time_out_is_not_armed() {
 #[test]
 fn options_of_own_messages_belong_together() {
     let dbc = example("servo.dbc");
-    let output = yawbench().args(["run", "none.toml", "--dbc"]).arg(dbc).output().expect("the host");
+    let output =
+        yawbench().args(["run", "none.toml", "--dbc"]).arg(dbc).output().expect("the host");
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(said(&output).contains("--dbc-map"), "{}", said(&output));
 }

@@ -99,7 +99,7 @@ class Servo:
 
 
 class Plain:
-    """The messages of plain.dbc: its cylinder counts inwards, its force is positive in compression."""
+    """The messages of plain.dbc: its cylinder counts inwards, a compression is positive."""
 
     def __init__(self):
         self.database = cantools.database.load_file(FOLDER / "plain.dbc")

@@ -22,8 +22,8 @@ def raw_values(signal, number, draw):
     if signal.is_float:
         # Numbers that a float of 32 bits holds.
         return [0.0, 1.5, -2.25][number] if number < 3 else draw.randint(-(2**20), 2**20) / 1024
-    low, high = (-(2 ** (signal.length - 1)), 2 ** (signal.length - 1) - 1) if signal.is_signed else (
-        0, 2**signal.length - 1)
+    low = -(2 ** (signal.length - 1)) if signal.is_signed else 0
+    high = low + 2**signal.length - 1
     return [low, high, 0][number] if number < 3 else draw.randint(low, high)
 
 
