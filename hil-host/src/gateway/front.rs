@@ -163,11 +163,11 @@ impl Front {
         }
     }
 
-    /// The rig has stopped by itself: SAFE.
-    pub(super) fn stop(&mut self, state: u16) {
+    /// The rig has stopped by itself, or is to stop: SAFE.
+    pub(super) fn stop(&mut self, code: FaultCode, detail: u16) {
         if self.enter(Event::Stop) {
             self.arming.end_session();
-            self.outbox.fault(self.run_state(), FaultCode::StateMismatch, state);
+            self.outbox.fault(self.run_state(), code, detail);
         }
     }
 

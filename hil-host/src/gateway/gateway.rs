@@ -244,6 +244,17 @@ impl<W: Wire> Gateway<W> {
         known.find(|(counter, _)| *counter == echo).map(|(_, host_counter)| host_counter)
     }
 
+    /// Somebody else commands the rig. The bus does not give back the frames of this host.
+    fn second_sender(&mut self) {
+        if self.front.is_armed() {
+            self.front.stop(FaultCode::Protection, 1);
+        } else if matches!(self.preparation, Preparation::Going(_) | Preparation::Ready(_)) {
+            self.preparation = Preparation::Refused(Unready::SecondSender);
+            eprintln!("the rig is not ready: {}", Unready::SecondSender);
+            self.release();
+        }
+    }
+
     /// Acts on what the rig says of itself.
     fn judge_state(&mut self) {
         if !self.front.is_armed() {
@@ -251,7 +262,7 @@ impl<W: Wire> Gateway<W> {
         }
         match self.decoder.state {
             Some(RigState::Fault) => self.front.fail(FaultCode::Actuator, 0),
-            Some(RigState::Other(state)) => self.front.stop(state),
+            Some(RigState::Other(state)) => self.front.stop(FaultCode::StateMismatch, state),
             Some(RigState::Running) | None => {}
         }
     }
@@ -270,6 +281,10 @@ impl<W: Wire> Bus for Gateway<W> {
                 return Some(WireFrame::from(&frame));
             }
             let frame = self.wire.receive()?;
+            if self.plan.is_command(frame.id()) {
+                self.second_sender();
+                continue;
+            }
             let reading = self.decoder.take(&self.plan, &frame);
             self.judge_state();
             if let Some(reading) = reading {

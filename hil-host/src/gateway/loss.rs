@@ -39,7 +39,7 @@ macro_rules! losses {
 losses! {
     /// No session: nothing binds a command to this host and this run.
     NoSession = "no-session", "seal of a session",
-        "any node can command the rig, and an old log moves it";
+        "any node can command the rig, and an old log moves it, until the run is stopped for it";
     /// No CRC that the host knows.
     NoCrc = "no-crc", "CRC over the content",
         "a damaged or mixed-up frame that passes the CRC of CAN is believed";

@@ -6,10 +6,11 @@
 //!                                            front    codec
 //! ```
 //!
-//! Towards the host a [`Gateway`] is a bus with one rig on it: it answers the arming exchange, takes
-//! sealed commands and gives sealed measurements, so the control loop knows nothing of it. Towards
-//! the wire it writes each command into the rig's command message, and reads force and displacement
-//! from the rig's messages. A DBC and a map that names signals in it say how ([`GatewayPlan`]).
+//! Towards the host a [`Gateway`] is a bus with one rig on it: it answers the arming exchange,
+//! takes sealed commands and gives sealed measurements, so the control loop knows nothing of it.
+//! Towards the wire it writes each command into the rig's command message, and reads force and
+//! displacement from the rig's messages. A DBC and a map that names signals in it say how
+//! ([`GatewayPlan`]).
 //!
 //! What the rig's messages lack, the gateway makes up, and with it goes what the lacking part is
 //! for: a seal that the gateway computes itself proves nothing about the wire. Each such [`Loss`]

@@ -171,7 +171,7 @@ impl GatewayPlan {
         [&self.dbc, &self.map]
     }
 
-    /// Identifiers of the frames that the rig sends.
+    /// Identifiers of the frames that the rig sends, and of commands: another node may send some.
     pub(crate) fn received(&self) -> impl Iterator<Item = CanId> + '_ {
         let measurement = &self.measurement;
         let placed = [Some(measurement.force), Some(measurement.displacement)].into_iter();
@@ -180,6 +180,12 @@ impl GatewayPlan {
             .chain([measurement.valid.map(|(at, _)| at), self.state.map(|state| state.at)])
             .flatten()
             .map(|placed| placed.id)
+            .chain(self.command.messages.iter().map(|message| message.id))
+    }
+
+    /// Whether a frame with this identifier is a command, or a part of one.
+    pub(super) fn is_command(&self, id: CanId) -> bool {
+        self.command.messages.iter().any(|message| message.id == id)
     }
 
     /// Whether any of its messages is a CAN FD frame.

@@ -60,6 +60,8 @@ pub enum Unready {
     RunsOn(f64),
     /// It does not run again after its time-out.
     StaysStopped,
+    /// Somebody else sends commands to it.
+    SecondSender,
 }
 
 impl fmt::Display for Unready {
@@ -92,6 +94,9 @@ impl fmt::Display for Unready {
             Self::StaysStopped => f.write_str(
                 "found it stopped after the trial of its time-out, expected it to run again",
             ),
+            Self::SecondSender => {
+                f.write_str("found commands of another node, expected those of this host alone")
+            }
         }
     }
 }

@@ -201,6 +201,22 @@ fn a_fault_of_the_rig_ends_the_run_in_safe_and_the_command_is_brought_to_rest() 
 }
 
 #[test]
+fn a_command_of_another_node_ends_the_run_and_keeps_a_rig_from_being_armed() {
+    let run = |at| {
+        let habits = Habits { foreign_at: Some(at), ..sound() };
+        run_with(plan("servo", |map| map), "servo", habits, WirePace::Clock, 20_000)
+    };
+    let ran = run(4000);
+    assert_eq!((ran.end, ran.bus.run_state()), (Ok(End::Safe), RunState::Safe));
+    assert_eq!(ran.cause.as_deref(), Some("rig_fault"));
+    assert_eq!(ran.bus.wire().modes.last(), Some(&0.0));
+    let ran = run(800);
+    assert!(ran.end.is_err(), "{:?}", ran.end);
+    assert_eq!(ran.bus.unready(), Some(Unready::SecondSender));
+    assert_eq!(ran.bus.wire().modes.last(), Some(&0.0));
+}
+
+#[test]
 fn a_force_that_is_no_number_is_not_believed() {
     for name in ["servo", "plain"] {
         let blind = Habits { blind_from: Some(4000), ..sound() };

@@ -48,6 +48,8 @@ pub(crate) struct Habits {
     pub(crate) fails_at: Option<u64>,
     /// From this cycle on its force is beyond what its signal may hold.
     pub(crate) blind_from: Option<u64>,
+    /// In this cycle somebody else sends a command.
+    pub(crate) foreign_at: Option<u64>,
 }
 
 /// A rig with one of the two examples of messages.
@@ -154,6 +156,9 @@ impl OwnRig {
         }
         if self.habits.freezes_at.is_none_or(|at| self.cycles < at) {
             self.alive += 1;
+        }
+        if self.habits.foreign_at == Some(self.cycles) {
+            self.put(&[("SetPosition", 40.0), ("Mode", 1.0)]);
         }
         let is_blind = self.habits.blind_from.is_some_and(|from| self.cycles >= from);
         let (force_n, x_m) = (reading.force_n, reading.displacement_m);
