@@ -44,6 +44,8 @@ pub(super) enum Heard {
 pub(super) struct Known {
     /// Its limits, as far as they are declared.
     pub(super) limits: Limits,
+    /// Whether the rig has measured anything yet.
+    pub(super) is_heard: bool,
     /// Measured last (m, N).
     pub(super) displacement_m: Option<f64>,
     pub(super) force_n: Option<f64>,
@@ -69,6 +71,8 @@ pub(super) struct Front {
     outbox: Outbox,
     cycles: u64,
     has_refused: bool,
+    /// A session that was offered before the rig was heard.
+    offered: Option<Sync>,
 }
 
 impl Front {
@@ -86,6 +90,7 @@ impl Front {
             outbox: Outbox::new(node),
             cycles: 0,
             has_refused: false,
+            offered: None,
         }
     }
 
@@ -160,6 +165,13 @@ impl Front {
         self.outbox.put(measurement.encode_sealed(profile, seal).0);
         if self.machine == State::Standby {
             self.end_session();
+        }
+    }
+
+    /// The rig was heard: it agrees to a session that was offered before.
+    pub(super) fn agree(&mut self, known: &Known) {
+        if let Some(sync) = self.offered.take() {
+            self.on_sync(&sync, known);
         }
     }
 
@@ -324,6 +336,11 @@ impl Front {
         }
         self.has_refused = refuses;
         if refuses {
+            return;
+        }
+        if !known.is_heard {
+            // A rig that was not heard yet agrees to nothing; it does with its first measurement.
+            self.offered = Some(*sync);
             return;
         }
         if !self.is_latched() {

@@ -99,6 +99,7 @@ impl<W: Wire> Gateway<W> {
     fn known(&self) -> Known {
         Known {
             limits: self.plan.rig_limits(),
+            is_heard: self.last.is_some(),
             displacement_m: self.last.and_then(|reading| reading.displacement_m),
             force_n: self.last.and_then(|reading| reading.force_n),
             temperature_degc: self.decoder.temperature_degc,
@@ -207,6 +208,8 @@ impl<W: Wire> Gateway<W> {
             return;
         };
         self.last = Some(reading);
+        let known = self.known();
+        self.front.agree(&known);
         if let Some(displacement_m) = reading.displacement_m {
             self.preparation.measured(displacement_m);
         }

@@ -114,6 +114,13 @@ fn both_examples_measure_the_same_damper() {
 }
 
 #[test]
+fn a_rig_that_starts_after_the_host_was_refused_for_an_unknown_force() {
+    let late = Habits { starts_at: 100, ..sound() };
+    let ran = run_with(plan("servo", |map| map), "servo", late, WirePace::LockStep, 100);
+    assert_eq!(ran.end, Ok(End::Completed), "{:?}", ran.bus.unready());
+}
+
+#[test]
 fn the_end_of_a_run_reaches_the_rig() {
     let ran = run_with(plan("servo", |map| map), "servo", sound(), WirePace::LockStep, 100);
     assert_eq!((ran.end, ran.bus.run_state()), (Ok(End::Completed), RunState::Standby));

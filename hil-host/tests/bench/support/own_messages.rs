@@ -48,6 +48,8 @@ pub(crate) struct Habits {
     pub(crate) fails_at: Option<u64>,
     /// From this cycle on its force is beyond what its signal may hold.
     pub(crate) blind_from: Option<u64>,
+    /// Before this cycle it is silent: it has not started yet.
+    pub(crate) starts_at: u64,
     /// In this cycle somebody else sends a command.
     pub(crate) foreign_at: Option<u64>,
 }
@@ -144,6 +146,9 @@ impl OwnRig {
 
     fn cycle(&mut self) {
         self.cycles += 1;
+        if self.cycles < self.habits.starts_at {
+            return;
+        }
         self.silent += 1;
         let reading = self.emulator.cycle(&mut self.state, self.target);
         if let Target::Follow(reference) = &mut self.target {
