@@ -67,7 +67,7 @@ impl From<InputError> for DbcError {
 /// A file, with its line where it is known.
 fn place(file: &std::path::Path, line: Option<usize>) -> String {
     let file = quoted(&file.display().to_string()).to_string();
-    line.map_or(file.clone(), |line| format!("{file} line {line}"))
+    line.map_or(file.clone(), |line| format!("{file}:{line}"))
 }
 
 impl fmt::Display for DbcError {

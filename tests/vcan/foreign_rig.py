@@ -60,11 +60,11 @@ class Rig:
         silent_s = time.monotonic() - self.told_at
         return self.time_out_s is not None and silent_s > self.time_out_s
 
-    def cycle(self):
-        """One millisecond: the reference runs on at its velocity."""
+    def cycle(self, passed_s):
+        """One cycle: the reference runs on at its velocity for the time that has passed."""
         before_m = self.ram_m
         if self.enabled and not self.timed_out():
-            self.target_m += self.velocity_m_per_s * CYCLE_S
+            self.target_m += self.velocity_m_per_s * passed_s
             step_m = max(-0.5e-3, min(0.5e-3, self.target_m - self.ram_m))
             self.ram_m += step_m
         self.damper.move((self.ram_m - before_m) / CYCLE_S)
@@ -135,13 +135,21 @@ def main():
     frames = {m.name: (m, m.frame_id, m.is_extended_frame) for m in messages.database.messages}
     with can.Bus(interface="socketcan", channel=options.bus, can_filters=wanted) as bus:
         rig.told_at = -math.inf
+        last_at = time.monotonic()
         while True:
-            frame = bus.recv(CYCLE_S)
+            frame = newer = bus.recv(CYCLE_S)
+            # Of several set points the newest counts: a rig that is late does not stay so.
+            while newer is not None:
+                frame, newer = newer, bus.recv(0)
+            now = time.monotonic()
             if frame is not None:
                 messages.take(rig, frame.data)
-            elif time.monotonic() - rig.told_at < options.own_clock_after_s:
+                rig.cycle(CYCLE_S)
+            elif now - rig.told_at < options.own_clock_after_s:
                 continue
-            rig.cycle()
+            else:
+                rig.cycle(min(now - last_at, 0.05))
+            last_at = now
             for name, values in messages.say(rig):
                 message, frame_id, extended = frames[name]
                 data = message.encode(values, strict=False)

@@ -110,11 +110,11 @@ fn errors_name_the_file_the_line_and_the_signal() {
         (" SG_ S m1 : 0|16@1+ (1,0) [0|0]", "", "no selector of its page"),
     ] {
         let said = said(signal, more);
-        assert!(said.starts_with("rig.dbc line 4: signal M.S: found "), "{said}");
+        assert!(said.starts_with("rig.dbc:4: signal M.S: found "), "{said}");
         assert!(said.contains(found), "{said}");
     }
     let said = said(" SG_ S 0|16@1+ (1,0) [0|0]", "");
-    assert!(said.starts_with("rig.dbc line 4: ") && !said.contains('\n'), "{said}");
+    assert!(said.starts_with("rig.dbc:4: ") && !said.contains('\n'), "{said}");
     let absent = Database::read(Path::new("none.dbc")).unwrap_err();
     assert!(matches!(absent, DbcError::Input(_)) && absent.is_bad_input());
 }

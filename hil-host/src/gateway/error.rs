@@ -104,7 +104,7 @@ impl fmt::Display for GatewayError {
             Self::Unit { file, line, signal, unit, expected } => {
                 f.write_str(&shown(file))?;
                 if let Some(line) = line {
-                    write!(f, " line {line}")?;
+                    write!(f, ":{line}")?;
                 }
                 write!(
                     f,

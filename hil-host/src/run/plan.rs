@@ -83,8 +83,8 @@ impl Plan {
         }
     }
 
-    /// Refuses what a rig's own messages cannot do: a bus that is not one interface with one rig, or
-    /// a slow-down.
+    /// Refuses what a rig's own messages cannot do: a bus that is not one interface with one rig,
+    /// or a slow-down.
     pub(crate) fn check_gateway(&self, options: &RunOptions) -> Result<(), BenchError> {
         if options.gateway.is_none() {
             return Ok(());

@@ -256,9 +256,9 @@ fn errors_of_a_map_name_file_key_found_and_expected() {
         (
             "\"LoadCell\"",
             "\"SensorsOk\"",
-            "servo.dbc line 19: signal Measured.SensorsOk: found unit \"\"",
+            "servo.dbc:19: signal Measured.SensorsOk: found unit \"\"",
         ),
-        ("force = ", "forces = ", "servo-map.toml line 10"),
+        ("force = ", "forces = ", "servo-map.toml:10: "),
         ("counter = \"Sequence\"\n", "", "[measurement] echo: found an echo alone"),
         ("counter = \"Alive\"", "counter = \"LoadCell\"", "[measurement] counter: found signal"),
         ("timeout_s = 0.1", "timeout_s = 2.0", "[status] timeout_s: found 2 s"),
