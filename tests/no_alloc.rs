@@ -153,6 +153,10 @@ impl Wire for Servo {
     fn counters(&self) -> BusCounters {
         BusCounters::default()
     }
+
+    fn time(&self) -> Duration {
+        Duration::from_millis(self.alive)
+    }
 }
 
 #[test]

@@ -233,7 +233,7 @@ impl Database {
         &'a self,
         message: &'a DbcMessage,
         signal: &DbcSignal,
-    ) -> Option<(Option<&'a DbcSignal>, Vec<(u64, u64)>)> {
+    ) -> Option<(Option<&'a DbcSignal>, Ranges)> {
         let named = |name: &str| message.signals.iter().find(|signal| signal.name == name);
         let is_own = |one: &&ExtendedMultiplex| {
             one.message_id == message.id && one.signal_name == signal.name
@@ -268,6 +268,9 @@ impl Database {
         }
     }
 }
+
+/// First and last value of each range.
+type Ranges = Vec<(u64, u64)>;
 
 fn full_name(message: &DbcMessage, signal: &DbcSignal) -> String {
     format!("{}.{}", message.name, signal.name)

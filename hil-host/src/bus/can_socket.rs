@@ -26,7 +26,7 @@ use socketcan::{
 };
 use std::io::{self, IoSliceMut};
 use std::os::fd::{AsFd, AsRawFd};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Bytes asked for the send buffer. The kernel doubles the number and charges somewhat under 1 kB
 /// per frame: room for about ten frames, what a rig sends in two cycles.
@@ -46,6 +46,7 @@ pub(crate) struct CanSocket {
     counters: BusCounters,
     /// The kernel's drop counter as last delivered, modulo 2^32.
     overflow: u32,
+    opened: Instant,
 }
 
 impl CanSocket {
@@ -63,7 +64,7 @@ impl CanSocket {
         let socket = CanFdSocket::open(interface).map_err(|error| explain(interface, error))?;
         check_interface(interface, takes_fd)?;
         set_up(&socket, accept).map_err(refused)?;
-        Ok(Self { socket, counters: BusCounters::default(), overflow: 0 })
+        Ok(Self { socket, counters: BusCounters::default(), overflow: 0, opened: Instant::now() })
     }
 
     /// Reads one frame of any kind; `None` when there is none.
@@ -130,6 +131,11 @@ impl CanSocket {
         let timeout = PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX);
         let mut sockets = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
         matches!(poll(&mut sockets, timeout), Ok(1..))
+    }
+
+    /// Time since it was opened.
+    pub(crate) fn time(&self) -> Duration {
+        self.opened.elapsed()
     }
 
     /// What went over it so far.

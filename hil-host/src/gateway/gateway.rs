@@ -192,7 +192,9 @@ impl<W: Wire> Gateway<W> {
             self.release();
         }
         let was_going = matches!(self.preparation, Preparation::Going(_));
-        if let Order::Say(reference, is_enabled) = self.preparation.cycle(self.decoder.state) {
+        if let Order::Say(reference, is_enabled) =
+            self.preparation.cycle(self.decoder.state, self.wire.time())
+        {
             (self.reference, self.is_enabled) = (reference, is_enabled);
             self.say(None);
         }

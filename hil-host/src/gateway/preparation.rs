@@ -21,6 +21,7 @@
 use super::codec::RigState;
 use firmware_core::command::Command;
 use std::fmt;
+use std::time::Duration;
 
 /// Speed of the creep (m/s), and cycles in which it is reached.
 const CREEP_M_PER_S: f64 = 5e-3;
@@ -139,6 +140,9 @@ pub(super) struct Trial {
     part: Part,
     /// Cycles of this part so far.
     cycles: u32,
+    /// Time at its beginning, once it has had a cycle, and now.
+    began: Option<Duration>,
+    now: Duration,
     /// Where the ram stood at the start, once it is known (m).
     start_m: Option<f64>,
     reference: Command,
@@ -201,6 +205,8 @@ impl Preparation {
             offer,
             part: Part::Enable,
             cycles: 0,
+            began: None,
+            now: Duration::ZERO,
             start_m: None,
             reference: Command::default(),
             noise_m: 0.0,
@@ -218,10 +224,12 @@ impl Preparation {
     }
 
     /// One cycle, with what the rig has said of its state last.
-    pub(super) fn cycle(&mut self, state: Option<RigState>) -> Order {
+    /// `now` is the time of the rig: a host that is late makes up for it, and its cycles are
+    /// shorter then.
+    pub(super) fn cycle(&mut self, state: Option<RigState>, now: Duration) -> Order {
         match self {
             Self::Idle => Order::Nothing,
-            Self::Going(trial) => match trial.cycle(state) {
+            Self::Going(trial) => match trial.cycle(state, now) {
                 Ok(None) => trial.order(),
                 Ok(Some(at_m)) => {
                     *self = Self::Ready(at_m);
@@ -244,7 +252,7 @@ impl Preparation {
 impl Trial {
     fn measured(&mut self, displacement_m: f64) {
         self.last_m = Some(displacement_m);
-        let is_late = self.cycles >= self.length() / 2;
+        let is_late = self.has_lasted(self.length() / 2);
         self.seen.take(is_late, displacement_m);
         if self.start_m.is_none() {
             self.start_m = Some(displacement_m);
@@ -264,6 +272,13 @@ impl Trial {
         }
     }
 
+    /// Whether so many cycles of this part have passed, and as much time.
+    fn has_lasted(&self, cycles: u32) -> bool {
+        let since = self.now.saturating_sub(self.began.unwrap_or(self.now));
+        self.cycles >= cycles
+            && since.as_secs_f64() >= f64::from(cycles.saturating_sub(1)) * CYCLE_S
+    }
+
     /// What is sent in this cycle.
     fn order(&self) -> Order {
         match self.part {
@@ -278,15 +293,18 @@ impl Trial {
     }
 
     fn go_on(&mut self, part: Part) {
-        (self.part, self.cycles, self.seen) = (part, 0, Seen::default());
+        (self.part, self.cycles, self.began) = (part, 0, None);
+        self.seen = Seen::default();
     }
 
     /// One cycle; where the rig is ready, the place where it holds.
-    fn cycle(&mut self, state: Option<RigState>) -> Result<Option<f64>, Unready> {
+    fn cycle(&mut self, state: Option<RigState>, now: Duration) -> Result<Option<f64>, Unready> {
         self.cycles += 1;
+        self.now = now;
+        self.began.get_or_insert(now);
         match self.part {
             Part::Enable => return self.enable(state),
-            Part::Noise if self.cycles >= NOISE_CYCLES => {
+            Part::Noise if self.has_lasted(NOISE_CYCLES) => {
                 self.noise_m = self.seen.high_m - self.seen.low_m;
                 if self.seen.drift_m().is_none() {
                     return Err(Unready::NoMeasurement);
@@ -297,8 +315,8 @@ impl Trial {
                 self.go_on(Part::Creep);
             }
             Part::Creep => return self.creep(),
-            Part::Silence if self.cycles >= self.length() => self.go_on(Part::Watch),
-            Part::Watch if self.cycles >= WATCH_CYCLES => return self.judge(),
+            Part::Silence if self.has_lasted(self.length()) => self.go_on(Part::Watch),
+            Part::Watch if self.has_lasted(WATCH_CYCLES) => return self.judge(),
             Part::Stop if self.cycles >= ENABLE_CYCLES => {
                 self.is_again = true;
                 self.go_on(Part::Enable);

@@ -18,6 +18,9 @@ pub trait Wire {
 
     /// What went over the bus so far.
     fn counters(&self) -> BusCounters;
+
+    /// The time of the rig, from any beginning: that of a clock, or of its cycles in virtual time.
+    fn time(&self) -> Duration;
 }
 
 impl Wire for CanSocket {
@@ -35,5 +38,9 @@ impl Wire for CanSocket {
 
     fn counters(&self) -> BusCounters {
         CanSocket::counters(self)
+    }
+
+    fn time(&self) -> Duration {
+        CanSocket::time(self)
     }
 }

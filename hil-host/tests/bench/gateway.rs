@@ -1,6 +1,6 @@
 //! Rigs that speak their own messages, in virtual time: coupled, refused, and found out.
 
-use crate::support::locomotive::{scenario, session};
+use crate::support::locomotive::{lasting, session};
 use crate::support::own_messages::{Habits, OwnRig, gateway, plan, planned};
 use can_protocol::arming::Refusal;
 use can_protocol::{ArmItem, Pace as WirePace, RunState};
@@ -36,7 +36,7 @@ fn sound() -> Habits {
 }
 
 fn run_with(plan: GatewayPlan, name: &str, habits: Habits, pace: WirePace, cycles: u64) -> Ran {
-    let run: Run = scenario();
+    let run: Run = lasting(cycles as f64 * 1e-3, "");
     let track = run.track.view();
     let session: Session<'_> = session(&run, &track, pace);
     let mut queues = Queues::default();

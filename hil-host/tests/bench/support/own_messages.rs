@@ -215,6 +215,10 @@ impl Wire for OwnRig {
     fn counters(&self) -> BusCounters {
         self.counters
     }
+
+    fn time(&self) -> Duration {
+        Duration::from_millis(self.cycles)
+    }
 }
 
 /// A gateway to such a rig.
