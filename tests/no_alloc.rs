@@ -128,7 +128,8 @@ impl Servo {
         let force = (velocity as u16 as i16 as u64) & 0xF_FFFF;
         let sequence = self.told >> 48 & 0xFF;
         let data = force | position << 20 | 1 << 44 | (self.alive & 0xFF) << 48 | sequence << 56;
-        let frame = |id, data: &[u8]| RawFrame::new(CanId::Extended(id), false, data).unwrap();
+        let frame =
+            |id, data: &[u8]| RawFrame::new(CanId::Extended(id), false, data).expect("a frame");
         self.out.push_back(frame(0x18FF_0201, &data.to_le_bytes()));
         self.out.push_back(frame(0x18FF_0301, &[2, 75]));
     }
@@ -136,7 +137,7 @@ impl Servo {
 
 impl Wire for Servo {
     fn send(&mut self, frame: &RawFrame) -> Sent {
-        self.told = u64::from_le_bytes(frame.data().try_into().unwrap());
+        self.told = u64::from_le_bytes(frame.data().try_into().expect("8 bytes"));
         self.measure();
         Sent::Away
     }

@@ -1,5 +1,6 @@
 //! The codec against another one: `vectors.json` holds frames and values by Python's cantools, of a
 //! database that has every kind of signal (`foreign.dbc`). `vectors.py` writes it.
+#![allow(clippy::unwrap_used, reason = "a test stops where it fails")]
 
 use dbc::{Database, DbcError, Fit, Value};
 use serde::Deserialize;

@@ -228,7 +228,7 @@ impl Preparation {
     /// shorter then.
     pub(super) fn cycle(&mut self, state: Option<RigState>, now: Duration) -> Order {
         match self {
-            Self::Idle => Order::Nothing,
+            Self::Idle | Self::Refused(_) => Order::Nothing,
             Self::Going(trial) => match trial.cycle(state, now) {
                 Ok(None) => trial.order(),
                 Ok(Some(at_m)) => {
@@ -244,7 +244,6 @@ impl Preparation {
             Self::Ready(at_m) => {
                 Order::Say(Command { displacement_m: *at_m, velocity_m_per_s: 0.0 }, true)
             }
-            Self::Refused(_) => Order::Nothing,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::plan::{BusLoad, Plan};
 use crate::control::Session;
+use crate::gateway::GatewayPlan;
 use crate::options::{PaceChoice, RunOptions};
 use scenario::run::Run;
 use serde::{Deserialize, Serialize};
@@ -61,7 +62,7 @@ impl RunAbout {
             accepted_losses: options
                 .gateway
                 .iter()
-                .flat_map(|plan| plan.losses())
+                .flat_map(GatewayPlan::losses)
                 .map(|loss| loss.name().to_owned())
                 .collect(),
             cycles: run.cycles(),
