@@ -137,6 +137,7 @@ pub(crate) fn command(
         inputs: Vec::new(),
         name: "rig".to_owned(),
         linear: None,
+        gateway: None,
         realtime: args.realtime.options(),
     };
     eprintln!("expected heat, from {LABORATORY_DEGC} degrees Celsius on:");

@@ -92,7 +92,7 @@ enum Command {
         after_help = "Examples: yawbench characterise --physical scenarios/dampers/hydraulic-yaw-damper.toml --tests short
           yawbench characterise --from sine.csv triangle.csv --datasheet sheet.toml"
     )]
-    Characterise(characterise::CharacteriseArgs),
+    Characterise(Box<characterise::CharacteriseArgs>),
     /// Find the effects in measured records that a damper model lacks, and add them to it.
     #[command(
         after_help = "Example: yawbench identify --datasheet sheet.toml --train sine-*.csv triangle.csv --holdout service.csv"

@@ -11,7 +11,8 @@ use crate::value::number;
 use clap::{Args, ValueEnum};
 use hil_host::bus::BusChoice;
 use hil_host::control::End;
-use hil_host::{DamperSummary, PaceChoice, RunOptions, Summary, run};
+use hil_host::gateway::{GatewayPlan, Loss, loss_table};
+use hil_host::{BenchError, DamperSummary, PaceChoice, RunOptions, Summary, run};
 use report::{Cell, Table};
 use scenario::run::{Overrides, Run, SlotForce};
 use std::num::NonZeroU8;
@@ -45,6 +46,15 @@ pub(crate) struct RunArgs {
     /// Where the rigs are: memory, or socketcan:INTERFACE.
     #[arg(long, default_value_t = BusChoice::Memory)]
     bus: BusChoice,
+    /// DBC of a rig that speaks its own messages, on the bus of --bus.
+    #[arg(long, value_name = "FILE", requires = "dbc_map")]
+    dbc: Option<PathBuf>,
+    /// Which signals of that DBC are command, measurement and status.
+    #[arg(long, value_name = "FILE", requires = "dbc")]
+    dbc_map: Option<PathBuf>,
+    /// Losses to accept, such as no-echo,no-crc: what the rig's own messages lack.
+    #[arg(long, value_name = "LOSSES", value_delimiter = ',', requires = "dbc")]
+    accept: Vec<Loss>,
     /// Arm rigs on a real bus without asking: for scripts on a bench that nobody stands at.
     #[arg(long)]
     arm: bool,
@@ -85,15 +95,19 @@ pub(crate) struct RunArgs {
 pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     let overrides = Overrides { duration_s: args.duration, speed_kmh: args.speed_kmh };
     let scenario = Run::load(&args.scenario, overrides)?;
+    let gateway = gateway(args)?;
+    let mut inputs = vec![args.scenario.clone()];
+    inputs.extend([&args.dbc, &args.dbc_map].into_iter().flatten().cloned());
     let options = RunOptions {
         bus: args.bus.clone(),
+        gateway,
         pace: args.pace.into(),
         profile: args.wire.profile(),
         bit_rates: (args.wire.bitrate.0, args.wire.data_bitrate.0),
         slow_down: args.slow_down,
         out: args.out.clone(),
         overwrite: args.overwrite,
-        inputs: vec![args.scenario.clone()],
+        inputs,
         name: stem(&args.scenario),
         linear: if on_rigs(&scenario) { linear_vehicle(&scenario)? } else { None },
         realtime: args.realtime.options(),
@@ -177,6 +191,16 @@ fn tracking_lines(dampers: &[DamperSummary]) -> Vec<String> {
         }
     }
     lines
+}
+
+/// How a rig is driven by its own messages; says what it does without.
+fn gateway(args: &RunArgs) -> Result<Option<GatewayPlan>, CommandError> {
+    let (Some(dbc), Some(map)) = (&args.dbc, &args.dbc_map) else { return Ok(None) };
+    let plan = GatewayPlan::read(dbc, map, &args.accept).map_err(BenchError::from)?;
+    for line in loss_table(&plan.losses(), plan.accepted()).lines() {
+        eprintln!("{line}");
+    }
+    Ok(Some(plan))
 }
 
 /// The forces, strokes and work of every damper.

@@ -28,6 +28,17 @@ pub enum Verdict {
     Refuse,
 }
 
+impl Verdict {
+    /// The verdict on a share of the bus.
+    pub fn of(load: f64) -> Self {
+        match load {
+            load if load <= 0.5 => Self::Accept,
+            load if load <= 0.8 => Self::Warn,
+            _ => Self::Refuse,
+        }
+    }
+}
+
 /// What is to run over one bus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BusPlan {
@@ -84,11 +95,7 @@ impl BusPlan {
 
     /// The verdict on [`BusPlan::cyclic_load`].
     pub fn verdict(&self) -> Verdict {
-        match self.cyclic_load() {
-            load if load <= 0.5 => Verdict::Accept,
-            load if load <= 0.8 => Verdict::Warn,
-            _ => Verdict::Refuse,
-        }
+        Verdict::of(self.cyclic_load())
     }
 
     /// Longest time of one frame of a message on this bus, s.

@@ -4,6 +4,7 @@
 //! input state, and the guard acts on it.
 
 use crate::bus::{BusError, InvalidBus};
+use crate::gateway::GatewayError;
 use can_protocol::arming::Refusal;
 use can_protocol::{ArmItem, PROTOCOL_VERSION, RunState, Sync};
 use files::{FolderError, InputError, quoted};
@@ -69,6 +70,8 @@ pub enum BenchError {
     },
     /// A bus that cannot be opened.
     Bus(BusError),
+    /// A rig that cannot be driven by its own messages.
+    Gateway(Box<GatewayError>),
     /// Rigs that did not answer before the run.
     SilentRigs {
         /// Their nodes.
@@ -201,6 +204,7 @@ impl BenchError {
             | Self::Kept { .. }
             | Self::RealtimeRefused => true,
             Self::Bus(why) => why.is_bad_input(),
+            Self::Gateway(why) => why.is_bad_input(),
             Self::Input(why) => why.is_bad_input(),
             Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
             Self::SilentRigs { .. }
@@ -336,6 +340,7 @@ impl fmt::Display for BenchError {
                 *needed as f64 * 1e-9
             ),
             Self::Bus(why) => why.fmt(f),
+            Self::Gateway(why) => why.fmt(f),
             Self::SilentRigs { nodes, bus } => {
                 let nodes: Vec<String> = nodes.iter().map(u8::to_string).collect();
                 write!(
@@ -414,6 +419,12 @@ impl From<can_protocol::Error> for BenchError {
 impl From<BusError> for BenchError {
     fn from(why: BusError) -> Self {
         Self::Bus(why)
+    }
+}
+
+impl From<GatewayError> for BenchError {
+    fn from(why: GatewayError) -> Self {
+        Self::Gateway(Box::new(why))
     }
 }
 

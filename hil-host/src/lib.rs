@@ -14,10 +14,11 @@
 //! 4. [`rig`]: the other end of the bus, in line or as a process of its own; `reset` releases one
 //!    that is latched; [`Draw`] is the source of the numbers of both sides.
 //!    The delay that a rig leaves to the force is measured in blocks ([`DelayBlocks`]).
-//! 5. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
+//! 5. [`gateway`]: a rig that speaks its own messages, by its DBC, behind a bus of ours.
+//! 6. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
 //!    read back as a damper test.
-//! 6. [`faults`]: faults that are injected into a coupled run in virtual time.
-//! 7. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `counts` (while
+//! 7. [`faults`]: faults that are injected into a coupled run in virtual time.
+//! 8. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `counts` (while
 //!    it goes on), `statistics` (from the record), `summary` (`summary.json`), `page`
 //!    (`report.html`), `comparison` (the same run with another damper).
 //!
@@ -35,6 +36,7 @@ pub mod doctor;
 mod draw;
 mod error;
 pub mod faults;
+pub mod gateway;
 mod linear_vehicle;
 mod options;
 mod page;

@@ -1,6 +1,7 @@
 //! What a run is given in addition to its scenario.
 
 use crate::bus::BusChoice;
+use crate::gateway::GatewayPlan;
 use crate::linear_vehicle::LinearVehicle;
 use crate::realtime::RealtimeOptions;
 use can_protocol::Profile;
@@ -36,6 +37,8 @@ impl PaceChoice {
 pub struct RunOptions {
     /// The bus of all slots that do not name their own.
     pub bus: BusChoice,
+    /// How the rig on that bus is driven by its own messages, if it is.
+    pub gateway: Option<GatewayPlan>,
     /// The pace.
     pub pace: PaceChoice,
     /// The profile on the wire.

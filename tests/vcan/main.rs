@@ -7,6 +7,7 @@ mod opened;
 mod record;
 
 mod doctor;
+mod foreign;
 mod interface;
 mod participants;
 mod peer;

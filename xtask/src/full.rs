@@ -1,4 +1,5 @@
-//! What takes longer than a change can wait for: hours of faults, sound rigs, killed runs.
+//! What takes longer than a change can wait for: hours of faults, sound rigs, a million frames of a
+//! rig with its own messages, killed runs.
 
 use crate::power_cut::{self, Cuts};
 use crate::run::{Outcome, Run};
@@ -15,6 +16,9 @@ const KILLS: &str = "200";
 /// Machines that lose their power.
 const POWER_CUTS: u64 = 5;
 
+/// Cycles of a rig with its own messages: a command and a measurement in each, a million frames.
+const OWN_MESSAGES_CYCLES: &str = "500000";
+
 /// Seed of random faults and of sound rigs. No limit was chosen with it.
 const SEED: &str = "2611";
 
@@ -22,6 +26,12 @@ const SEED: &str = "2611";
 pub(crate) fn test(run: &mut Run) {
     run.step("soak", |run| faults(run, &["--cycles", SOAK_CYCLES]));
     run.step("sound", |run| faults(run, &["--sound", SOUND_S]));
+    run.step("own-messages", |run| {
+        let mut cargo = run.cargo();
+        cargo.args(["test", "-p", "hil-host", "--test", "bench", "--"]);
+        cargo.args(["a_long_run_of_own_messages", "--nocapture"]);
+        run.checked(cargo.env("OWN_MESSAGES_CYCLES", OWN_MESSAGES_CYCLES))
+    });
     run.step("kills", |run| {
         let mut cargo = run.cargo();
         cargo.args(["test", "--test", "system", "--", "killed_run", "--nocapture"]);

@@ -55,12 +55,17 @@ fn main() -> ExitCode {
             run.step("firmware", |run| thumb::build(run, thumb::Compiler::Debian));
         }
         ["vcan", "--uml", rest @ ..] => {
+            run.step("cantools", equipment::cantools);
             run.step("vcan", |run| vcan::test(run, vcan::Place::Uml, rest));
         }
         ["vcan", "--qemu", rest @ ..] => {
+            run.step("cantools", equipment::cantools);
             run.step("vcan", |run| vcan::test(run, vcan::Place::Qemu, rest));
         }
-        ["vcan", rest @ ..] => run.step("vcan", |run| vcan::test(run, vcan::Place::Any, rest)),
+        ["vcan", rest @ ..] => {
+            run.step("cantools", equipment::cantools);
+            run.step("vcan", |run| vcan::test(run, vcan::Place::Any, rest));
+        }
         ["power-cut", rest @ ..] => {
             let Some(cuts) = power_cut::Cuts::parse(rest) else { return usage() };
             run.step("power-cut", |run| power_cut::test(run, cuts));

@@ -187,6 +187,8 @@ fn job(run: &Run, built: Built, arguments: &[&str]) -> Result<Job, String> {
     ];
     // Its console is a terminal, ours may be a file.
     let colour = [if run.colour { "--color=always" } else { "--color=never" }];
+    // The search path is the machine's own; a Python with cantools is named by its file.
+    environment.extend(run.equipment.iter().filter(|(name, _)| name != "PATH").cloned());
     environment.extend(built.yawbench.map(|path| ("YAWBENCH_BIN".into(), path.into())));
     Ok(Job {
         programs: built.tests,

@@ -1,15 +1,18 @@
-//! A bus of either kind, chosen when a run begins.
+//! A bus of any kind, chosen when a run begins.
 
-use super::{Bus, BusCounters, MemoryBus, Sent, SocketCanBus, WireFrame};
+use super::{Bus, BusCounters, CanSocket, MemoryBus, Sent, SocketCanBus, WireFrame};
+use crate::gateway::Gateway;
 use can_protocol::Frame;
 use std::time::Duration;
 
-/// A bus of either kind. The loop calls it by a match and not through a pointer.
+/// A bus of any kind. The loop calls it by a match and not through a pointer.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "at most four, made once")]
 pub(crate) enum AnyBus {
     Memory(MemoryBus),
     SocketCan(SocketCanBus),
+    /// A CAN interface with a rig that speaks its own messages.
+    Gateway(Gateway<CanSocket>),
 }
 
 impl Bus for AnyBus {
@@ -17,6 +20,7 @@ impl Bus for AnyBus {
         match self {
             Self::Memory(bus) => bus.send(frame),
             Self::SocketCan(bus) => bus.send(frame),
+            Self::Gateway(bus) => bus.send(frame),
         }
     }
 
@@ -24,6 +28,7 @@ impl Bus for AnyBus {
         match self {
             Self::Memory(bus) => bus.receive(),
             Self::SocketCan(bus) => bus.receive(),
+            Self::Gateway(bus) => bus.receive(),
         }
     }
 
@@ -31,6 +36,7 @@ impl Bus for AnyBus {
         match self {
             Self::Memory(bus) => bus.wait(timeout),
             Self::SocketCan(bus) => bus.wait(timeout),
+            Self::Gateway(bus) => bus.wait(timeout),
         }
     }
 
@@ -38,6 +44,7 @@ impl Bus for AnyBus {
         match self {
             Self::Memory(bus) => bus.counters(),
             Self::SocketCan(bus) => bus.counters(),
+            Self::Gateway(bus) => bus.counters(),
         }
     }
 }

@@ -8,16 +8,20 @@
 //! command is worse than none.
 
 mod any;
+mod can_socket;
 mod choice;
 mod error;
 mod memory;
+mod raw_frame;
 mod socketcan;
 mod wire_frame;
 
 pub(crate) use any::AnyBus;
+pub(crate) use can_socket::CanSocket;
 pub use choice::{BusChoice, InvalidBus};
 pub use error::BusError;
 pub use memory::{MAX_RIGS, MemoryBus, QUEUE_FRAMES};
+pub use raw_frame::RawFrame;
 pub use socketcan::SocketCanBus;
 pub use wire_frame::WireFrame;
 

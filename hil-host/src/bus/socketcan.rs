@@ -1,47 +1,18 @@
-//! A CAN interface of Linux, real or virtual, by a raw `SocketCAN` socket.
-//!
-//! - Kernel filters let through exactly the ids that are wanted, standard data frames only.
-//! - The socket never blocks, and its send buffer holds a few frames: the kernel's queues would
-//!   otherwise deliver commands that are milliseconds old. What does not fit is dropped, counted
-//!   and not retried.
-//! - The kernel counts what it had to drop on the way in (`SO_RXQ_OVFL`) and delivers the number
-//!   with the next frame.
-//! - Error frames of the controller are counted. A virtual interface has none; it has no bit rate,
-//!   no arbitration and no bus load either.
-//!
-//! FD frames go out with bit-rate switch. On an interface that is not set up for FD the kernel
-//! refuses them, which [`SocketCanBus::open`] reports in advance.
+//! A CAN interface of Linux as the bus of rigs that speak this protocol.
 
+use super::can_socket::CanSocket;
 use super::error::BusError;
-use super::wire_frame::{MAX_BYTES, WireFrame};
+use super::raw_frame::RawFrame;
+use super::wire_frame::WireFrame;
 use super::{Bus, BusCounters, Sent};
-use can_protocol::{Frame, MessageId, Profile, to_embedded};
-use nix::errno::Errno;
-use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
-use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg};
-use socketcan::{CanFdFrame, CanFdSocket, CanFilter, CanFrame, Socket, SocketOptions};
-use std::io::{self, IoSliceMut};
-use std::os::fd::{AsFd, AsRawFd};
+use can_protocol::{Frame, MessageId, Profile};
+use dbc::CanId;
 use std::time::Duration;
 
-/// Bytes asked for the send buffer. The kernel doubles the number and charges somewhat under 1 kB
-/// per frame: room for about ten frames, what a rig sends in two cycles.
-const SEND_BUFFER_BYTES: i32 = 4096;
-
-/// Bytes of a frame as the kernel hands it over, classical and FD.
-const CLASSICAL_BYTES: usize = 16;
-const FD_BYTES: usize = 72;
-
-/// Room for one 32-bit control message: 16 bytes of header and the number, aligned.
-const CONTROL_BYTES: usize = 64;
-
-/// A bus on a CAN interface.
+/// A bus on a CAN interface. `bus/can_socket.rs` has what it asks of the kernel.
 #[derive(Debug)]
 pub struct SocketCanBus {
-    socket: CanFdSocket,
-    counters: BusCounters,
-    /// The kernel's drop counter as last delivered, modulo 2^32.
-    overflow: u32,
+    socket: CanSocket,
 }
 
 impl SocketCanBus {
@@ -50,198 +21,26 @@ impl SocketCanBus {
     /// # Errors
     /// The kernel has no CAN, or the interface does not exist, is down, or cannot do the profile.
     pub fn open(interface: &str, accept: &[MessageId], profile: Profile) -> Result<Self, BusError> {
-        let refused = |error| BusError::Refused { interface: interface.to_owned(), error };
-        let socket = CanFdSocket::open(interface).map_err(|error| explain(interface, error))?;
-        check_interface(interface, profile)?;
-        set_up(&socket, accept).map_err(refused)?;
-        Ok(Self { socket, counters: BusCounters::default(), overflow: 0 })
-    }
-
-    /// Reads one frame of any kind; `None` when there is none.
-    fn read(&mut self) -> Option<Arrived> {
-        let mut buffer = [0_u8; FD_BYTES];
-        let mut control = [0_u8; CONTROL_BYTES];
-        let mut parts = [IoSliceMut::new(&mut buffer)];
-        let flags = MsgFlags::MSG_DONTWAIT;
-        let message =
-            recvmsg::<()>(self.socket.as_raw_fd(), &mut parts, Some(&mut control), flags).ok()?;
-        let bytes = message.bytes;
-        for part in message.cmsgs().into_iter().flatten() {
-            if let ControlMessageOwned::RxqOvfl(total) = part {
-                self.counters.receive_dropped += u64::from(total.wrapping_sub(self.overflow));
-                self.overflow = total;
-            }
-        }
-        Some(Arrived::parse(&buffer, bytes))
+        let ids = accept.iter().map(|message| CanId::Standard(message.raw()));
+        Ok(Self { socket: CanSocket::open(interface, ids, profile == Profile::Fd)? })
     }
 }
 
 impl Bus for SocketCanBus {
     fn send(&mut self, frame: &Frame) -> Sent {
-        let result = if frame.is_fd() {
-            to_embedded::<CanFdFrame>(frame).map(|mut frame| {
-                frame.set_brs(true);
-                self.socket.write_frame(&frame)
-            })
-        } else {
-            to_embedded::<CanFrame>(frame).map(|frame| self.socket.write_frame(&frame))
-        };
-        // A frame of the protocol fits its kind: `None` does not occur.
-        let Some(Err(error)) = result else {
-            self.counters.sent += 1;
-            return Sent::Away;
-        };
-        self.counters.send_dropped += 1;
-        match error.raw_os_error().map(Errno::from_raw) {
-            Some(Errno::ENETDOWN | Errno::ENODEV | Errno::ENXIO) => Sent::Down,
-            _ => Sent::Dropped,
-        }
+        self.socket.send(&RawFrame::from(frame))
     }
 
     fn receive(&mut self) -> Option<WireFrame> {
-        // Bounded: as many foreign frames as there may be, the caller gets back to its cycle.
-        for _ in 0..MOST_SKIPPED {
-            match self.read()? {
-                Arrived::Frame(frame) => {
-                    self.counters.received += 1;
-                    return Some(frame);
-                }
-                Arrived::Error => self.counters.error_frames += 1,
-                Arrived::Foreign => {}
-            }
-        }
-        None
+        // The filters let nothing else through.
+        self.socket.receive()?.standard()
     }
 
     fn wait(&mut self, timeout: Duration) -> bool {
-        let timeout = PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX);
-        let mut sockets = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
-        matches!(poll(&mut sockets, timeout), Ok(1..))
+        self.socket.wait(timeout)
     }
 
     fn counters(&self) -> BusCounters {
-        self.counters
-    }
-}
-
-/// Error frames that one call of `receive` passes over.
-const MOST_SKIPPED: u32 = 64;
-
-/// What the kernel handed over.
-#[derive(Debug, PartialEq, Eq)]
-enum Arrived {
-    Frame(WireFrame),
-    Error,
-    /// Extended id, remote request or a length that is none: the filters let none through.
-    Foreign,
-}
-
-impl Arrived {
-    /// `struct can_frame` or `canfd_frame`: id with flags, length, flags, two spare, payload.
-    fn parse(buffer: &[u8; FD_BYTES], bytes: usize) -> Self {
-        let [a, b, c, d, len, _flags, _, _, payload @ ..] = buffer;
-        let id = u32::from_ne_bytes([*a, *b, *c, *d]);
-        if id & libc::CAN_ERR_FLAG != 0 {
-            return Self::Error;
-        }
-        let fd = bytes == FD_BYTES;
-        let standard = id & (libc::CAN_EFF_FLAG | libc::CAN_RTR_FLAG) == 0;
-        let data = payload.get(..usize::from(*len).min(MAX_BYTES));
-        match data.and_then(|data| WireFrame::new(id as u16, fd, data)) {
-            Some(frame) if standard && (fd || bytes == CLASSICAL_BYTES) => Self::Frame(frame),
-            _ => Self::Foreign,
-        }
-    }
-}
-
-fn set_up(socket: &CanFdSocket, accept: &[MessageId]) -> io::Result<()> {
-    // Without the two flags in the mask, extended ids and remote requests would pass as well.
-    let mask = libc::CAN_SFF_MASK | libc::CAN_EFF_FLAG | libc::CAN_RTR_FLAG;
-    let filters: Vec<CanFilter> =
-        accept.iter().map(|message| CanFilter::new(u32::from(message.raw()), mask)).collect();
-    socket.set_filters(&filters)?;
-    socket.set_error_filter_accept_all()?;
-    socket.set_nonblocking(true)?;
-    socket.set_socket_option_int(libc::SOL_SOCKET, libc::SO_SNDBUF, SEND_BUFFER_BYTES)?;
-    socket.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RXQ_OVFL, 1)
-}
-
-/// Whether the interface is up and its frames are long enough, as `/sys` shows it; an interface
-/// that is not to be seen there is taken as it is.
-fn check_interface(interface: &str, profile: Profile) -> Result<(), BusError> {
-    let read = |name: &str| std::fs::read_to_string(format!("/sys/class/net/{interface}/{name}"));
-    let flags = read("flags")
-        .ok()
-        .and_then(|text| u32::from_str_radix(text.trim().trim_start_matches("0x"), 16).ok());
-    if flags.is_some_and(|flags| flags & libc::IFF_UP as u32 == 0) {
-        return Err(BusError::Down { interface: interface.to_owned() });
-    }
-    let mtu = read("mtu").ok().and_then(|text| text.trim().parse::<usize>().ok());
-    if profile == Profile::Fd && mtu.is_some_and(|mtu| mtu < FD_BYTES) {
-        return Err(BusError::NotFd { interface: interface.to_owned() });
-    }
-    Ok(())
-}
-
-fn explain(interface: &str, error: io::Error) -> BusError {
-    let interface = interface.to_owned();
-    match error.raw_os_error().map(Errno::from_raw) {
-        Some(Errno::EAFNOSUPPORT | Errno::EPROTONOSUPPORT) => BusError::NoCan,
-        Some(Errno::ENODEV | Errno::ENXIO) => {
-            // Names are looked up before the socket is made: a kernel without CAN ends here too.
-            if has_can() { BusError::NoInterface { interface } } else { BusError::NoCan }
-        }
-        _ => BusError::Refused { interface, error },
-    }
-}
-
-/// Whether this kernel makes CAN sockets.
-fn has_can() -> bool {
-    // Any interface number does: only the address family is asked about.
-    match CanFdSocket::open_iface(0) {
-        Ok(_) => true,
-        Err(error) => error.raw_os_error() != Some(libc::EAFNOSUPPORT),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn raw(id: u32, len: u8, payload: &[u8]) -> [u8; FD_BYTES] {
-        let mut buffer = [0; FD_BYTES];
-        buffer[..4].copy_from_slice(&id.to_ne_bytes());
-        buffer[4] = len;
-        buffer[8..8 + payload.len()].copy_from_slice(payload);
-        buffer
-    }
-
-    #[test]
-    fn frames_are_read_by_kind_and_everything_else_is_told_apart() {
-        let classical = Arrived::parse(&raw(0x101, 3, &[1, 2, 3]), CLASSICAL_BYTES);
-        assert_eq!(classical, Arrived::Frame(WireFrame::new(0x101, false, &[1, 2, 3]).unwrap()));
-        let fd = Arrived::parse(&raw(0x211, 16, &[7; 16]), FD_BYTES);
-        assert_eq!(fd, Arrived::Frame(WireFrame::new(0x211, true, &[7; 16]).unwrap()));
-        let long = Arrived::parse(&raw(0x211, 64, &[7; 64]), FD_BYTES);
-        assert_eq!(long, Arrived::Frame(WireFrame::new(0x211, true, &[7; 64]).unwrap()));
-        let bus_off = raw(libc::CAN_ERR_FLAG | 0x40, 8, &[]);
-        assert_eq!(Arrived::parse(&bus_off, CLASSICAL_BYTES), Arrived::Error);
-        for flag in [libc::CAN_EFF_FLAG, libc::CAN_RTR_FLAG] {
-            assert_eq!(
-                Arrived::parse(&raw(flag | 0x101, 0, &[]), CLASSICAL_BYTES),
-                Arrived::Foreign
-            );
-        }
-        for length in [0, 8, 15, 17] {
-            assert_eq!(Arrived::parse(&raw(0x101, 8, &[]), length), Arrived::Foreign);
-        }
-    }
-
-    #[test]
-    fn an_interface_that_is_not_there_is_one_clear_line() {
-        let error = SocketCanBus::open("no-such-can", &[], Profile::Classical).unwrap_err();
-        assert!(matches!(error, BusError::NoCan | BusError::NoInterface { .. }), "{error:?}");
-        let text = error.to_string();
-        assert!(text.contains("modprobe vcan") && !text.contains('\n'), "{text}");
+        self.socket.counters()
     }
 }

@@ -48,10 +48,13 @@ mod session;
 mod states;
 
 pub use condition::Condition;
+pub(crate) use outbox::{Outbox, Says};
 pub use rig_emulator::{
     DECELERATION_M_PER_S2, Emulator, EmulatorState, Limits, RamState, Reading, Reference, Target,
 };
+pub(crate) use session::Session;
 pub use session::{FrameCounts, Timing};
+pub(crate) use states::follow;
 
 use crate::bus::WireFrame;
 use crate::draw::Draw;
@@ -63,10 +66,7 @@ use can_protocol::{
 };
 use firmware_core::supervision::{Event, Outcome, State};
 use net::StepNet;
-use outbox::{Outbox, Says};
 use scenario::rig::RigSetup;
-use session::Session;
-use states::follow;
 
 /// Cycles without a valid command after which a commanded rig goes safe.
 pub const WATCHDOG_CYCLES: u32 = 5;

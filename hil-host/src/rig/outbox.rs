@@ -12,18 +12,19 @@ const FRAMES: usize = 8;
 
 /// What a rig says of itself in its slow messages.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Says {
-    pub(super) state: RunState,
-    pub(super) boot: u32,
-    pub(super) flags: HeartbeatFlags,
-    pub(super) pressure: Pressure,
-    pub(super) trips: Trips,
-    pub(super) temperature_degc: Option<f64>,
+pub(crate) struct Says {
+    pub(crate) state: RunState,
+    pub(crate) boot: u32,
+    pub(crate) flags: HeartbeatFlags,
+    pub(crate) pressure: Pressure,
+    pub(crate) trips: Trips,
+    /// Of the damper's oil, where it is known (degrees Celsius).
+    pub(crate) temperature_degc: Option<f64>,
 }
 
 /// Frames on their way out.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Outbox {
+pub(crate) struct Outbox {
     node: Node,
     frames: Deque<Frame, FRAMES>,
     heartbeat_counter: u8,
@@ -32,7 +33,7 @@ pub(super) struct Outbox {
 }
 
 impl Outbox {
-    pub(super) fn new(node: Node) -> Self {
+    pub(crate) fn new(node: Node) -> Self {
         Self {
             node,
             frames: Deque::new(),
@@ -42,16 +43,16 @@ impl Outbox {
         }
     }
 
-    pub(super) fn take(&mut self) -> Option<Frame> {
+    pub(crate) fn take(&mut self) -> Option<Frame> {
         self.frames.pop_front()
     }
 
     /// An answer of the arming exchange.
-    pub(super) fn answer(&mut self, answer: &ArmMessage) {
+    pub(crate) fn answer(&mut self, answer: &ArmMessage) {
         self.put(answer.encode().0);
     }
 
-    pub(super) fn measurement(
+    pub(crate) fn measurement(
         &mut self,
         (profile, seal): (Profile, Seal),
         state: RunState,
@@ -74,7 +75,7 @@ impl Outbox {
     }
 
     /// Telemetry and heartbeat, in the cycles that the protocol gives them.
-    pub(super) fn slow_messages(&mut self, cycle: u64, timing: Timing, says: Says) {
+    pub(crate) fn slow_messages(&mut self, cycle: u64, timing: Timing, says: Says) {
         let Says { state, trips, pressure, temperature_degc, .. } = says;
         if is_due(MessageId::Telemetry(self.node), cycle, timing) {
             let telemetry = Telemetry {
@@ -93,7 +94,7 @@ impl Outbox {
         }
     }
 
-    pub(super) fn heartbeat(&mut self, says: Says) {
+    pub(crate) fn heartbeat(&mut self, says: Says) {
         let Says { state, boot, flags, .. } = says;
         let sender = Sender::Rig(self.node);
         let heartbeat = Heartbeat::new(sender, self.heartbeat_counter, state, boot);
@@ -101,7 +102,7 @@ impl Outbox {
         self.heartbeat_counter = Profile::Classical.next_counter(self.heartbeat_counter);
     }
 
-    pub(super) fn fault(&mut self, state: RunState, code: FaultCode, detail: u16) {
+    pub(crate) fn fault(&mut self, state: RunState, code: FaultCode, detail: u16) {
         let counter = self.fault_counter;
         let fault = Fault { sender: Sender::Rig(self.node), counter, state, code, detail };
         self.put(fault.encode().0);
@@ -109,7 +110,7 @@ impl Outbox {
     }
 
     /// An owner that takes nothing out loses frames, the newest first, and no more than frames.
-    fn put(&mut self, frame: Frame) {
+    pub(crate) fn put(&mut self, frame: Frame) {
         let _full = self.frames.push_back(frame);
     }
 }

@@ -43,7 +43,7 @@ impl Timing {
     }
 
     /// The configuration of a session with these limits.
-    pub(super) fn configuration(self, limits: Limits) -> Configuration {
+    pub(crate) fn configuration(self, limits: Limits) -> Configuration {
         Configuration {
             profile: self.profile,
             pace: self.pace,
@@ -109,7 +109,7 @@ impl FrameCounts {
 
 /// The commands of one host.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Session {
+pub(crate) struct Session {
     node: Node,
     armed: Option<Armed>,
     /// Counts of sessions before this one.
@@ -134,7 +134,7 @@ struct Armed {
 }
 
 impl Session {
-    pub(super) fn new(node: Node) -> Self {
+    pub(crate) fn new(node: Node) -> Self {
         Self {
             node,
             armed: None,
@@ -146,7 +146,7 @@ impl Session {
     }
 
     /// Begins an armed session; both sides count from cycle 0.
-    pub(super) fn arm(&mut self, profile: Profile, code: SessionCode) {
+    pub(crate) fn arm(&mut self, profile: Profile, code: SessionCode) {
         self.end();
         let receiver = receiver(profile, self.node).sealed(code);
         let state = ReceiverState::default();
@@ -156,13 +156,13 @@ impl Session {
     }
 
     /// Ends it; what was counted stays.
-    pub(super) fn end(&mut self) {
+    pub(crate) fn end(&mut self) {
         self.earlier = self.counts();
         (self.armed, self.pending) = (None, None);
     }
 
     /// Judges a frame with a command's id; true when it is valid and new.
-    pub(super) fn accept(&mut self, frame: &WireFrame) -> bool {
+    pub(crate) fn accept(&mut self, frame: &WireFrame) -> bool {
         let Some(Armed { receiver, state, frames, .. }) = &mut self.armed else {
             self.earlier.unarmed += 1;
             return false;
@@ -181,29 +181,29 @@ impl Session {
     }
 
     /// A cycle has passed; whether there is evidence of a second sender of commands.
-    pub(super) fn has_second_sender(&mut self) -> bool {
+    pub(crate) fn has_second_sender(&mut self) -> bool {
         let Some(armed) = &mut self.armed else { return false };
         armed.second_sender.take(core::mem::take(&mut armed.frames))
     }
 
     /// Notes a command that steps too far.
-    pub(super) fn note_too_far(&mut self) {
+    pub(crate) fn note_too_far(&mut self) {
         self.earlier.too_far += 1;
     }
 
     /// The host's number of the last accepted command.
-    pub(super) fn commanded_cycle(&self) -> Option<u32> {
+    pub(crate) fn commanded_cycle(&self) -> Option<u32> {
         self.armed.as_ref().and_then(|armed| armed.state.cycle())
     }
 
     /// The newest command that was not taken yet.
-    pub(super) fn take(&mut self) -> Option<Command> {
+    pub(crate) fn take(&mut self) -> Option<Command> {
         self.pending.take()
     }
 
     /// A sync came. True when it is that of another host, or of this one started anew: no command
     /// came since the last sync, or its time does not follow on.
-    pub(super) fn on_sync(&mut self, time_us: u32) -> bool {
+    pub(crate) fn on_sync(&mut self, time_us: u32) -> bool {
         let advance_us = time_us.wrapping_sub(self.sync_time_us) & Sync::TIME.ones();
         let follows = self.accepted_since_sync && advance_us <= SYNC_GAP_US;
         self.sync_time_us = time_us;
@@ -211,40 +211,47 @@ impl Session {
         !follows
     }
 
-    pub(super) fn note_no_frame(&mut self) {
+    pub(crate) fn note_no_frame(&mut self) {
         if let Some(Armed { receiver, state, .. }) = &mut self.armed {
             receiver.no_frame(state);
         }
     }
 
     /// Whether a session is armed, and not ended.
-    pub(super) fn is_armed(&self) -> bool {
+    pub(crate) fn is_armed(&self) -> bool {
         self.armed.is_some()
     }
 
     /// Whether a command of an armed session was accepted.
-    pub(super) fn is_commanded(&self) -> bool {
+    pub(crate) fn is_commanded(&self) -> bool {
         self.echo().is_some()
     }
 
     /// Whether no measurement of the session was sent yet.
-    pub(super) fn is_new(&self) -> bool {
+    pub(crate) fn is_new(&self) -> bool {
         self.armed.as_ref().is_some_and(|armed| armed.cycle == 0)
     }
 
-    pub(super) fn echo(&self) -> Option<u8> {
+    pub(crate) fn echo(&self) -> Option<u8> {
         self.armed.as_ref().and_then(|armed| armed.state.echo())
     }
 
     /// Profile and seal of the next measurement; none before the first command.
-    pub(super) fn next_seal(&mut self) -> Option<(Profile, Seal)> {
+    pub(crate) fn next_seal(&mut self) -> Option<(Profile, Seal)> {
         let armed = self.armed.as_mut().filter(|armed| armed.state.echo().is_some())?;
         let seal = Seal { code: armed.code, cycle: armed.cycle };
         armed.cycle = armed.cycle.saturating_add(1);
         Some((armed.profile, seal))
     }
 
-    pub(super) fn counts(&self) -> FrameCounts {
+    /// Leaves out the seals of measurements that were lost before they could be sealed.
+    pub(crate) fn skip_measurements(&mut self, lost: u32) {
+        if let Some(armed) = self.armed.as_mut().filter(|armed| armed.state.echo().is_some()) {
+            armed.cycle = armed.cycle.saturating_add(lost);
+        }
+    }
+
+    pub(crate) fn counts(&self) -> FrameCounts {
         match &self.armed {
             Some(armed) => self.earlier.plus(armed.state.counts()),
             None => self.earlier,

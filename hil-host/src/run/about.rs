@@ -3,6 +3,7 @@
 use super::plan::{BusLoad, Plan};
 use crate::BenchError;
 use crate::control::Session;
+use crate::gateway::GatewayPlan;
 use crate::linear_vehicle::Hunting;
 use crate::options::{PaceChoice, RunOptions};
 use crate::record::ABOUT;
@@ -32,6 +33,9 @@ pub(crate) struct RunAbout {
     pub(crate) boot_number: Option<u32>,
     /// The vehicle's hunting, where it was computed.
     pub(crate) hunting: Option<Hunting>,
+    /// What was accepted to be missing in a rig's own messages; empty where the rigs speak ours.
+    #[serde(default)]
+    pub(crate) accepted_losses: Vec<String>,
     /// Control cycles that were asked for.
     pub(crate) cycles: u64,
     /// Places of the damper slots on the vehicle; none in a file of an earlier version.
@@ -70,6 +74,12 @@ impl RunAbout {
             session_number: Some(session.arming.number),
             boot_number: Some(session.arming.boot),
             hunting: options.linear.as_ref().map(|linear| linear.hunting),
+            accepted_losses: options
+                .gateway
+                .iter()
+                .flat_map(GatewayPlan::losses)
+                .map(|loss| loss.name().to_owned())
+                .collect(),
             cycles: run.cycles(),
             places: run.slots.iter().map(|slot| slot.place.clone()).collect(),
             rig_slots: plan.rigs.iter().map(|rig| rig.slot + 1).collect(),

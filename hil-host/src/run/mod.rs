@@ -92,6 +92,7 @@ pub struct Finished {
 pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finished, BenchError> {
     let plan = Plan::new(run, &options.bus)?;
     plan.check_pace(options.pace)?;
+    plan.check_gateway(options)?;
     let load = plan.load(options)?;
     let mut folder = checked_folder(run, options, &plan)?;
     let other = run.compared(|slot| plan.is_emulated(slot))?;
@@ -126,14 +127,8 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     let handshake = meet(&session, &mut state, &mut buses, &options.bus, epoch, requests)?;
 
     let is_new = !folder.path().exists();
-    folder.create()?;
-    folder.write(SCENARIO, &run.effective.scenario)?;
-    folder.write(VEHICLE, &run.effective.vehicle)?;
     let about = RunAbout::new(run, options, &session, &plan, &load, epoch.unix_ns);
-    folder.write(ABOUT, &format!("{}\n", serde_json::to_string_pretty(&about)?))?;
-    folder.write(COLUMNS, &column_reference())?;
-    // A power cut leaves them too: without them a record says little.
-    folder.settle()?;
+    begin(&mut folder, run, &about)?;
     let output = Output {
         place: InFolder(&folder),
         part_cycles: PART_CYCLES,
@@ -152,12 +147,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         cycles: run.cycles(),
     };
     let recorded = recording::record(task, &options.realtime, &output, requests);
-    let is_unarmed = |why: &BenchError| why.is_safe_state() || why.is_interrupted();
-    if is_new && recorded.as_ref().is_err_and(is_unarmed) {
-        // Nothing but the files of a run that has not begun. One that stays does no harm.
-        let _stays = std::fs::remove_dir_all(folder.path());
-    }
-    let recording = recorded?;
+    let recording = recorded.inspect_err(|why| clear_unbegun(&folder, is_new, why))?;
     // The recorder has counted the rows.
     let statistics = Statistics::of(&folder.file(RECORD), run.run_in_s, |_| {})?;
 
@@ -201,6 +191,25 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         eprintln!("interrupted: the comparison is omitted");
     }
     Ok(Finished { summary, folder: folder.path().to_owned(), interrupted })
+}
+
+/// Makes the folder, with what is known before the first cycle.
+fn begin(folder: &mut ResultFolder, run: &Run, about: &RunAbout) -> Result<(), BenchError> {
+    folder.create()?;
+    folder.write(SCENARIO, &run.effective.scenario)?;
+    folder.write(VEHICLE, &run.effective.vehicle)?;
+    folder.write(ABOUT, &format!("{}\n", serde_json::to_string_pretty(about)?))?;
+    folder.write(COLUMNS, &column_reference())?;
+    // A power cut leaves them too: without them a record says little.
+    Ok(folder.settle()?)
+}
+
+/// Removes a new folder that holds nothing but the files of a run that has not begun.
+fn clear_unbegun(folder: &ResultFolder, is_new: bool, why: &BenchError) {
+    if is_new && (why.is_safe_state() || why.is_interrupted()) {
+        // One that stays does no harm.
+        let _stays = std::fs::remove_dir_all(folder.path());
+    }
 }
 
 /// The folder of the results, with room for them.

@@ -8,7 +8,7 @@ use super::recording::{self, Output, Task};
 use super::sequence::Sequence;
 use super::setup::{arming, pace, sent_by};
 use super::work::OpenLoop;
-use super::{COLUMNS, EVENTS, FILES, InFolder, LOG, RECORD, meet, space};
+use super::{COLUMNS, EVENTS, FILES, InFolder, LOG, RECORD, clear_unbegun, meet, space};
 use crate::BenchError;
 use crate::bus::{AnyBus, Bus, BusChoice, BusCounters, MemoryBus, SocketCanBus};
 use crate::control::{Arming, End, MOST_FORCE_N, Port, Requests, Session, StopSummary};
@@ -145,6 +145,7 @@ pub fn open_loop(
     let mut state = session.start(session.line.start(VehicleState::default()));
     let epoch = Epoch::now();
     let handshake = meet(&session, &mut state, &mut buses, &options.bus, epoch, requests)?;
+    let is_new = !folder.path().exists();
     folder.create()?;
     folder.write(COLUMNS, &column_reference())?;
     folder.settle()?;
@@ -165,7 +166,8 @@ pub fn open_loop(
         pace: &mut pace,
         cycles,
     };
-    let recording = recording::record(task, &options.realtime, &output, requests)?;
+    let recorded = recording::record(task, &options.realtime, &output, requests);
+    let recording = recorded.inspect_err(|why| clear_unbegun(folder, is_new, why))?;
     if let Some(failure) = recording.failure {
         return Err(failure);
     }

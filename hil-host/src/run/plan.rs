@@ -2,6 +2,7 @@
 
 use crate::BenchError;
 use crate::bus::BusChoice;
+use crate::gateway::{self, GatewayError};
 use crate::options::{PaceChoice, RunOptions};
 use can_protocol::{BusPlan, Node, Verdict};
 use scenario::run::{CYCLE_S, Run, SlotForce};
@@ -82,6 +83,23 @@ impl Plan {
         }
     }
 
+    /// Refuses what a rig's own messages cannot do: a bus that is not one interface with one rig,
+    /// or a slow-down.
+    pub(crate) fn check_gateway(&self, options: &RunOptions) -> Result<(), BenchError> {
+        if options.gateway.is_none() {
+            return Ok(());
+        }
+        let number = self.buses.iter().position(|bus| *bus == options.bus);
+        let rigs = self.rigs.iter().filter(|rig| Some(rig.bus) == number).count();
+        let is_one = rigs == 1 && options.bus != BusChoice::Memory;
+        let why = match options.slow_down.get() {
+            1 if is_one => return Ok(()),
+            1 => GatewayError::Bus { found: format!("{rigs} rigs on --bus {}", options.bus) },
+            found => GatewayError::SlowDown { found },
+        };
+        Err(why.into())
+    }
+
     /// The load of every bus; too much is refused.
     pub(crate) fn load(&self, options: &RunOptions) -> Result<BusLoad, BenchError> {
         let mut found = BusLoad { lines: Vec::new(), most: 0.0 };
@@ -93,15 +111,28 @@ impl Plan {
                 nominal_bits_per_s: options.bit_rates.0,
                 data_bits_per_s: options.bit_rates.1,
             };
-            let load = plan.cyclic_load();
-            let warning = match plan.verdict() {
+            let own = options.gateway.as_ref().filter(|_| *bus == options.bus);
+            let load = match own {
+                Some(own) => gateway::load(own, plan.rate_hz, options.bit_rates),
+                None => plan.cyclic_load(),
+            };
+            let warning = match Verdict::of(load) {
                 Verdict::Accept => "",
                 Verdict::Warn => " - warning: above 50 %, a retransmission may delay a cycle",
                 Verdict::Refuse => {
                     return Err(BenchError::BusLoad { bus: bus.to_string(), load });
                 }
             };
-            found.lines.push(format!("bus {bus}: {plan}{warning}"));
+            found.lines.push(match own {
+                Some(_) => format!(
+                    "bus {bus}: bus load {:.1} % worst case: 1 rig at {:.0} Hz by its own \
+                     messages, {} kbit/s{warning}",
+                    100.0 * load,
+                    plan.rate_hz,
+                    plan.nominal_bits_per_s / 1e3
+                ),
+                None => format!("bus {bus}: {plan}{warning}"),
+            });
             found.most = found.most.max(load);
         }
         Ok(found)

@@ -3,10 +3,11 @@
 use super::model_peak::believed_forces_n;
 use super::plan::{Plan, RigPlace};
 use crate::BenchError;
-use crate::bus::{AnyBus, BusChoice, MemoryBus, SocketCanBus};
+use crate::bus::{AnyBus, BusChoice, CanSocket, MemoryBus, SocketCanBus};
 use crate::clock::Pacer;
 use crate::control::{Arming, DelayGate, MOST_FORCE_N, Pace, Port, Session, Watch};
 use crate::draw::Draw;
+use crate::gateway::{Gateway, GatewayPlan};
 use crate::options::{PaceChoice, RunOptions};
 use crate::rig::RigNode;
 use can_protocol::{MessageId, Node, Pace as WirePace, Profile, Sender};
@@ -189,6 +190,10 @@ pub(super) fn open_buses(
                 nodes.map(|node| RigNode::new(&run.rig, node, options.profile)),
             )),
             BusChoice::SocketCan(name) => {
+                let own = options.gateway.as_ref().filter(|_| *choice == options.bus);
+                if let (Some(own), Some(node)) = (own, nodes.clone().next()) {
+                    return Ok(AnyBus::Gateway(gateway(own, name, node, options.profile)?));
+                }
                 let of_rigs = nodes.flat_map(|node| sent_by(node, options.profile));
                 let of_hosts = MessageId::all().filter(|message| message.is_of_host());
                 let accept: Vec<_> = of_rigs.chain(of_hosts).collect();
@@ -197,6 +202,18 @@ pub(super) fn open_buses(
         })
     };
     plan.buses.iter().enumerate().map(open).collect()
+}
+
+/// Opens the interface of a rig that speaks its own messages.
+fn gateway(
+    own: &GatewayPlan,
+    interface: &str,
+    node: Node,
+    profile: Profile,
+) -> Result<Gateway<CanSocket>, BenchError> {
+    let socket = CanSocket::open(interface, own.received(), own.needs_fd())?;
+    let draw = Draw::system().map_err(|why| BenchError::NoRandom { why })?;
+    Ok(Gateway::new(own.clone(), socket, node, profile, draw))
 }
 
 /// What a host receives of a rig.

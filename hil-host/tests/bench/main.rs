@@ -6,6 +6,7 @@ mod delay_gate;
 mod driven_rigs;
 mod fault_table;
 mod faults;
+mod gateway;
 mod plausibility;
 mod ramps;
 mod rig_answers;

@@ -18,7 +18,7 @@ use std::path::Path;
 const LAYERS: [&[&str]; 9] = [
     &["can-protocol", "firmware-core"],
     &["files"],
-    &["report", "signal"],
+    &["dbc", "report", "signal"],
     &["scenario"],
     &["measurement", "rig-emulator"],
     &["virtual-bench", "identification", "vehicle-studies", "rths", "hil-host"],

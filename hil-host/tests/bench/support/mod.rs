@@ -2,4 +2,5 @@
 
 pub(crate) mod host;
 pub(crate) mod locomotive;
+pub(crate) mod own_messages;
 pub(crate) mod rig;
