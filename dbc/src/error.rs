@@ -75,7 +75,7 @@ impl fmt::Display for DbcError {
         match self {
             Self::Input(why) => why.fmt(f),
             Self::Syntax { file, line, message } => {
-                write!(f, "{}: {}", place(file, *line), quoted(message))
+                write!(f, "{}: found no DBC, {}", place(file, *line), quoted(message))
             }
             Self::Signal { file, line, signal, found, expected } => write!(
                 f,

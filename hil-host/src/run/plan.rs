@@ -94,7 +94,7 @@ impl Plan {
         let is_one = rigs == 1 && options.bus != BusChoice::Memory;
         let why = match options.slow_down.get() {
             1 if is_one => return Ok(()),
-            1 => GatewayError::Bus { found: format!("{rigs} rigs on --bus {}", options.bus) },
+            1 => GatewayError::Bus { found: format!("{rigs} rig(s) on --bus {}", options.bus) },
             found => GatewayError::SlowDown { found },
         };
         Err(why.into())
