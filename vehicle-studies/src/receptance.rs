@@ -77,7 +77,8 @@ pub fn resonances(
     System::about(vehicle, contact, about, dampers).resonances()
 }
 
-/// The least damped oscillation that a damper sees: of smallest damping ratio between 0.3 and 15 Hz.
+/// The least damped oscillation that a damper sees: of smallest damping ratio between 0.3 and 15
+/// Hz.
 pub fn hunting(resonances: &[Resonance]) -> Option<&Resonance> {
     let [low, high] = HUNTING_HZ;
     let seen = |one: &Resonance| {

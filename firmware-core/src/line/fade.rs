@@ -9,7 +9,8 @@
 //! ```
 //! A force that is not believed any more is faded out within [`URGENT_S`], from its last believed
 //! value. A compensator acts on as much of the command as the motion is faded in, so that a ram
-//! begins and ends where it stands. A ram is never brought back along a displacement that is not believed: that is SAFE.
+//! begins and ends where it stands. A ram is never brought back along a displacement that is not
+//! believed: that is SAFE.
 
 use super::slot::SlotState;
 use super::{Line, LineState, Slot};

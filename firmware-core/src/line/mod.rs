@@ -13,10 +13,10 @@
 //! the cycle; modelled dampers act at every substep. Forces are applied in slot order. What goes
 //! out is each rig's displacement and velocity at the end of the cycle.
 //!
-//! **Delay of the force.** Cycle `k` holds its forces over `[kT, (k+1)T]` and commands the extension
-//! at `(k+1)T`. A rig without any lag runs on from there and measures at `(k+2)T`; what it measures
-//! arrives in cycle `k+1`, is the extension that leaves in the same cycle, and its force is held
-//! over `[(k+1)T, (k+2)T]`, half a cycle too early in the mean. With the delay `tau_x` of the
+//! **Delay of the force.** Cycle `k` holds its forces over `[kT, (k+1)T]`, and commands the
+//! extension at `(k+1)T`. A rig without any lag runs on from there and measures at `(k+2)T`. What
+//! it measures arrives in cycle `k+1` and is the extension that leaves in the same cycle; its force is
+//! held over `[(k+1)T, (k+2)T]`, half a cycle too early in the mean. With the delay `tau_x` of the
 //! measured displacement that arrives in a cycle against the wanted one that leaves in it,
 //!
 //! ```text

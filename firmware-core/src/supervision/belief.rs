@@ -96,8 +96,6 @@ pub struct Belief {
     since_displacement: u32,
     sent: [Command; REMEMBERED],
     next: usize,
-    /// Whether the compensator of the rig has fallen back to its start values.
-    has_run_away: bool,
     found: Findings,
 }
 
@@ -167,8 +165,7 @@ impl Belief {
 
     /// Takes that an adaptive compensator has fallen back to its start values, for good.
     pub fn compensation(&mut self, checks: &Checks, has_run_away: bool) {
-        if has_run_away && !self.has_run_away {
-            self.has_run_away = true;
+        if has_run_away {
             let (signal, action) = (Signal::Compensation, checks.compensation);
             self.found.act(Cause { signal, value: 1.0, limit: f64::INFINITY, action });
         }

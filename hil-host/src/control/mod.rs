@@ -9,9 +9,9 @@
 //! A [`Session`] holds the parameters and [`SessionState`] everything that changes; a [`Course`] is
 //! the track under a long run. [`Buses`] are its buses and the recorder that keeps every frame.
 //! [`Session::greet`] meets the rigs and arms them. A [`Port`] is the host's end of one rig: what
-//! is believed of it, what it says of itself, and a [`Watch`] over its damper. A [`DelayGate`] keeps
-//! a session from RUN whose delay costs too much of the damping. The first cause that
-//! ends a run is a [`Stop`]. [`Session::notify`] hands it to the events of the run, and what a
+//! is believed of it, what it says of itself, and a [`Watch`] over its damper. A [`DelayGate`]
+//! keeps a session from RUN whose delay costs too much of the damping. The first cause that ends a
+//! run is a [`Stop`]. [`Session::notify`] hands it to the events of the run, and what a
 //! check has noted.
 
 mod arming;

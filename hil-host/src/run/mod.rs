@@ -114,11 +114,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         shows_progress: true,
     };
     let session = session(run, &track, &plan.rigs, terms)?;
-    let stability = StabilityCheck::of(&session, run, options.linear.as_ref());
-    stability.lines().for_each(|line| eprintln!("{line}"));
-    if let Some(bus) = plan.real_bus() {
-        stability.refuse_on(bus)?;
-    }
+    StabilityCheck::of(&session, run, options.linear.as_ref()).pass(plan.real_bus())?;
     let mut state = session.start(session.line.start(run.start.state.clone()));
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;

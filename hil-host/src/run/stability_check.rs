@@ -33,16 +33,13 @@ impl StabilityCheck {
         Self { rigs: found.collect() }
     }
 
-    /// One line for each rig.
-    pub(super) fn lines(&self) -> impl Iterator<Item = String> {
-        self.rigs.iter().map(|(place, found)| format!("{place}: {}", found.in_words()))
-    }
-
-    /// Refuses a rig on a real bus without the margin.
-    pub(super) fn refuse_on(&self, bus: &BusChoice) -> Result<(), BenchError> {
-        let Some((place, found)) = self.rigs.iter().find(|(_, found)| !found.holds()) else {
-            return Ok(());
-        };
+    /// Prints one line for each rig, and refuses one on a real bus without the margin.
+    pub(super) fn pass(&self, real_bus: Option<&BusChoice>) -> Result<(), BenchError> {
+        for (place, found) in &self.rigs {
+            eprintln!("{place}: {}", found.in_words());
+        }
+        let failing = self.rigs.iter().find(|(_, found)| !found.holds());
+        let (Some(bus), Some((place, found))) = (real_bus, failing) else { return Ok(()) };
         Err(BenchError::Unstable {
             bus: bus.to_string(),
             place: place.clone(),
