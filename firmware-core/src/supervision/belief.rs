@@ -60,7 +60,6 @@ const RESIDUAL_S: f64 = 1.0;
 
 /// What the checks of one rig remember.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 pub struct Belief {
     age: AgeJudge,
     begun: bool,
