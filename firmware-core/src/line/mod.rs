@@ -15,9 +15,9 @@
 //!
 //! **Delay of the force.** Cycle `k` holds its forces over `[kT, (k+1)T]`, and commands the
 //! extension at `(k+1)T`. A rig without any lag runs on from there and measures at `(k+2)T`. What
-//! it measures arrives in cycle `k+1` and is the extension that leaves in the same cycle; its force is
-//! held over `[(k+1)T, (k+2)T]`, half a cycle too early in the mean. With the delay `tau_x` of the
-//! measured displacement that arrives in a cycle against the wanted one that leaves in it,
+//! it measures arrives in cycle `k+1` and is the extension that leaves in the same cycle; its force
+//! is held over `[(k+1)T, (k+2)T]`, half a cycle too early in the mean. With the delay `tau_x` of
+//! the measured displacement that arrives in a cycle against the wanted one that leaves in it,
 //!
 //! ```text
 //! tau = tau_x - T / 2
