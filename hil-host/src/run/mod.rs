@@ -104,13 +104,15 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
 
     let track = run.track.view();
     let mut pace = pace(options);
+    // Without a clock a rig is as late as on the memory bus, bit for bit.
+    let has_clock = pace.on_the_wire() == can_protocol::Pace::Clock && plan.real_bus().is_some();
     let hunting_hz = options.linear.as_ref().map(|linear| linear.hunting.frequency_hz);
     let terms = Terms {
         profile: options.profile,
         pace: pace.on_the_wire(),
         slow_down: options.slow_down,
         arming: arming(&plan.buses, options)?,
-        gate_hz: hunting_hz.filter(|_| plan.real_bus().is_some()),
+        gate_hz: hunting_hz.filter(|_| has_clock),
         shows_progress: true,
     };
     let session = session(run, &track, &plan.rigs, terms)?;
