@@ -25,7 +25,7 @@ const LIMITED_MAX: f64 = 1e-2;
 pub(super) struct Counted<'a> {
     /// All control cycles.
     pub(super) cycles: u64,
-    /// Slots of the clock that were skipped.
+    /// Ticks of the clock that were skipped.
     pub(super) skipped: u64,
     /// Rows and frames that the record has lost.
     pub(super) unrecorded: u64,
@@ -40,8 +40,8 @@ pub(super) struct Counted<'a> {
 pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
     let Counted { cycles, skipped, unrecorded, frames, dampers, places } = counted;
     let mut reasons = Vec::new();
-    let slots = cycles + skipped;
-    if let Some(percent) = above(*skipped, slots, SKIPPED_MAX) {
+    let ticks = cycles + skipped;
+    if let Some(percent) = above(*skipped, ticks, SKIPPED_MAX) {
         reasons.push(format!(
             "{percent} % of the clock's ticks were skipped: use a real-time kernel, a \
              processor of its own (--cpu), or a longer period (--slow-down)"
@@ -126,7 +126,7 @@ mod tests {
         // 7,740 of 10,740 ticks were skipped.
         let counted = Counted { cycles: 3000, skipped: 7740, ..HELD };
         let reasons = not_held(&counted);
-        assert!(reasons.len() == 1 && reasons[0].starts_with("72 % of the slots"), "{reasons:?}");
+        assert!(reasons.len() == 1 && reasons[0].starts_with("72 % of the clock's"), "{reasons:?}");
     }
 
     #[test]
