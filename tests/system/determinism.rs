@@ -26,7 +26,7 @@ fn a_track_in_stretches_gives_the_hash_of_a_track_in_one_piece() {
     let whole = scenario("ss9-160kmh.toml", 3.0);
     let cut = whole.clone().in_stretches_of(1024);
     let count = |run: &Run| run.stretches.as_ref().map(Stretches::count);
-    assert_eq!((count(&whole), count(&cut)), (Some(1), Some(5)));
+    assert_eq!((count(&whole), count(&cut)), (Some(1), Some(10)));
     assert_eq!(run_through(&cut), run_through(&whole));
 }
 

@@ -39,7 +39,7 @@ fn every_file_that_a_run_reads_is_an_input_with_the_hash_of_its_bytes() {
         text
     };
     let mut track = "distance_m,gauge_m\n".to_owned();
-    for step in 0..200 {
+    for step in 0..500 {
         writeln!(track, "{step},0").unwrap();
     }
     let damper = |ke: u32| format!("[damper]\nke_n_per_m = {ke}e6\n");
