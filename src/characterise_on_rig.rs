@@ -145,17 +145,7 @@ pub(crate) fn command(
         eprintln!("{line}");
     }
     let requests = stop::requests();
-    let is_on_a_bus = *bus != BusChoice::Memory;
-    if args.arm || !is_on_a_bus {
-        requests.arm();
-    }
-    let keys = Keys::listen(requests);
-    if keys.is_none() && !requests.may_arm() {
-        return Err(CommandError::option(
-            "no terminal and no --arm",
-            "a terminal, whose key a arms the rigs, or --arm",
-        ));
-    }
+    let keys = Keys::of_operator(requests, args.arm || *bus == BusChoice::Memory)?;
     let found = open_loop(&plan, &options, &mut folder, requests)?;
     drop(keys);
     write(args, common, &folder, &found)

@@ -3,6 +3,7 @@
 //! Software cannot know whether a terminal is local: whoever reaches this one can arm the rigs. The
 //! key switch at the rig and what is hard-wired keep people safe.
 
+use crate::error::CommandError;
 use hil_host::control::Requests;
 use rustix::process;
 use rustix::termios::{self, LocalModes, OptionalActions, SpecialCodeIndex, Termios};
@@ -21,8 +22,29 @@ pub(crate) struct Keys {
 }
 
 impl Keys {
+    /// The keys of whoever may arm the rigs; where nobody is asked, the rigs may be armed at once.
+    ///
+    /// # Errors
+    /// Somebody is to be asked, and there is no terminal.
+    pub(crate) fn of_operator(
+        requests: &'static Requests,
+        arms_at_once: bool,
+    ) -> Result<Option<Self>, CommandError> {
+        if arms_at_once {
+            requests.arm();
+        }
+        let keys = Self::listen(requests);
+        if keys.is_none() && !requests.may_arm() {
+            return Err(CommandError::option(
+                "no terminal and no --arm",
+                "a terminal, whose key a arms the rigs, or --arm",
+            ));
+        }
+        Ok(keys)
+    }
+
     /// Takes over the terminal; none where there is no terminal.
-    pub(crate) fn listen(requests: &'static Requests) -> Option<Self> {
+    fn listen(requests: &'static Requests) -> Option<Self> {
         // A process in the background would be stopped by the terminal that it changes.
         let is_foreground = || termios::tcgetpgrp(io::stdin()) == Ok(process::getpgrp());
         if !io::stdin().is_terminal() || !is_foreground() {

@@ -114,16 +114,7 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     };
     let requests = stop::requests();
     let is_on_a_bus = run::is_on_a_bus(&scenario, &args.bus);
-    if args.arm || !is_on_a_bus {
-        requests.arm();
-    }
-    let keys = Keys::listen(requests);
-    if keys.is_none() && !requests.may_arm() {
-        return Err(CommandError::option(
-            "no terminal and no --arm",
-            "a terminal, whose key a arms the rigs, or --arm",
-        ));
-    }
+    let keys = Keys::of_operator(requests, args.arm || !is_on_a_bus)?;
     let finished = match run::run(&scenario, &options, requests) {
         Err(why) if why.is_interrupted() && keys.as_ref().is_some_and(Keys::have_ended) => {
             eprintln!("ended before the rigs were armed: nothing is written");

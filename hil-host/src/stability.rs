@@ -14,7 +14,7 @@
 //! while the delay grows. So every delay of a grid is asked up to the largest one. Beyond
 //! [`BEYOND_HUNTING`] times the hunting frequency `|L|` may be half at most where `L` crosses the
 //! negative real axis: a gain margin of two. The hunting pair itself is followed by Newton steps
-//! from its pole without a residual delay; its damping is told and never refused.
+//! from its pole without a residual delay; its damping is reported and never refused.
 //!
 //! Limits: linear, one rig at a time; the other rigs are dampers without delay.
 

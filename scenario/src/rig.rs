@@ -27,7 +27,8 @@ pub use crate::servo::{FASTEST_HZ, ServoFile, ServoSetup};
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigFile {
-    /// In a scenario, the file of the rig, relative to it; only `[rig.damper]` may stand beside it.
+    /// In a scenario, the file of the rig, relative to it; only `[rig.damper]` may stand next to
+    /// it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// What it is called.

@@ -38,7 +38,7 @@ class Damper:
 
 
 class Rig:
-    """Ram and damper, and what it was told last."""
+    """Ram and damper, and what it was sent last."""
 
     def __init__(self, time_out_s):
         self.time_out_s = time_out_s

@@ -61,10 +61,15 @@ impl Session<'_> {
             let node = port.map_or(0, |port| port.node.number());
             NoAnswer::TooFar { node, ram_m: far.ram_m }
         })?;
+        self.begin_ports(state);
+        Ok(())
+    }
+
+    /// Begins to command the rams, which stand still.
+    pub(super) fn begin_ports(&self, state: &mut SessionState) {
         for (port, memory) in self.ports.iter().zip(&mut state.ports) {
             port.begin(memory, state.line.slots[port.slot].command);
         }
-        Ok(())
     }
 
     /// Begins the sealed session of a rig that has answered with its number and its limits.

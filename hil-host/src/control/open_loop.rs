@@ -49,18 +49,11 @@ impl Session<'_> {
         buses: &mut [B],
         requests: &Requests,
     ) -> Result<(), NoAnswer> {
-        let rams_m = match self.exchange(state, buses, requests) {
-            Ok(rams_m) => rams_m,
-            Err(why) => {
-                self.disarm(state, buses);
-                return Err(why);
-            }
-        };
+        let armed = self.exchange(state, buses, requests);
+        let rams_m = armed.inspect_err(|_| self.disarm(state, buses))?;
         state.line.on(Event::Arm);
         self.line.open(&mut state.line, rams_m);
-        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
-            port.begin(memory, state.line.slots[port.slot].command);
-        }
+        self.begin_ports(state);
         Ok(())
     }
 
@@ -73,11 +66,7 @@ impl Session<'_> {
         pace: &mut Pace,
         requests: &Requests,
     ) -> End {
-        debug_assert_eq!(self.pace, pace.on_the_wire(), "the rigs were given another pace");
-        buses.recorder().may_wait = !matches!(pace, Pace::Realtime(_));
-        if let Pace::Realtime(pacer) = pace {
-            pacer.restart();
-        }
+        self.begin_pace(buses, pace);
         let (mut ending, mut notices) = (Ending::default(), Notices::default());
         let mut tick = Tick::default();
         let end = loop {

@@ -127,11 +127,7 @@ impl Session<'_> {
         cycles: u64,
         requests: &Requests,
     ) -> End {
-        debug_assert_eq!(self.pace, pace.on_the_wire(), "the rigs were given another pace");
-        buses.recorder().may_wait = !matches!(pace, Pace::Realtime(_));
-        if let Pace::Realtime(pacer) = pace {
-            pacer.restart();
-        }
+        self.begin_pace(buses, pace);
         let (mut ending, mut notices) = (Ending::default(), Notices::default());
         let mut tick = Tick::default();
         let end = 'run: loop {
@@ -162,6 +158,15 @@ impl Session<'_> {
         self.notify(state, &mut notices, buses.recorder());
         self.close(state, buses, end);
         end
+    }
+
+    /// Sets clock and recorder for a loop that begins now.
+    pub(super) fn begin_pace<B: Bus>(&self, buses: &mut Buses<'_, '_, B>, pace: &mut Pace) {
+        debug_assert_eq!(self.pace, pace.on_the_wire(), "the rigs were given another pace");
+        buses.recorder().may_wait = !matches!(pace, Pace::Realtime(_));
+        if let Pace::Realtime(pacer) = pace {
+            pacer.restart();
+        }
     }
 
     /// Goes on with an orderly end; whether it is done. Where nothing is faded, it is done at once.

@@ -34,7 +34,7 @@ pub struct Gateway<W: Wire> {
     decoder: Decoder,
     encoder: Encoder,
     preparation: Preparation,
-    /// What the rig was told last.
+    /// What the rig was sent last.
     reference: Command,
     is_enabled: bool,
     /// Whether the last command was cut to what its signals hold.

@@ -48,7 +48,7 @@ losses! {
         "the rig is armed whatever they are";
     /// No request to drop the pressure.
     NoPressureOff = "no-pressure-off", "request to drop the pressure",
-        "a rig whose displacement is not believed is only told to stop";
+        "a rig whose displacement is not believed is only commanded to stop";
     /// No echo of commands.
     NoEcho = "no-echo", "echo of the command's counter",
         "the age of a measurement is unknown, and lost commands are not seen";

@@ -1,4 +1,4 @@
-//! Measuring: the loop's thread, the bus beside it, and a bar of progress.
+//! Measuring: the loop's thread, the bus in a thread of its own, and a bar of progress.
 
 use super::answer::{AnswerTimes, AnsweredBy, find_rig, hear_host, time_answers};
 use super::distribution::empty;
@@ -91,7 +91,7 @@ pub fn measure(
         let answers = sockets.map(|mut sockets| {
             let ended = &ended;
             scope.spawn(move || {
-                realtime::set_up(&beside(&options.realtime));
+                realtime::set_up(&of_bus_thread(&options.realtime));
                 sockets.time(options.profile, ended)
             })
         });
@@ -119,8 +119,8 @@ fn show<T>(paced: &ScopedJoinHandle<'_, T>, done: &AtomicU64, ticks: u64) {
     bar.finish();
 }
 
-/// The set-up of the thread beside the loop: below its priority and not on its processor.
-fn beside(realtime: &RealtimeOptions) -> RealtimeOptions {
+/// The set-up of the thread of the bus: below its priority and not on its processor.
+fn of_bus_thread(realtime: &RealtimeOptions) -> RealtimeOptions {
     let fifo_priority = realtime.fifo_priority.map(|priority| priority.saturating_sub(1).max(1));
     RealtimeOptions { fifo_priority, ..RealtimeOptions::NONE }
 }

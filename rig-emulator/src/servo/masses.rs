@@ -13,7 +13,7 @@
 pub(crate) struct Masses {
     friction_n_s_per_m: f64,
     fixture_n_s_per_m: f64,
-    /// `h (M + h C / 2)^-1`, symmetric: its diagonal and what stands beside it (s/kg).
+    /// `h (M + h C / 2)^-1`, symmetric: its diagonal and its other element (s/kg).
     gain: [f64; 3],
 }
 
@@ -29,12 +29,12 @@ impl Masses {
         let half_s = 0.5 * step_s;
         let ram = ram_kg + half_s * (friction_n_s_per_m + fixture_n_s_per_m);
         let end = end_kg + half_s * fixture_n_s_per_m;
-        let beside = -half_s * fixture_n_s_per_m;
-        let scale = step_s / (ram * end - beside * beside);
+        let coupling = -half_s * fixture_n_s_per_m;
+        let scale = step_s / (ram * end - coupling * coupling);
         Self {
             friction_n_s_per_m,
             fixture_n_s_per_m,
-            gain: [scale * end, scale * ram, -scale * beside],
+            gain: [scale * end, scale * ram, -scale * coupling],
         }
     }
 
@@ -45,10 +45,10 @@ impl Masses {
         let fixture_n = self.fixture_n_s_per_m * (ram_m_per_s - end_m_per_s);
         let ram_n = ram_n - self.friction_n_s_per_m * ram_m_per_s - fixture_n;
         let end_n = end_n + fixture_n;
-        let [of_ram, of_end, beside] = self.gain;
+        let [of_ram, of_end, coupling] = self.gain;
         [
-            ram_m_per_s + of_ram * ram_n + beside * end_n,
-            end_m_per_s + beside * ram_n + of_end * end_n,
+            ram_m_per_s + of_ram * ram_n + coupling * end_n,
+            end_m_per_s + coupling * ram_n + of_end * end_n,
         ]
     }
 }
