@@ -9,6 +9,7 @@
 
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::{Timespec, clock_gettime};
+use std::time::Duration;
 
 /// Ticks at equal distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,6 +81,14 @@ impl Pacer {
     pub fn new(period_ns: u64, slow_down: u32) -> Self {
         let period_ns = period_ns.saturating_mul(u64::from(slow_down.max(1)));
         Self { grid: Grid::new(now_ns(), period_ns), time: Time::Monotonic, skipped: 0 }
+    }
+
+    /// A pacer for cycles of this real time; where it is zero, as in memory, it never waits.
+    pub(crate) fn every(cycle: Duration) -> Self {
+        match cycle.as_nanos() {
+            0 => Self::virtual_time(1),
+            nanos => Self::new(u64::try_from(nanos).unwrap_or(u64::MAX), 1),
+        }
     }
 
     /// A pacer that never waits: every tick is met to the nanosecond, starting at time 0.

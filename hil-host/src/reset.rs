@@ -6,6 +6,7 @@
 
 use crate::BenchError;
 use crate::bus::{Bus, BusChoice, SocketCanBus};
+use crate::clock::Pacer;
 use crate::draw::Draw;
 use can_protocol::arming::{
     Configuration, HostArming, HostOutcome, HostPlan, Limits, Listener, Patience, Quiet, Refusal,
@@ -13,7 +14,7 @@ use can_protocol::arming::{
 };
 use can_protocol::{ArmItem, ArmMessage, MessageId, Node, Pace, Profile};
 use std::num::{NonZeroU8, NonZeroU16};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Real time of a cycle of the exchange.
 const CYCLE: Duration = Duration::from_millis(1);
@@ -47,7 +48,7 @@ pub fn reset_over<B: Bus>(
 ) -> Result<(), Refusal> {
     let mut exchange = HostArming::reset(plan(node, draw.number()));
     let quiet = Quiet::new(Listener::Host);
-    let mut due = Instant::now();
+    let mut pacer = Pacer::every(cycle);
     loop {
         while let Some(frame) = bus.receive() {
             if let Ok(answer) = ArmMessage::decode(frame.id(), frame.data()) {
@@ -64,8 +65,7 @@ pub fn reset_over<B: Bus>(
         if let Some(question) = exchange.cycle(&quiet) {
             bus.send(&question.encode().0);
         }
-        due += cycle;
-        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        pacer.wait();
         bus.wait(Duration::ZERO);
     }
 }

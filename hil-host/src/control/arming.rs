@@ -6,6 +6,7 @@ use super::port::{Port, PortState};
 use super::requests::Requests;
 use super::session::{Session, SessionState};
 use crate::bus::{Bus, WireFrame};
+use crate::clock::Pacer;
 use crate::rig::WATCHDOG_CYCLES;
 use can_protocol::arming::{
     Agreement, Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience,
@@ -15,7 +16,7 @@ use firmware_core::command::Command;
 use firmware_core::line::Slot;
 use firmware_core::supervision::{CommandLimits, Event};
 use firmware_core::vehicle::DAMPER_SLOTS;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Limits below which no run makes sense, unless it asks for less itself.
 const LEAST: Limits = Limits {
@@ -109,7 +110,8 @@ impl Session<'_> {
         let plans = self.ports.iter().map(|port| self.plan(port));
         let history = SessionHistory::default();
         let mut exchanges: Vec<_> = plans.map(|plan| HostArming::new(plan, history)).collect();
-        let mut due = Instant::now();
+        // What is late is not made up for: a rig that stood still with its host has to answer first.
+        let mut pacer = Pacer::every(self.arming.cycle);
         let mut armed_cycles = 0;
         for cycle in 0_u64.. {
             if requests.is_ending() {
@@ -127,8 +129,7 @@ impl Session<'_> {
                 }
             }
             self.say(state, buses, &mut exchanges, cycle);
-            due += self.arming.cycle;
-            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            pacer.wait();
             for bus in buses.iter_mut() {
                 bus.wait(Duration::ZERO);
             }

@@ -224,8 +224,7 @@ impl Preparation {
     }
 
     /// One cycle, with what the rig has said of its state last.
-    /// `now` is the time of the rig: a host that is late makes up for it, and its cycles are
-    /// shorter then.
+    /// `now` is the time of the rig: cycles of a host that was late may follow each other faster.
     pub(super) fn cycle(&mut self, state: Option<RigState>, now: Duration) -> Order {
         match self {
             Self::Idle | Self::Refused(_) => Order::Nothing,
@@ -334,7 +333,7 @@ impl Trial {
                 (false, Some(_)) => self.go_on(Part::Noise),
                 (false, None) => return Ok(Some(at_m)),
             }
-        } else if self.cycles >= PATIENCE_CYCLES {
+        } else if self.has_lasted(PATIENCE_CYCLES) {
             return Err(match (self.start_m, self.is_again) {
                 (None, _) => Unready::NoMeasurement,
                 (_, true) => Unready::StaysStopped,
@@ -386,9 +385,28 @@ impl Trial {
         let velocity_m_per_s = libm::copysign(CREEP_M_PER_S, left_m);
         self.reference.displacement_m += velocity_m_per_s * CYCLE_S;
         self.reference.velocity_m_per_s = velocity_m_per_s;
-        if self.cycles >= PATIENCE_CYCLES { Err(Unready::StaysStopped) } else { Ok(None) }
+        if self.has_lasted(PATIENCE_CYCLES) { Err(Unready::StaysStopped) } else { Ok(None) }
     }
 }
 
 /// Length of a cycle before the session (s).
 const CYCLE_S: f64 = scenario::run::CYCLE_S;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OFFER: Offer = Offer { time_out_cycles: None, has_state: true, resolution_m: 1e-6 };
+
+    #[test]
+    fn a_host_that_was_late_gives_its_rig_time_to_run() {
+        let mut preparation = Preparation::begin(OFFER);
+        preparation.measured(0.0);
+        for _ in 0..10 * PATIENCE_CYCLES {
+            preparation.cycle(None, Duration::from_secs(5));
+        }
+        assert!(matches!(preparation, Preparation::Going(_)), "{preparation:?}");
+        preparation.cycle(None, Duration::from_millis(5000 + u64::from(PATIENCE_CYCLES)));
+        assert_eq!(preparation, Preparation::Refused(Unready::NotRunning));
+    }
+}
