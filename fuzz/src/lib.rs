@@ -11,6 +11,7 @@
 //! broke a target. The ordinary tests replay all of it.
 
 mod frames;
+mod own_messages;
 mod records;
 mod rig;
 mod tables;
@@ -27,12 +28,13 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 5] = [
+pub const TARGETS: [Target; 6] = [
     Target { name: "frames", run: frames::frames },
     Target { name: "rig", run: rig::rig },
     Target { name: "toml_files", run: toml_files::toml_files },
     Target { name: "tables", run: tables::tables },
     Target { name: "records", run: records::records },
+    Target { name: "own_messages", run: own_messages::own_messages },
 ];
 
 /// Feeds bytes to the target of a name; whether there is one.
