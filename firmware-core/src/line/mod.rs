@@ -244,7 +244,7 @@ impl Line<'_> {
             );
             let velocity_m_per_s = if moves { rate.lane(0) } else { 0.0 };
             let vehicle = Command { displacement_m, velocity_m_per_s };
-            memory.wanted = memory.faded(vehicle, fade, phase);
+            memory.wanted = memory.faded(vehicle, (fade, phase), self.cycle_s);
             let compensated = if rig.compensator == Compensator::None {
                 memory.wanted
             } else {
