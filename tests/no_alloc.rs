@@ -41,15 +41,17 @@ fn a_control_cycle_with_a_rig_does_not_touch_the_heap() {
 }
 
 #[test]
-fn nor_does_one_with_a_servo_hydraulic_rig() {
-    let run = scenario("ss9-160kmh-servo-rig.toml", 5.0);
-    let track = run.track.view();
-    let session = session(&run, &track);
-    let (mut state, mut buses) = ready(&run, &session);
-    let mut queues = Queues::default();
-    let (mut recorder, _drain) = queues.split();
-    assert_no_alloc(|| cycles(&session, &mut state, &mut buses, &mut recorder, 3000));
-    assert!(state.line.cycle == 3000 && !state.line.is_safe());
+fn nor_does_one_with_a_servo_hydraulic_or_an_adaptively_compensated_rig() {
+    for name in ["ss9-160kmh-servo-rig.toml", "ss9-slow-rig.toml"] {
+        let run = scenario(name, 5.0);
+        let track = run.track.view();
+        let session = session(&run, &track);
+        let (mut state, mut buses) = ready(&run, &session);
+        let mut queues = Queues::default();
+        let (mut recorder, _drain) = queues.split();
+        assert_no_alloc(|| cycles(&session, &mut state, &mut buses, &mut recorder, 3000));
+        assert!(state.line.cycle == 3000 && !state.line.is_safe(), "{name}");
+    }
 }
 
 #[test]

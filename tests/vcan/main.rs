@@ -14,3 +14,4 @@ mod peer;
 mod replay;
 mod rig;
 mod smoke;
+mod unstable;

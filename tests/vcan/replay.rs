@@ -1,16 +1,10 @@
 //! A run over SocketCAN is replayed from its files, and its log by canplayer to an emulated rig.
 
-use crate::interface::{Candump, yawbench};
-use crate::rig::{LOCK_STEP_RIG, MEASUREMENT, Rig, alone, hex, host, out, parts, summary};
-use std::path::Path;
+use crate::interface::Candump;
+use crate::rig::{
+    LOCK_STEP_RIG, MEASUREMENT, Rig, alone, assert_replays, hex, host, out, parts, summary,
+};
 use std::process::Command;
-
-fn assert_replays(folder: &Path) {
-    let replay = yawbench().arg("replay").arg(folder).output().expect("replay");
-    let said = String::from_utf8_lossy(&replay.stdout).into_owned();
-    assert!(replay.status.success(), "{said}{}", String::from_utf8_lossy(&replay.stderr));
-    assert!(said.contains("are the same, bit for bit"), "{said}");
-}
 
 #[test]
 fn a_run_in_lock_step_is_replayed_bit_for_bit() {

@@ -100,6 +100,14 @@ pub(crate) fn summary(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
 
+/// The run is computed again from its files, bit for bit.
+pub(crate) fn assert_replays(folder: &Path) {
+    let replay = yawbench().arg("replay").arg(folder).output().expect("replay");
+    let said = String::from_utf8_lossy(&replay.stdout).into_owned();
+    assert!(replay.status.success(), "{said}{}", String::from_utf8_lossy(&replay.stderr));
+    assert!(said.contains("are the same, bit for bit"), "{said}");
+}
+
 /// The hash of the same run with the rig in memory.
 fn hash_in_memory(interface: &str, seconds: &str) -> Value {
     let folder = out(interface, "memory");
@@ -236,6 +244,8 @@ fn thirty_thousand_cycles_on_the_clock_account_for_every_frame() {
         assert!(skipped >= 4, "{state} with {skipped} ticks skipped: {host} {rig}");
         println!("{state} after {} cycles with {skipped} ticks skipped", host["steps"]);
     }
+    // However it ended: what was skipped, lost and late is in its files.
+    assert_replays(&folder);
     let _ = std::fs::remove_dir_all(folder);
 }
 
