@@ -106,7 +106,9 @@ impl Counts {
         self.cycle_ns.saturating_record(u64::from(row.cycle_ns));
         self.lateness_ns.saturating_record(u64::from(row.lateness_ns));
         for (slot, input) in row.input.into_iter().enumerate() {
-            self.stale[slot] += u64::from(input.is_stale() && row.cycle > 1);
+            // A rig that has been stopped has nothing to say.
+            let is_due = row.cycle > 1 && row.state != RunState::Safe;
+            self.stale[slot] += u64::from(is_due && input.is_stale());
             self.fresh[slot] += u64::from(input == InputKind::Fresh);
         }
         self.skipped += u64::from(row.skipped);

@@ -94,9 +94,11 @@ impl AgeJudge {
         Age::New(age)
     }
 
-    /// Age of the last new measurement, cycles.
+    /// Age of the last new measurement in this cycle: it grows until the next one. 254 cycles count
+    /// for more.
     pub fn age_cycles(&self) -> Option<u8> {
-        self.last.map(|last| last.age)
+        let age = |last: Last| u32::from(last.age).saturating_add(last.cycles).min(254);
+        self.last.map(|last| age(last) as u8)
     }
 
     /// Forgets the last measurement: the next one that echoes a command begins the sequence.
@@ -171,6 +173,8 @@ mod tests {
         assert_eq!(judge.take(3, Some(7), 8, MODULUS), Age::New(1));
         judge.cycle();
         assert_eq!(judge.take(12, Some(8), 9, MODULUS), Age::Old);
+        // What is believed is a cycle older than it was.
+        assert_eq!(judge.age_cycles(), Some(2));
         judge.restart();
         assert_eq!((judge.age_cycles(), judge.take(12, Some(8), 9, MODULUS)), (None, Age::New(1)));
     }

@@ -193,7 +193,7 @@ impl Belief {
         self.found.cause()
     }
 
-    /// Age of the last believed measurement, cycles.
+    /// Age of the measurement that is believed, cycles: it grows while nothing new comes.
     pub fn age_cycles(&self) -> Option<u8> {
         self.age.age_cycles()
     }

@@ -110,7 +110,7 @@ impl Session<'_> {
         let plans = self.ports.iter().map(|port| self.plan(port));
         let history = SessionHistory::default();
         let mut exchanges: Vec<_> = plans.map(|plan| HostArming::new(plan, history)).collect();
-        // What is late is not made up for: a rig that stood still with its host has to answer first.
+        // Missed ticks are skipped: a rig that stood still with its host gets time to answer.
         let mut pacer = Pacer::every(self.arming.cycle);
         let mut armed_cycles = 0;
         for cycle in 0_u64.. {

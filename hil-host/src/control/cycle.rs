@@ -85,6 +85,7 @@ impl Session<'_> {
     ) -> Row {
         let woken = Instant::now();
         if tick.skipped > 0 {
+            state.skips.skip(state.line.cycle, tick.skipped);
             let cycles = u32::try_from(tick.skipped).unwrap_or(u32::MAX);
             state.ports.iter_mut().for_each(|memory| memory.belief.skip(cycles));
         }

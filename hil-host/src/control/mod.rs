@@ -29,6 +29,7 @@ mod open_loop;
 mod overheard;
 mod pacing;
 mod port;
+mod recent_skips;
 mod requests;
 mod row;
 mod session;

@@ -4,6 +4,7 @@ use super::delay_gate::{DelayGate, DelayGateState};
 use super::hash;
 use super::overheard::Overheard;
 use super::port::{Port, PortState};
+use super::recent_skips::RecentSkips;
 use super::stop::{NotedSummary, PressureRequest, Stop};
 use super::terms::Arming;
 use crate::wire_state::wire_state;
@@ -51,6 +52,8 @@ pub struct SessionState {
     pub hash: u64,
     /// Ticks of the clock that were skipped.
     pub skipped: u64,
+    /// Those of the last cycles.
+    pub(super) skips: RecentSkips,
     /// Commands that the bus did not take.
     pub late: u64,
     /// Cycles in a row in which a bus did not take a command.
@@ -86,6 +89,7 @@ impl Session<'_> {
             gate: DelayGateState::default(),
             hash: hash::START,
             skipped: 0,
+            skips: RecentSkips::default(),
             late: 0,
             late_in_a_row: 0,
             stop: None,
@@ -109,7 +113,8 @@ impl Session<'_> {
         let is_orderly = action == Action::RampOut && self.has_ramps(state);
         state.line.on(if is_orderly { Event::End } else { Event::Stop });
         let (cycle, time_s) = (state.line.cycle, state.line.time_s(self.line.cycle_s));
-        let stop = Stop { cycle, time_s, node, cause };
+        let skipped = state.skips.just_before(cycle);
+        let stop = Stop { cycle, time_s, node, cause, skipped };
         if action == Action::PowerOff {
             state.pressure_off.get_or_insert(PressureRequest::new(stop));
         }
@@ -133,7 +138,7 @@ impl Session<'_> {
     pub(super) fn first_of(&self, state: &SessionState, node: u8, noted: &Noted) -> Stop {
         let cycle = noted.first_cycle;
         let time_s = state.line.time_of_s(cycle, self.line.cycle_s);
-        Stop { cycle, time_s, node: Some(node), cause: noted.first }
+        Stop { cycle, time_s, node: Some(node), cause: noted.first, skipped: 0 }
     }
 
     /// Whether there is anything to fade in and out.

@@ -16,6 +16,8 @@ pub struct Stop {
     pub node: Option<u8>,
     /// The signal with its value and its limit.
     pub cause: Cause,
+    /// Ticks that the host skipped just before: then the rig may not be to blame.
+    pub skipped: u64,
 }
 
 /// Something that the loop has found, for the events of a run.
@@ -76,6 +78,9 @@ pub struct StopSummary {
     pub unit: Option<String>,
     /// What the limit asks for.
     pub action: String,
+    /// Ticks that the host skipped just before.
+    #[serde(default)]
+    pub skipped_ticks: u64,
 }
 
 /// Something beyond a limit that ended nothing, in `summary.json`.
@@ -111,6 +116,7 @@ impl Stop {
             limit: limit.is_finite().then_some(limit),
             unit: signal.unit().map(str::to_owned),
             action: action.name().to_owned(),
+            skipped_ticks: self.skipped,
         }
     }
 
@@ -201,6 +207,11 @@ impl fmt::Display for Stop {
                 limit.map_or(Ok(()), |limit| write!(f, ", limit {limit} {unit}"))
             }
             (None, None) => Ok(()),
+        }?;
+        match self.skipped {
+            0 => Ok(()),
+            1 => write!(f, "; this host had just skipped a tick"),
+            ticks => write!(f, "; this host had just skipped {ticks} ticks"),
         }
     }
 }
@@ -212,7 +223,7 @@ mod tests {
 
     fn stop(signal: Signal, value: f64, limit: f64) -> Stop {
         let cause = Cause { signal, value, limit, action: Action::Stop };
-        Stop { cycle: 15_005, time_s: 15.004, node: Some(1), cause }
+        Stop { cycle: 15_005, time_s: 15.004, node: Some(1), cause, skipped: 0 }
     }
 
     #[test]
@@ -236,6 +247,13 @@ mod tests {
             let whole = format!("at 15.004 s (cycle 15005), rig node 1: {text}");
             assert_eq!(stop.to_string(), whole);
         }
+    }
+
+    #[test]
+    fn a_late_host_blamed_its_rig() {
+        let late = Stop { skipped: 10, ..stop(Signal::OldMeasurements, 5.0, 5.0) };
+        let text = late.to_string();
+        assert!(text.ends_with("limit 5 cycles; this host had just skipped 10 ticks"), "{text}");
     }
 
     #[test]

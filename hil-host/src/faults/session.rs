@@ -9,7 +9,7 @@ use crate::control::{Buses, Course, End, Ending, NoAnswer, Requests, Session, Se
 use crate::record::Queues;
 use crate::run::{Plan, Terms, session};
 use can_protocol::{Node, Profile, RunState};
-use firmware_core::supervision::{OLDEST_CYCLES, State};
+use firmware_core::supervision::{LossLimits, OLDEST_CYCLES, State};
 use scenario::run::Run;
 use std::fmt;
 use std::time::Duration;
@@ -130,6 +130,10 @@ impl fmt::Display for Violation {
     }
 }
 
+/// Greatest age of a force that the vehicle feels in RUN, cycles: the oldest that is believed, held
+/// over as many lost ones as do not end the run.
+const OLDEST_HELD_CYCLES: u8 = OLDEST_CYCLES + LossLimits::USUAL.in_a_row as u8 - 1;
+
 /// Rounding in the comparison with a limit.
 const ROUNDING: f64 = 1.0 + 1e-9;
 
@@ -205,7 +209,7 @@ fn violated(
         let (last, now) = (before.get(port.slot)?, state.line.slots.get(port.slot)?);
         let step_m = (now.command.displacement_m - last.command.displacement_m).abs();
         let change_m_per_s = (now.command.velocity_m_per_s - last.command.velocity_m_per_s).abs();
-        let age = memory.belief.age_cycles().filter(|age| *age > OLDEST_CYCLES);
+        let age = memory.belief.age_cycles().filter(|age| *age > OLDEST_HELD_CYCLES);
         if step_m > now.limits.velocity_m_per_s * cycle_s * ROUNDING {
             return Some(Violation::Step { cycle, step_m });
         }

@@ -46,7 +46,7 @@ impl RunEvent {
             Notice::Cause(stop) => ("cause", stop),
             Notice::Noted(first) => ("noted", first),
         };
-        let Stop { cycle, time_s, node, cause } = *stop;
+        let Stop { cycle, time_s, node, cause, .. } = *stop;
         Self {
             time_s,
             cycle,
@@ -134,20 +134,22 @@ impl<S: Storage> EventLog<S> {
         if before.is_none() {
             self.write(&of(row, "run begun"))?;
         }
-        if before != Some(row.state) {
-            self.write(&of(row, entered(row.state)))?;
-        }
-        for slot in 0..DAMPER_SLOTS {
-            self.watch(row, slot)?;
-            self.input(row, slot)?;
-        }
+        let is_entered = before != Some(row.state);
         self.skipped.0 += u64::from(row.skipped);
-        if self.skipped.0 > 0 && row.time_s >= self.skipped.1 {
+        // What comes before a change of the state may be its cause.
+        if self.skipped.0 > 0 && (is_entered || row.time_s >= self.skipped.1) {
             self.write(&RunEvent {
                 value: Some(self.skipped.0 as f64),
                 ..of(row, "ticks skipped")
             })?;
             self.skipped = (0, row.time_s + SKIPPED_S);
+        }
+        if is_entered {
+            self.write(&of(row, entered(row.state)))?;
+        }
+        for slot in 0..DAMPER_SLOTS {
+            self.watch(row, slot)?;
+            self.input(row, slot)?;
         }
         Ok(())
     }

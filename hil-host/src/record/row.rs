@@ -175,7 +175,8 @@ row! {
     input: [InputKind; DAMPER_SLOTS],
     /// Payload of the frame that the input came from.
     frame: [FrameBytes; DAMPER_SLOTS],
-    /// Age of the measurement that is believed, in cycles; 255 where there is none.
+    /// Age of the measurement that is believed, in cycles: it grows while nothing new comes. 255
+    /// where there is none.
     age_cycles: [u8; DAMPER_SLOTS],
     /// State of the rig in its newest measurement; 255 where there is none.
     rig_state: [u8; DAMPER_SLOTS],

@@ -47,7 +47,7 @@ impl ClockTraces {
 }
 
 /// A measurement of age 0 answers the command of the cycle before. Not a number in a cycle without
-/// a new measurement: its row repeats the age of the last one.
+/// a new measurement: its row has the age of the last one.
 fn round_trip_cycles(row: &Row, slot: usize) -> f64 {
     match (row.input[slot], row.age_cycles[slot]) {
         (InputKind::Fresh, age) if age < u8::MAX => f64::from(age) + 1.0,
