@@ -60,7 +60,7 @@ pub(crate) fn command(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
         ResultFolder::for_identity(args.out.as_deref(), &name, COMMAND, &identity)?;
     folder.check(&["table.json", "table.txt"])?;
     if let Some(changed) = changed {
-        eprintln!("note: {changed}");
+        files::say!("note: {changed}");
     }
     folder.create()?;
     let bar = progress::bar("the first cases");
@@ -72,7 +72,7 @@ pub(crate) fn command(args: &CampaignArgs) -> Result<ExitCode, CommandError> {
     output::note_cut_off(&computed, "case");
     if computed.is_stopped() {
         let Computed { path, done, of, .. } = computed;
-        eprintln!(
+        files::say!(
             "interrupted: {} holds {done} of {of} cases; the same command continues",
             path.display()
         );

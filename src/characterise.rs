@@ -213,12 +213,12 @@ fn of_visit(
     let outcome = visit.run(datasheet, stop::flag(), &mut |test| progress.show(test))?;
     progress.bar.finish_and_clear();
     if outcome.records.is_empty() {
-        eprintln!("interrupted before the first test was recorded: nothing is written");
+        files::say!("interrupted before the first test was recorded: nothing is written");
         return Ok(ExitCode::from(exit::INTERRUPTED));
     }
     for record in outcome.records.iter().filter(|record| record.doubtful_steps > 0) {
         let (name, count) = (&record.name, record.doubtful_steps);
-        eprintln!("warning: {name}: {count} steps of the simulation did not converge");
+        files::say!("warning: {name}: {count} steps of the simulation did not converge");
     }
     folder.create()?;
     for record in &outcome.records {

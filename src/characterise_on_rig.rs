@@ -140,9 +140,9 @@ pub(crate) fn command(
         gateway: None,
         realtime: args.realtime.options(),
     };
-    eprintln!("expected heat, from {LABORATORY_DEGC} degrees Celsius on:");
+    files::say!("expected heat, from {LABORATORY_DEGC} degrees Celsius on:");
     for line in heat(&damper, common.tests, &plan).lines() {
-        eprintln!("{line}");
+        files::say!("{line}");
     }
     let requests = stop::requests();
     let keys = Keys::of_operator(requests, args.arm || *bus == BusChoice::Memory)?;

@@ -68,7 +68,7 @@ pub(crate) fn command(args: &DoctorArgs) -> Result<ExitCode, CommandError> {
         Some(BusChoice::Memory) => {
             return Err(CommandError::option(
                 "--bus memory",
-                "socketcan:INTERFACE: there is nothing to look at in memory",
+                "socketcan:INTERFACE; without --bus only the machine is looked at",
             ));
         }
     };

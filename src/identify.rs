@@ -4,7 +4,7 @@ use crate::error::CommandError;
 use crate::identify_on_mass::{self, OnMassOptions};
 use crate::next_test::{NEXT_TEST, NextTestArgs, Proposed};
 use crate::output::print;
-use crate::run_records::RunRecordArgs;
+use crate::run_records::{RunRecordArgs, refuse_one_run_twice};
 use crate::{exit, stop};
 use clap::Args;
 use files::{FolderError, ResultFolder};
@@ -92,6 +92,8 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     // From here on Ctrl-C ends the command with its files.
     let stop = stop::flag();
     args.next_test.check()?;
+    let records = args.train.iter().chain(&args.holdout);
+    refuse_one_run_twice(&args.of_run.reader(), records)?;
     let (question, warnings) = question(args)?;
     args.next_test.check_records(&question)?;
     let out = args.out.as_deref();
@@ -102,11 +104,11 @@ pub(crate) fn command(args: &IdentifyArgs) -> Result<ExitCode, CommandError> {
     check(&folder, &question)?;
     // Only now: where the input is refused, the error stands alone.
     for warning in warnings {
-        eprintln!("warning: {warning}");
+        files::say!("warning: {warning}");
     }
     let identification = match with_progress(stop, |control| identify(question, control)) {
         Err(why @ IdentificationError::Interrupted) => {
-            eprintln!("error: {why}");
+            files::say!("error: {why}");
             return Ok(ExitCode::from(exit::INTERRUPTED));
         }
         other => other?,

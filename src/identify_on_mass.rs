@@ -44,7 +44,7 @@ pub(crate) fn command(args: OnMassOptions<'_>) -> Result<ExitCode, CommandError>
     folder.check(&names.iter().map(String::as_str).collect::<Vec<_>>())?;
     // Only now: where the input is refused, the error stands alone.
     for warning in warnings {
-        eprintln!("warning: {warning}");
+        files::say!("warning: {warning}");
     }
     let bar = progress::bar("the linear body");
     let show = |counts, last: &str| progress::show(&bar, counts, last.to_owned());
@@ -52,7 +52,7 @@ pub(crate) fn command(args: OnMassOptions<'_>) -> Result<ExitCode, CommandError>
     bar.finish_and_clear();
     let found = match found {
         Err(why @ IdentificationError::Interrupted) => {
-            eprintln!("error: {why}");
+            files::say!("error: {why}");
             return Ok(ExitCode::from(exit::INTERRUPTED));
         }
         other => other?,

@@ -62,7 +62,7 @@ impl Keys {
             let (done, ended) = (Arc::clone(&done), Arc::clone(&ended));
             thread::spawn(move || read(requests, &done, &ended))
         };
-        eprintln!("keys: a arms the rigs, s ends the run in order");
+        files::say!("keys: a arms the rigs, s ends the run in order");
         Some(Self { before, done, ended, reader: Some(reader) })
     }
 

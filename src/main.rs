@@ -60,8 +60,8 @@ enum Command {
     /// Make the report of a run from the files in its folder, also of a run that was killed.
     #[command(after_help = "Example: yawbench report runs/ss9-160kmh-1")]
     Report(report::ReportArgs),
-    /// Compute a recorded run again from what came over the bus, and compare every bit of what the
-    /// host computed and sent.
+    /// Compute a recorded run again from what came over the bus, and compare every frame sent and
+    /// the trajectory of every cycle, bit for bit.
     #[command(after_help = "Example: yawbench replay runs/ss9-160kmh-1")]
     Replay(replay::ReplayArgs),
     /// Emulate the rig at the other end of a CAN bus: actuator, load cell and damper.
@@ -190,7 +190,7 @@ fn parsed() -> Result<Cli, clap::Error> {
 fn run(command: &Command) -> Result<ExitCode, CommandError> {
     Ok(match command {
         Command::Run(args) => run::command(args)?,
-        Command::Report(args) => report::command(args).map(done)?,
+        Command::Report(args) => report::command(args)?,
         Command::Replay(args) => replay::command(args)?,
         Command::Rig(args) => rig::command(args)?,
         Command::Doctor(args) => doctor::command(args)?,

@@ -47,6 +47,6 @@ pub(crate) fn note_cut_off(computed: &Computed, item: &str) {
     if computed.cut_off {
         let path = computed.path.display().to_string();
         let path = files::quoted(&path);
-        eprintln!("note: {path}: the last line was incomplete, its {item} was computed again");
+        files::say!("note: {path}: the last line was incomplete, its {item} was computed again");
     }
 }

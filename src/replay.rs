@@ -76,6 +76,12 @@ fn text(found: &Replay, folder: &Path) -> String {
             found.not_replayed
         ));
     }
+    if found.not_recorded > 0 {
+        lines.push(format!(
+            "the record ends there: {} cycles that summary.json counts are not in it",
+            found.not_recorded
+        ));
+    }
     if found.without_row > 0 {
         lines.push(format!(
             "note: the record lacks the rows of {} cycles: only their frames were compared",

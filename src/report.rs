@@ -1,10 +1,13 @@
 //! `yawbench report`: the report of a run from the files in its folder.
 
 use crate::error::CommandError;
+use crate::exit::FAILED;
 use crate::output::print;
 use clap::Args;
 use hil_host::run;
+use hil_host::run::Ending;
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
@@ -17,14 +20,25 @@ pub(crate) struct ReportArgs {
 ///
 /// # Errors
 /// A folder without a run, a file of it that cannot be read, a disk that fails.
-pub(crate) fn command(args: &ReportArgs) -> Result<(), CommandError> {
+pub(crate) fn command(args: &ReportArgs) -> Result<ExitCode, CommandError> {
     let report = run::report(&args.run)?;
     let (summary, path) = (&report.summary, report.path.display());
-    let (cycles, ending) = if report.has_ended {
-        (summary.steps, summary.state.name())
-    } else {
-        (summary.cycles, "no end recorded: the program was killed, or the power failed")
+    let steps = summary.steps;
+    let (ending, code) = match report.ending {
+        Ending::Known => (summary.state.name().to_owned(), ExitCode::SUCCESS),
+        Ending::Unknown { .. } => {
+            let killed = "no end recorded: the program was killed, or the power failed";
+            (killed.to_owned(), ExitCode::SUCCESS)
+        }
+        Ending::Contradicted { counted_cycles } => {
+            let found = summary.cycles;
+            let unknown = format!(
+                "end unknown: summary.json counts {counted_cycles} cycles with the ramps, the \
+                 record ends with cycle {found} or is another one"
+            );
+            (unknown, ExitCode::from(FAILED))
+        }
     };
-    print(&format!("{cycles} cycles, {ending}\nreport: {path}"))?;
-    Ok(())
+    print(&format!("{steps} cycles of RUN, {ending}\nreport: {path}"))?;
+    Ok(code)
 }

@@ -106,7 +106,7 @@ pub(crate) fn command(args: &ReproduceArgs) -> Result<ExitCode, CommandError> {
     }
     let (done, of) = (figures.len(), recipes.len());
     if done < of {
-        eprintln!("interrupted: {done} of {of} figures are made");
+        files::say!("interrupted: {done} of {of} figures are made");
         return Ok(ExitCode::from(INTERRUPTED));
     }
     Ok(ExitCode::SUCCESS)
@@ -123,7 +123,7 @@ fn folder(
         ResultFolder::for_identity(out, "reproduce", "reproduce", identity)?;
     folder.check(names)?;
     if let Some(changed) = changed {
-        eprintln!("note: {changed}");
+        files::say!("note: {changed}");
     }
     folder.create()?;
     Ok(folder)
@@ -163,7 +163,7 @@ fn calibration(args: &ReproduceArgs, basis: &Basis<'_>) -> Result<ExitCode, Comm
     folder.write("calibration.json", &json)?;
     let interrupted = basis.stop.load(Ordering::Relaxed);
     if interrupted {
-        eprintln!("interrupted: the numbers are those of the last complete step");
+        files::say!("interrupted: the numbers are those of the last complete step");
     }
     let code = if interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS };
     if args.json {

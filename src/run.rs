@@ -117,7 +117,7 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     let keys = Keys::of_operator(requests, args.arm || !is_on_a_bus)?;
     let finished = match run::run(&scenario, &options, requests) {
         Err(why) if why.is_interrupted() && keys.as_ref().is_some_and(Keys::have_ended) => {
-            eprintln!("ended before the rigs were armed: nothing is written");
+            files::say!("ended before the rigs were armed: nothing is written");
             return Ok(ExitCode::SUCCESS);
         }
         finished => finished?,
@@ -142,18 +142,25 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         lines.push(last_line(&finished.summary));
         print(&lines.join("\n"))?;
     }
-    let cause = finished.summary.cause.as_ref().map_or("", |cause| cause.message.as_str());
+    let cause = finished.summary.cause.as_ref();
+    if cause.is_some_and(|cause| cause.skipped_ticks > 0) {
+        files::say!(
+            "this host was late: `yawbench doctor` says what holds it back; --slow-down stretches \
+             the period, and on the memory bus --pace fast needs no clock"
+        );
+    }
+    let cause = cause.map_or("", |cause| cause.message.as_str());
     Ok(if finished.summary.state == End::Safe {
-        eprintln!("ended in the safe state {cause}; rigs were brought to rest");
+        files::say!("ended in the safe state {cause}; rigs were brought to rest");
         ExitCode::from(SAFE_STATE)
     } else if finished.summary.state == End::RampedOut {
-        eprintln!("ended early {cause}; rigs were ramped out");
+        files::say!("ended early {cause}; rigs were ramped out");
         ExitCode::from(SAFE_STATE)
     } else if finished.interrupted && is_ended_by_key {
-        eprintln!("ended by key: the files hold the run up to this point");
+        files::say!("ended by key: the files hold the run up to this point");
         ExitCode::SUCCESS
     } else if finished.interrupted {
-        eprintln!("interrupted: the files hold the run up to this point");
+        files::say!("interrupted: the files hold the run up to this point");
         ExitCode::from(INTERRUPTED)
     } else if !finished.summary.not_held.is_empty() && is_on_a_bus {
         ExitCode::from(FAILED)
@@ -189,7 +196,7 @@ fn gateway(args: &RunArgs) -> Result<Option<GatewayPlan>, CommandError> {
     let (Some(dbc), Some(map)) = (&args.dbc, &args.dbc_map) else { return Ok(None) };
     let plan = GatewayPlan::read(dbc, map, &args.accept).map_err(BenchError::from)?;
     for line in loss_table(&plan.losses(), plan.accepted()).lines() {
-        eprintln!("{line}");
+        files::say!("{line}");
     }
     Ok(Some(plan))
 }
@@ -251,7 +258,12 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
         summary.cycle_time_us.max,
         summary.overruns,
     ));
-    if !summary.damper.is_empty() {
+    if summary.statistics_s == 0.0 {
+        lines.push(format!(
+            "no statistics: they begin {:.1} s after the ramps, and the run ended before",
+            summary.run_in_s
+        ));
+    } else if !summary.damper.is_empty() {
         lines.extend(damper_table(&summary.damper).lines());
     }
     lines.extend(tracking_lines(&summary.damper));
@@ -261,7 +273,7 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
         ("wheelset 1", summary.accelerations.wheelset_1),
     ];
     for (name, body) in bodies {
-        if let Some(body) = body {
+        if let Some(body) = body.filter(|_| summary.statistics_s > 0.0) {
             lines.push(format!(
                 "{name:<12} lateral {:.3} vertical {:.3} m/s² rms",
                 body.lateral_rms_m_per_s2, body.vertical_rms_m_per_s2

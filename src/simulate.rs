@@ -63,11 +63,11 @@ pub(crate) fn command(args: &SimulateArgs) -> Result<(), CommandError> {
     };
     let place = Place::checked(args)?;
     for repair in &test.record.repairs {
-        eprintln!("note: {}: {repair}", args.record.display());
+        files::say!("note: {}: {repair}", args.record.display());
     }
     if !measured {
         let file = args.record.display();
-        eprintln!("{file}: no column force_n, started at rest in the middle of the clearance");
+        files::say!("{file}: no column force_n, started at rest in the middle of the clearance");
     }
     let run = |damper: &Damper| {
         let start_m = if measured { start_deflection_m(damper, test) } else { 0.0 };
@@ -141,19 +141,20 @@ impl Place {
         self.write_file(&self.mapping, &prediction.to_mapping(&output::file_name(&self.csv)))
     }
 
-    /// Writes a new file and renames it, so that no other name of an earlier file is changed.
+    /// Writes a new file. An earlier one is replaced by renaming, so that no other name of it is
+    /// changed; a disk that fails leaves no part of a file.
     fn write_file(&self, path: &Path, text: &str) -> Result<(), CommandError> {
         let failed = |why| CommandError::File(path.to_owned(), why);
-        if !self.overwrite {
-            let mut file = File::create_new(path).map_err(failed)?;
-            return file.write_all(text.as_bytes()).map_err(failed);
-        }
-        let new = path.with_extension(format!("{}.new", std::process::id()));
-        let write = || {
-            File::create_new(&new)?.write_all(text.as_bytes())?;
-            std::fs::rename(&new, path)
+        let new = if self.overwrite {
+            path.with_extension(format!("{}.new", std::process::id()))
+        } else {
+            path.to_owned()
         };
-        write().map_err(|why| {
+        let mut file = File::create_new(&new).map_err(failed)?;
+        let written = file.write_all(text.as_bytes());
+        let named =
+            written.and_then(|()| if new == path { Ok(()) } else { std::fs::rename(&new, path) });
+        named.map_err(|why| {
             let _ = std::fs::remove_file(&new);
             failed(why)
         })

@@ -22,7 +22,7 @@ static SIGNALS: AtomicU8 = AtomicU8::new(0);
 /// Installs the handler.
 pub(crate) fn listen() {
     if let Err(why) = ctrlc::set_handler(on_signal) {
-        eprintln!("warning: Ctrl-C ends the program without its files: {why}");
+        files::say!("warning: Ctrl-C ends the program without its files: {why}");
     }
 }
 

@@ -110,7 +110,7 @@ pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> Result<ExitCode, 
     output::note_cut_off(&computed, "point");
     if computed.is_stopped() {
         let Computed { path, done, of, .. } = computed;
-        eprintln!(
+        files::say!(
             "interrupted: {} holds {done} of {of} points; the same command continues",
             path.display()
         );
@@ -137,7 +137,7 @@ fn check_size(grid: &Grid, shard: Shard, seeds: u64) -> Result<(), CommandError>
 /// Says why another folder than the usual one is used.
 fn note(changed: Option<String>) {
     if let Some(changed) = changed {
-        eprintln!("note: {changed}");
+        files::say!("note: {changed}");
     }
 }
 

@@ -30,7 +30,7 @@ pub(crate) fn command(out: Option<&Path>, json: bool) -> Result<ExitCode, Comman
         ResultFolder::for_identity(out, "validation", "reproduce --validation", &identity)?;
     folder.check(&["validation.json", "validation.html"])?;
     if let Some(changed) = changed {
-        eprintln!("note: {changed}");
+        files::say!("note: {changed}");
     }
     folder.create()?;
     let bar = progress::bar("the first references");
@@ -41,7 +41,7 @@ pub(crate) fn command(out: Option<&Path>, json: bool) -> Result<ExitCode, Comman
     let references = match computed {
         Ok(references) => references,
         Err(why) => {
-            eprintln!("error: a reference could not be computed: {why}");
+            files::say!("error: a reference could not be computed: {why}");
             return Ok(ExitCode::from(FAILED));
         }
     };
@@ -64,7 +64,7 @@ fn finish(
     if as_json {
         print(&json)?;
         for miss in validation::misses(references) {
-            eprintln!("MISS {miss}");
+            files::say!("MISS {miss}");
         }
     } else {
         let place = folder.path().display();
@@ -72,7 +72,7 @@ fn finish(
         print(&format!("{text}\nfiles in {place}: validation.html, validation.json"))?;
     }
     if done < of {
-        eprintln!("interrupted: {done} of {of} references are computed");
+        files::say!("interrupted: {done} of {of} references are computed");
         return Ok(ExitCode::from(INTERRUPTED));
     }
     Ok(ExitCode::from(if passes { 0 } else { FAILED }))

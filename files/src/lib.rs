@@ -25,6 +25,7 @@ mod kind;
 mod manifest;
 mod number;
 pub mod quote;
+mod say;
 mod similarity;
 pub mod suggestion;
 

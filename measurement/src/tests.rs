@@ -453,7 +453,7 @@ fn records_of_other_laboratories_are_read_by_the_mappings_that_ship() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folder = here.join("../../shared/data/measured");
     if !folder.is_dir() {
-        eprintln!("skipped: no folder of measured records next to the repository");
+        files::say!("skipped: no folder of measured records next to the repository");
         return;
     }
     for (mapping, file, tests, samples, cyclic) in [

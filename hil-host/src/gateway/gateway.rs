@@ -199,7 +199,7 @@ impl<W: Wire> Gateway<W> {
             self.say(None);
         }
         if let (true, Preparation::Refused(why)) = (was_going, self.preparation) {
-            eprintln!("the rig is not ready: {why}");
+            files::say!("the rig is not ready: {why}");
         }
     }
 
@@ -255,7 +255,7 @@ impl<W: Wire> Gateway<W> {
             self.front.stop(FaultCode::Protection, 1);
         } else if matches!(self.preparation, Preparation::Going(_) | Preparation::Ready(_)) {
             self.preparation = Preparation::Refused(Unready::SecondSender);
-            eprintln!("the rig is not ready: {}", Unready::SecondSender);
+            files::say!("the rig is not ready: {}", Unready::SecondSender);
             self.release();
         }
     }

@@ -89,7 +89,7 @@ pub(super) fn print_statuses(mut statuses: Consumer<'_, Status>, done: &AtomicBo
         while let Some(Status { state, cycles, frames, force_n, displacement_m, bus }) =
             statuses.dequeue()
         {
-            eprintln!(
+            files::say!(
                 "{state} cycle {cycles} received {} lost {} bad {} force {force_n:+.0} N \
                  displacement {:+.3} mm send-dropped {}",
                 frames.received,

@@ -61,7 +61,7 @@ pub fn run_on(
         None => Draw::system().map_err(|why| BenchError::NoRandom { why })?,
     };
     let mut bus = SocketCanBus::open(interface, &heard_by(node), profile)?;
-    eprintln!("rig node {node}, {}, on {interface}: waiting for a host", setup.name);
+    files::say!("rig node {node}, {}, on {interface}: waiting for a host", setup.name);
     let mut rig = RigNode::new(setup, node, profile).with_draw(draw);
     serve(&mut rig, &mut bus, options, stop)
 }
@@ -101,7 +101,7 @@ pub fn serve<B: Bus>(
         scope.spawn(|| print_statuses(printer, &done));
         let report = realtime::set_up(&options.realtime);
         for line in report.lines() {
-            eprintln!("real-time: {line}");
+            files::say!("real-time: {line}");
         }
         let granted = report.complete() || !options.realtime.require;
         let skipped =

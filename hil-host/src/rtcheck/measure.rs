@@ -142,7 +142,7 @@ fn paced(
     measured.realtime = realtime::set_up(&options.realtime);
     if options.realtime.require && !measured.realtime.complete() {
         for line in measured.realtime.lines() {
-            eprintln!("real-time: {line}");
+            files::say!("real-time: {line}");
         }
         return Err(BenchError::RealtimeRefused);
     }

@@ -22,8 +22,8 @@ pub struct LateReport {
     pub path: PathBuf,
     /// What the record holds.
     pub summary: Summary,
-    /// Whether the run has ended by itself: it has a summary.
-    pub has_ended: bool,
+    /// How much is known of its end.
+    pub ending: Ending,
 }
 
 /// Makes the report of a run from what is in its folder.
@@ -36,11 +36,14 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
     let run = Run::load(&folder.file(SCENARIO), Overrides::default())?;
     let mut counts = Counts::default();
     let statistics = Statistics::of(&folder.file(RECORD), run.run_in_s, |row| counts.take(row))?;
-    let summary = folder.file(SUMMARY);
-    let kept: Option<KeptSummary> = match summary.symlink_metadata() {
-        Ok(_) => Some(read_json(&summary, "the summary.json of a run")?),
-        Err(_) => None,
+    let kept = kept_summary(&folder)?;
+    let ending = match &kept {
+        Some(kept) if is_of(kept, &counts) => Ending::Known,
+        Some(kept) => Ending::Contradicted { counted_cycles: kept.cycles },
+        None => Ending::Unknown { asked_cycles: about.cycles },
     };
+    // A summary that is not that of the record says nothing about it.
+    let kept = kept.filter(|_| ending == Ending::Known);
     let asked = Asked {
         bus: about.bus,
         pace: about.pace,
@@ -53,11 +56,27 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
     let summary = Summary::of_record(&run, &asked, (&counts, &statistics), kept.as_ref());
     let compared = kept.as_ref().is_some_and(|kept| kept.comparison.is_some());
     let name = if compared { ALONE } else { REPORT };
-    let ending =
-        if kept.is_some() { Ending::Known } else { Ending::Unknown { asked_cycles: about.cycles } };
     let rows = around_stop(&folder.file(RECORD), &summary)?;
     let seen = (&counts, &statistics, &*rows);
     let page = page(&run, &summary, seen, &about.bus_lines, None, ending);
     folder.write(name, &page.to_html()?)?;
-    Ok(LateReport { path: folder.file(name), summary, has_ended: kept.is_some() })
+    Ok(LateReport { path: folder.file(name), summary, ending })
+}
+
+/// What the program has written at the end of a run; none of one that was killed.
+pub(crate) fn kept_summary(folder: &ResultFolder) -> Result<Option<KeptSummary>, BenchError> {
+    let summary = folder.file(SUMMARY);
+    match summary.symlink_metadata() {
+        Ok(_) => read_json(&summary, "the summary.json of a run").map(Some),
+        Err(_) => Ok(None),
+    }
+}
+
+/// Whether a summary is that of a record: the same cycles and, where no row is lost, the same
+/// trajectory.
+fn is_of(kept: &KeptSummary, counts: &Counts) -> bool {
+    let (last_cycle, hash) = counts.last;
+    let is_same = last_cycle == kept.cycles && format!("{hash:016x}") == kept.trajectory_hash;
+    let is_whole = counts.rows() == kept.cycles;
+    if kept.record_dropped == 0 { is_same && is_whole } else { last_cycle <= kept.cycles }
 }

@@ -17,6 +17,8 @@ mod space;
 mod stability_check;
 mod work;
 
+pub use crate::page::Ending;
+pub(crate) use late_report::kept_summary;
 pub use late_report::{LateReport, report};
 pub use open_loop::{
     MeasuredTest, OPEN_LOOP_FILES, OpenLoopPlan, OpenLoopRecord, PlannedTest, open_loop,
@@ -31,7 +33,7 @@ use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
 use crate::comparison::{self, Cycles, SecondRun};
 use crate::control::{Course, End, Requests, Session, SessionState};
 use crate::options::{PaceChoice, RunOptions};
-use crate::page::{Ending, SHOWN_CYCLES, page};
+use crate::page::{SHOWN_CYCLES, page};
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
     self, ABOUT, BusEvent, PART_CYCLES, Row, RunEvent, column_reference, open_parts, part_name,
@@ -99,7 +101,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     let mut buses = open_buses(run, options, &plan)?;
     // Only now: where the bus is refused, the error stands alone.
     for line in &load.lines {
-        eprintln!("{line}");
+        files::say!("{line}");
     }
 
     let track = run.track.view();
@@ -186,7 +188,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         }
     }
     if interrupted && run.compare.is_some() {
-        eprintln!("interrupted: the comparison is omitted");
+        files::say!("interrupted: the comparison is omitted");
     }
     Ok(Finished { summary, folder: folder.path().to_owned(), interrupted })
 }
@@ -289,7 +291,7 @@ fn require_realtime(wanted: RealtimeOptions) -> Result<(), BenchError> {
         return Ok(());
     }
     for line in report.lines() {
-        eprintln!("real-time: {line}");
+        files::say!("real-time: {line}");
     }
     Err(BenchError::RealtimeRefused)
 }

@@ -152,7 +152,7 @@ pub(super) fn record<B: Bus, P: Place, W: Work>(
         // After the other threads have started: they must not inherit the loop's processor.
         if let Pace::Realtime(_) = pace {
             for line in realtime::set_up(realtime_options).lines() {
-                eprintln!("real-time: {line}");
+                files::say!("real-time: {line}");
             }
         }
         let mut heard = Heard::all(buses, epoch);

@@ -36,7 +36,7 @@ impl StabilityCheck {
     /// Prints one line for each rig, and refuses one on a real bus without the margin.
     pub(super) fn pass(&self, real_bus: Option<&BusChoice>) -> Result<(), BenchError> {
         for (place, found) in &self.rigs {
-            eprintln!("{place}: {}", found.in_words());
+            files::say!("{place}: {}", found.in_words());
         }
         let failing = self.rigs.iter().find(|(_, found)| !found.holds());
         let (Some(bus), Some((place, found))) = (real_bus, failing) else { return Ok(()) };
