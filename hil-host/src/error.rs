@@ -191,7 +191,7 @@ pub enum BenchError {
 
 impl BenchError {
     /// Whether the user's input is at fault and nothing was written: exit code 2.
-    pub const fn is_bad_input(&self) -> bool {
+    pub fn is_bad_input(&self) -> bool {
         match self {
             Self::Scenario(_)
             | Self::SlotBus { .. }
@@ -203,6 +203,8 @@ impl BenchError {
             | Self::Space { .. }
             | Self::Kept { .. }
             | Self::RealtimeRefused => true,
+            // The disk is sound: the content is not.
+            Self::File { why, .. } => why.kind() == std::io::ErrorKind::InvalidData,
             Self::Bus(why) => why.is_bad_input(),
             Self::Gateway(why) => why.is_bad_input(),
             Self::Input(why) => why.is_bad_input(),
@@ -217,7 +219,6 @@ impl BenchError {
             | Self::NoRandom { .. }
             | Self::FarRam { .. }
             | Self::Interrupted
-            | Self::File { .. }
             | Self::Unrecorded { .. }
             | Self::Report(_)
             | Self::Summary(_)

@@ -79,7 +79,7 @@ pub(crate) fn parameters(result: &IdentifyResult) -> Table {
     let table = Table::new("Parameters")
         .text("parameter")
         .written("identified", "")
-        .written("+-", "")
+        .written("standard error", "")
         .written("datasheet", "")
         .text("unit");
     let nominal = result.nominal.iter().map(|(name, value)| {

@@ -136,7 +136,7 @@ impl DamperFile {
         inputs: &mut Inputs,
     ) -> Result<Self, ScenarioError> {
         let Some(file) = &self.file else { return Ok(self) };
-        let model = Source::read(&source.sibling(file))?;
+        let model = source.named("[damper] file", file)?;
         inputs.note(role, model.content_hash());
         Ok(Self { file: None, ..self.over(&Self::model(&model)?) })
     }

@@ -185,7 +185,7 @@ impl RigFile {
             let message = "[rig] names a file, expected no other key but those of [rig.damper]";
             return Err(source.whole_error(message));
         }
-        let named = Source::read(&source.sibling(&file))?;
+        let named = source.named("[rig] file", &file)?;
         inputs.note("rig", named.content_hash());
         let mut rig = Self::from_source(&named)?;
         rig.damper = rig.damper.resolved(&named, "damper of the rig", inputs)?;

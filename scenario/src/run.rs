@@ -192,7 +192,7 @@ impl Run {
             let found = format!("substeps = {substeps}, expected 2 to {SUBSTEPS_MAX}");
             return Err(source.whole_error(found));
         }
-        let vehicle_source = Source::read(&source.sibling(&file.vehicle))?;
+        let vehicle_source = source.named("vehicle", &file.vehicle)?;
         inputs.note("vehicle", vehicle_source.content_hash());
         let vehicle_source = vehicle_source.with_vehicle_settings(settings)?;
         let vehicle_file: VehicleFile = vehicle_source.parse_as(Kind::Vehicle)?;

@@ -97,6 +97,18 @@ impl Source {
         self.path.parent().unwrap_or(Path::new("")).join(path)
     }
 
+    /// Reads a file that a key of this one names.
+    ///
+    /// # Errors
+    /// It cannot be read as text; the error names this file and the key too.
+    pub(crate) fn named(&self, key: &str, path: &str) -> Result<Self, ScenarioError> {
+        Self::read(&self.sibling(path)).map_err(|error| match error {
+            ScenarioError::Input(why) => self
+                .whole_error(format!("{key} names {why}; the path begins at this file's folder")),
+            other => other,
+        })
+    }
+
     /// Parts that do not fit each other, at a place in the file. Text of the file in `message` goes
     /// through [`files::quoted`].
     pub fn error(&self, span: &Range<usize>, message: impl Into<String>) -> ScenarioError {

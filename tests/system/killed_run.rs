@@ -105,7 +105,7 @@ fn a_report_of_a_run_that_ended_is_made_again_and_other_folders_are_refused() {
     std::fs::remove_file(out.join("report.html")).unwrap();
     let made = output(yawbench().arg("report").arg(&out));
     assert_eq!(made.status.code(), Some(0), "{}", String::from_utf8_lossy(&made.stderr));
-    assert!(String::from_utf8_lossy(&made.stdout).starts_with("3000 cycles, completed\n"));
+    assert!(String::from_utf8_lossy(&made.stdout).starts_with("3000 cycles of RUN, completed\n"));
     let again = read(&out.join("report.html"));
     assert_eq!(again, first);
     let refused = output(yawbench().arg("report").arg(repository().join("scenarios")));

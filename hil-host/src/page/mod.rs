@@ -30,13 +30,18 @@ use watch::watch;
 
 /// How much is known of the end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Ending {
+pub enum Ending {
     /// It ended by itself.
     Known,
     /// It was killed.
     Unknown {
         /// Control cycles that it was asked for.
         asked_cycles: u64,
+    },
+    /// Its summary is not that of the record.
+    Contradicted {
+        /// Control cycles that the summary counts.
+        counted_cycles: u64,
     },
 }
 

@@ -16,6 +16,7 @@ pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: En
         }
         Ending::Known => Tile::text("state", summary.state.name()).good(),
         Ending::Unknown { .. } => Tile::text("state", "no end recorded").bad(),
+        Ending::Contradicted { .. } => Tile::text("state", "unknown").bad(),
     };
     let lost = Tile::count("measurements lost", summary.frames.lost);
     let mut section = Section::new("Overview");
@@ -25,6 +26,15 @@ pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: En
              is made from record.npy, which holds {} cycles of the {asked_cycles} that were asked \
              for. How the run ended is not known; the frames on the bus are in bus.log.",
             counts.rows()
+        ));
+    }
+    if let Ending::Contradicted { counted_cycles } = ending {
+        section = section.warning(&format!(
+            "record.npy is not whole, or not the record of this run: summary.json counts \
+             {counted_cycles} cycles, the record holds {} and ends with cycle {}. This report shows \
+             what is in the record; how the run ended is not known.",
+            counts.rows(),
+            counts.last.0
         ));
     }
     if let Some(cause) = &summary.cause {
@@ -49,7 +59,7 @@ pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: En
             Tile::count("ticks skipped", summary.overruns),
             if summary.frames.lost > 0 { lost.bad() } else { lost },
         ])
-        .table(damper_table(&summary.damper))
+        .table(damper_table(&summary.damper, summary.statistics_s > 0.0))
         .table(acceleration_table(summary));
     section = section.text(&format!(
         "Statistics leave out the first {:.1} s. Stroke: mean peak is the mean over half cycles. \
@@ -66,7 +76,8 @@ pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: En
     section
 }
 
-fn damper_table(dampers: &[DamperSummary]) -> Table {
+fn damper_table(dampers: &[DamperSummary], has_statistics: bool) -> Table {
+    let known = |value: f64| Cell::from(has_statistics.then_some(value));
     let mut table = Table::new("Yaw dampers")
         .text("damper")
         .text("is")
@@ -78,19 +89,19 @@ fn damper_table(dampers: &[DamperSummary]) -> Table {
         .number("PSD peak", "Hz")
         .number("zero crossings", "Hz")
         .number("work", "J/s")
-        .number("energy error", "%");
+        .number("energy, vehicle less rig", "%");
     for damper in dampers {
         table = table.row([
             Cell::from(damper.name.as_str()),
             Cell::from(damper.place.as_str()),
-            (damper.force_n.min * 1e-3).into(),
-            (damper.force_n.max * 1e-3).into(),
-            (damper.force_n.rms * 1e-3).into(),
+            known(damper.force_n.min * 1e-3),
+            known(damper.force_n.max * 1e-3),
+            known(damper.force_n.rms * 1e-3),
             damper.stroke_m.mean_peak.map(|m| m * 1e3).into(),
-            (damper.stroke_m.max * 1e3).into(),
+            known(damper.stroke_m.max * 1e3),
             damper.frequency_psd_peak_hz.into(),
             damper.frequency_zero_crossing_hz.into(),
-            damper.work_per_s_j.into(),
+            known(damper.work_per_s_j),
             damper.exchanged_energy_error.map(|error| error * 100.0).into(),
         ]);
     }
@@ -108,10 +119,11 @@ fn acceleration_table(summary: &Summary) -> Table {
         ("wheelset 1", summary.accelerations.wheelset_1),
     ];
     for (name, body) in bodies {
+        let known = body.filter(|_| summary.statistics_s > 0.0);
         table = table.row([
             Cell::from(name),
-            body.map(|b| b.lateral_rms_m_per_s2).into(),
-            body.map(|b| b.vertical_rms_m_per_s2).into(),
+            known.map(|b| b.lateral_rms_m_per_s2).into(),
+            known.map(|b| b.vertical_rms_m_per_s2).into(),
         ]);
     }
     table

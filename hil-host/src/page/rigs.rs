@@ -57,7 +57,7 @@ fn delay_table(summary: &Summary) -> Table {
         .number("damping lost", "%")
         .number("at most", "%")
         .number("NRMSE to the wanted motion", "%")
-        .number("energy error", "%");
+        .number("energy, wanted less measured", "%");
     for damper in &summary.damper {
         let Some(tracking) = &damper.tracking else { continue };
         let measured = [("before RUN", tracking.before_run), ("in RUN", tracking.delay)];

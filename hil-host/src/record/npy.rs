@@ -85,6 +85,8 @@ pub(crate) struct RowReader {
     /// Parts that have been read.
     done: Vec<(PathBuf, File)>,
     row: Vec<u8>,
+    /// Cycle of the last row that was decoded.
+    cycle: u64,
 }
 
 /// A part that is read.
@@ -150,7 +152,7 @@ impl RowReader {
         parts.reverse();
         let Some((path, first)) = parts.pop() else { return Ok(None) };
         let now = Part::begin(path, first, false)?;
-        Ok(now.map(|now| Self { next: parts, now, done: Vec::new(), row: Vec::new() }))
+        Ok(now.map(|now| Self { next: parts, now, done: Vec::new(), row: Vec::new(), cycle: 0 }))
     }
 
     /// How many rows there are, by the sizes of all files.
@@ -164,7 +166,7 @@ impl RowReader {
     pub(super) fn next_row(&mut self) -> io::Result<Option<&[u8]>> {
         while !self.now.read(&mut self.row)? {
             let Some((path, file)) = self.next.pop() else { return Ok(None) };
-            let other = || io::Error::other(format!("{}: another layout", path.display()));
+            let other = || invalid(format!("{}: another layout", path.display()));
             let part = Part::begin(path.clone(), file, true)?.ok_or_else(other)?;
             let Part { path, file, .. } = std::mem::replace(&mut self.now, part);
             self.done.push((path, file.into_inner()));
@@ -173,8 +175,20 @@ impl RowReader {
     }
 
     /// The next row, decoded.
+    ///
+    /// # Errors
+    /// It cannot be read, or its cycle does not follow that of the row before: part of another
+    /// record.
     pub(crate) fn next(&mut self) -> io::Result<Option<Row>> {
-        Ok(self.next_row()?.map(Row::get))
+        let Some(row) = self.next_row()?.map(Row::get) else { return Ok(None) };
+        let before = std::mem::replace(&mut self.cycle, row.cycle);
+        if row.cycle <= before {
+            let found = row.cycle;
+            return Err(invalid(format!(
+                "found cycle {found} behind cycle {before}, expected a later one"
+            )));
+        }
+        Ok(Some(row))
     }
 
     /// Goes back to the first row.
@@ -184,6 +198,11 @@ impl RowReader {
         parts.extend(self.next.into_iter().rev());
         Self::begin(parts)
     }
+}
+
+/// A file that is not what it should be.
+fn invalid(what: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what)
 }
 
 /// The rows of some cycles, found without reading those before them; none for another layout.

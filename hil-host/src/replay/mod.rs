@@ -18,10 +18,10 @@ mod script;
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::clock::Tick;
-use crate::control::{Arming, Buses, Course, Ending, Session, SessionState};
+use crate::control::{Arming, Buses, Course, Ending, STOP_CYCLES, Session, SessionState};
 use crate::options::PaceChoice;
 use crate::record::{LogFault, LogReader, Queues, Row, RowReader};
-use crate::run::{LOG, Plan, RECORD, RunAbout, SCENARIO, Terms, read_about, session};
+use crate::run::{LOG, Plan, RECORD, RunAbout, SCENARIO, Terms, kept_summary, read_about, session};
 use can_protocol::{Pace, Profile, RunState, Sync};
 use files::{ResultFolder, quoted};
 use scenario::run::{Overrides, Run};
@@ -41,6 +41,8 @@ pub struct Replay {
     pub without_row: u64,
     /// Cycles that were not computed, because the bus log ends before.
     pub not_replayed: u64,
+    /// Cycles by `summary.json` that are behind the last row of the record.
+    pub not_recorded: u64,
     /// Frames that were sent as they are in the bus log.
     pub frames: u64,
     /// Trajectory hash after the last of these cycles.
@@ -95,9 +97,9 @@ pub enum Difference {
 }
 
 impl Replay {
-    /// Whether every cycle of the record was computed again and is the same.
+    /// Whether every cycle of the run was computed again and is the same.
     pub fn is_whole(&self) -> bool {
-        self.difference.is_none() && self.not_replayed == 0
+        self.difference.is_none() && self.not_replayed + self.not_recorded == 0
     }
 }
 
@@ -161,6 +163,7 @@ pub fn replay(folder: &Path, progress: &mut dyn FnMut(u64, u64)) -> Result<Repla
         course: Course::new(&run, &track),
         ending: Ending::default(),
         cycles: about.cycles,
+        record: &record,
         waits_for_rigs: about.pace == PaceChoice::Lockstep,
         without_row: 0,
     };
@@ -169,7 +172,10 @@ pub fn replay(folder: &Path, progress: &mut dyn FnMut(u64, u64)) -> Result<Repla
     let mut same = 0;
     let mut hash = again.state.hash;
     let mut not_replayed = 0;
+    let run_cycles = kept_summary(&folder)?.map(|kept| kept.cycles);
+    let mut last = 0;
     while let Some(next) = row {
+        last = next.cycle;
         if again.is_log_over() {
             not_replayed += 1;
             row = rows.next().map_err(failed)?;
@@ -193,6 +199,7 @@ pub fn replay(folder: &Path, progress: &mut dyn FnMut(u64, u64)) -> Result<Repla
         cycles: same,
         without_row: again.without_row,
         not_replayed,
+        not_recorded: run_cycles.map_or(0, |cycles| cycles.saturating_sub(last)),
         frames: script.borrow().sent(),
         trajectory_hash: format!("{hash:016x}"),
         recorded_by: (about.program != program).then_some(about.program),
@@ -210,6 +217,7 @@ struct Again<'a, 's, 'b, 'r> {
     ending: Ending,
     /// Cycles of RUN that were asked for.
     cycles: u64,
+    record: &'b Path,
     /// Whether a cycle began when every rig had answered the last one.
     waits_for_rigs: bool,
     without_row: u64,
@@ -219,12 +227,14 @@ impl Again<'_, '_, '_, '_> {
     /// The cycles up to that of a row; where they differ from the record, if they do.
     fn up_to(&mut self, row: &Row) -> Result<Option<Place>, BenchError> {
         while self.state.line.cycle + 1 < row.cycle {
+            self.must_go_on(row)?;
             self.without_row += 1;
             self.cycle(0)?;
             if let Some(what) = self.script.borrow().difference() {
                 return Ok(Some(self.place(what)));
             }
         }
+        self.must_go_on(row)?;
         let skipped = u64::from(row.skipped);
         let before = self.mark(row);
         let computed = self.cycle(skipped)?;
@@ -254,6 +264,20 @@ impl Again<'_, '_, '_, '_> {
         let has_rigs = !self.session.ports.is_empty();
         let mut script = self.script.borrow_mut();
         has_rigs && script.peek().is_none() && !script.has_fault()
+    }
+
+    /// Refuses a row of a cycle that cannot have been run.
+    fn must_go_on(&self, row: &Row) -> Result<(), BenchError> {
+        let line = &self.state.line;
+        let has_rigs = !self.session.ports.is_empty();
+        let most = self.cycles.saturating_add(STOP_CYCLES);
+        let is_over = if has_rigs { self.is_log_over() } else { line.cycle >= most };
+        if is_over || !(line.state.moves() || line.is_safe()) {
+            let (cycle, last) = (row.cycle, line.cycle);
+            let found = format!("the row of cycle {cycle} in a run that ends with cycle {last}");
+            return Err(kept(self.record, &found, "no row behind the end"));
+        }
+        Ok(())
     }
 
     fn is_first(&self) -> bool {

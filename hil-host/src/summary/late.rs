@@ -14,6 +14,8 @@ use serde::Deserialize;
 /// What only the program knew and `summary.json` holds.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub(crate) struct KeptSummary {
+    /// All control cycles.
+    pub(crate) cycles: u64,
     pub(crate) wall_s: f64,
     pub(crate) overruns: u64,
     pub(crate) frames: Frames,
