@@ -55,22 +55,23 @@ const NEVER_SENT: &str = "VECTOR__INDEPENDENT_SIG_MSG";
 pub fn messages_of_dbc(path: &Path) -> Result<Vec<BusMessage>, BenchError> {
     let database = Database::read(path)?;
     let dbc = database.contents();
-    let refused = |found: String| BenchError::Kept {
-        file: path.to_owned(),
-        found,
-        expected: "a DBC with messages",
-    };
+    let refused =
+        |found: String, expected| BenchError::Kept { file: path.to_owned(), found, expected };
     let sent = dbc.messages.iter().filter(|message| message.name != NEVER_SENT);
     let mut messages = Vec::new();
     for message in sent {
         let most = if is_fd(dbc, message) { 64 } else { 8 };
         if message.size > most {
             let name = files::quoted(&message.name);
-            return Err(refused(format!("message {name} of {} bytes", message.size)));
+            let found = format!("message {name} of {} bytes", message.size);
+            return Err(refused(found, "at most 8 bytes, or 64 in an FD frame"));
         }
         messages.push(message_of(dbc, message));
     }
-    if messages.is_empty() { Err(refused("no message".to_owned())) } else { Ok(messages) }
+    if messages.is_empty() {
+        return Err(refused("no message".to_owned(), "a DBC with messages"));
+    }
+    Ok(messages)
 }
 
 fn message_of(dbc: &Dbc, message: &can_dbc::Message) -> BusMessage {
@@ -185,7 +186,7 @@ mod tests {
             ("none", "hello\n", "none.dbc:1: found no DBC, expected "),
             ("endless", &endless, "endless.dbc:2: found no DBC, expected "),
             ("empty", "VERSION \"\"\n", "found no message, expected a DBC with messages"),
-            ("wide", wide, "found message WIDE of 9 bytes, expected a DBC with messages"),
+            ("wide", wide, "found message WIDE of 9 bytes, expected at most 8 bytes, or"),
         ] {
             let why = of_dbc(name, text).unwrap_err();
             let line = why.to_string();
