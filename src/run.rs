@@ -11,7 +11,7 @@ use crate::value::number;
 use clap::{Args, ValueEnum};
 use hil_host::bus::BusChoice;
 use hil_host::control::End;
-use hil_host::gateway::{GatewayPlan, Loss, loss_table};
+use hil_host::gateway::{GatewayError, GatewayPlan, Loss, loss_lines};
 use hil_host::{BenchError, DamperSummary, PaceChoice, RunOptions, Summary, run};
 use report::{Cell, Table};
 use scenario::run::{Overrides, Run, SlotForce};
@@ -191,14 +191,17 @@ fn tracking_lines(dampers: &[DamperSummary]) -> Vec<String> {
     lines
 }
 
-/// How a rig is driven by its own messages; says what it does without.
+/// How a rig is driven by its own messages. Where losses are not accepted, what each of them costs
+/// is said first.
 fn gateway(args: &RunArgs) -> Result<Option<GatewayPlan>, CommandError> {
     let (Some(dbc), Some(map)) = (&args.dbc, &args.dbc_map) else { return Ok(None) };
-    let plan = GatewayPlan::read(dbc, map, &args.accept).map_err(BenchError::from)?;
-    for line in loss_table(&plan.losses(), plan.accepted()).lines() {
-        files::say!("{line}");
+    let plan = GatewayPlan::read(dbc, map, &args.accept);
+    if let Err(GatewayError::Unaccepted { all, .. }) = &plan {
+        for line in loss_lines(all, &args.accept) {
+            files::say!("{line}");
+        }
     }
-    Ok(Some(plan))
+    Ok(Some(plan.map_err(BenchError::from)?))
 }
 
 /// The forces, strokes and work of every damper.

@@ -3,7 +3,7 @@
 use crate::error::DbcError;
 use crate::field::Field;
 use crate::id::CanId;
-use crate::lines::line_of;
+use crate::lines::{line_of, lines_of_message};
 use crate::multiplex::{Condition, MOST_CONDITIONS, MOST_RANGES, Presence};
 use crate::signal::{Kind, Signal};
 use can_dbc::{
@@ -72,6 +72,11 @@ impl Database {
         Ok(Self { path: path.to_owned(), text: text.to_owned(), dbc })
     }
 
+    /// What the file holds.
+    pub fn contents(&self) -> &Dbc {
+        &self.dbc
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
@@ -90,6 +95,7 @@ impl Database {
             signal.name == name || full_name(message, signal) == name
         };
         let found: Vec<_> = all().filter(is_named).collect();
+        found.iter().try_for_each(|(message, _)| self.refuse_twice(message))?;
         match *found {
             [(message, signal)] => {
                 Ok((self.message(message, signal)?, self.named(message, signal)?))
@@ -103,12 +109,32 @@ impl Database {
                 let similar = did_you_mean(name, known.iter().map(String::as_str));
                 Err(DbcError::NoSignal { file: self.path.clone(), name: name.to_owned(), similar })
             }
+            [(message, signal), (other, _), ..] if std::ptr::eq(message, other) => {
+                let found = "a second one of this name in its message".to_owned();
+                Err(self.unusable(message, signal, found, "names of their own"))
+            }
             _ => Err(DbcError::Ambiguous {
                 file: self.path.clone(),
                 name: name.to_owned(),
                 signals: found.iter().map(|(message, signal)| full_name(message, signal)).collect(),
             }),
         }
+    }
+
+    /// Refuses a message whose name or identifier another one has too.
+    fn refuse_twice(&self, message: &DbcMessage) -> Result<(), DbcError> {
+        let mut others = self.dbc.messages.iter().filter(|other| !std::ptr::eq(*other, message));
+        let is_same = |other: &&DbcMessage| other.name == message.name || other.id == message.id;
+        let Some(other) = others.find(is_same) else { return Ok(()) };
+        let first = lines_of_message(&self.text, &message.name).next();
+        let (line, found) = if other.name == message.name {
+            let again = lines_of_message(&self.text, &message.name).nth(1);
+            let first = first.map_or(String::new(), |line| format!(" (line {line})"));
+            (again, format!("a second message of this name{first}"))
+        } else {
+            (first, format!("the identifier of message {} as well", other.name))
+        };
+        Err(DbcError::Twice { file: self.path.clone(), line, message: message.name.clone(), found })
     }
 
     /// The message of a signal.
@@ -179,14 +205,21 @@ impl Database {
             return refuse(found, "a factor other than 0, and finite numbers");
         }
         let (low, high) = (number(signal.min), number(signal.max));
-        Ok(Signal {
+        if low.is_nan() || high.is_nan() || low > high {
+            return refuse(format!("limits [{low}|{high}]"), "the lower one first");
+        }
+        let prepared = Signal {
             field,
             kind,
             factor: signal.factor,
             offset: signal.offset,
             limits: (low < high).then_some((low, high)),
             presence: self.presence(message, signal)?,
-        })
+        };
+        if prepared.is_on_its_selector() {
+            return refuse("bits of its own selector".to_owned(), "bits apart from it");
+        }
+        Ok(prepared)
     }
 
     /// Bits of a float, as `SIG_VALTYPE_` says.

@@ -31,6 +31,17 @@ pub enum DbcError {
         /// What was expected.
         expected: &'static str,
     },
+    /// A message whose name or identifier another one has too.
+    Twice {
+        /// The file.
+        file: PathBuf,
+        /// Its line.
+        line: Option<usize>,
+        /// The message.
+        message: String,
+        /// What was found.
+        found: String,
+    },
     /// A name that no signal has.
     NoSignal {
         /// The file.
@@ -82,6 +93,13 @@ impl fmt::Display for DbcError {
                 "{}: signal {}: found {}, expected {expected}",
                 place(file, *line),
                 quoted(signal),
+                quoted(found)
+            ),
+            Self::Twice { file, line, message, found } => write!(
+                f,
+                "{}: message {}: found {}, expected a name and an identifier of its own",
+                place(file, *line),
+                quoted(message),
                 quoted(found)
             ),
             Self::NoSignal { file, name, similar } => write!(

@@ -8,6 +8,9 @@
 /// Most bytes of a field of 64 bits that begins within a byte.
 const MOST_BYTES: usize = 9;
 
+/// Bytes of the longest frame.
+const LONGEST_FRAME: usize = 64;
+
 /// Where the bits of a signal are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Field {
@@ -67,6 +70,15 @@ impl Field {
             let at = self.place(place);
             *byte = (*byte & !((mask >> at) as u8)) | (number >> at) as u8;
         }
+    }
+
+    /// Its bits in the longest frame.
+    pub(crate) fn mask(&self) -> [u8; LONGEST_FRAME] {
+        let mut data = [0; LONGEST_FRAME];
+        if self.end() <= data.len() {
+            self.set(&mut data, self.ones());
+        }
+        data
     }
 
     /// Bits right of the byte at a place.

@@ -18,7 +18,8 @@
 //! ```
 //!
 //! Read in this order: `field` (bits), `signal` (values), `multiplex` (signals that are there only
-//! sometimes), `database` (the file), `lines` (where a signal stands in it).
+//! sometimes), `overlap` (signals on the same bits), `database` (the file), `lines` (where a message
+//! or a signal stands in it).
 
 mod database;
 mod error;
@@ -26,6 +27,7 @@ mod field;
 mod id;
 mod lines;
 mod multiplex;
+mod overlap;
 mod signal;
 
 pub use database::{Database, Message, NamedSignal};

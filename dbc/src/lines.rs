@@ -1,4 +1,14 @@
-//! Where a signal stands in the text of a DBC: the parser does not say.
+//! Where a message or a signal stands in the text of a DBC: the parser does not say.
+
+/// The lines, from one, of messages of a name.
+pub(crate) fn lines_of_message(text: &str, message: &str) -> impl Iterator<Item = usize> {
+    let is_it = move |line: &str| {
+        let mut words = line.split_whitespace();
+        let name = words.next().filter(|word| *word == "BO_").and_then(|_| words.nth(1));
+        name.is_some_and(|name| name.trim_end_matches(':') == message)
+    };
+    (1..).zip(text.lines()).filter_map(move |(number, line)| is_it(line).then_some(number))
+}
 
 /// The line, from one, of a signal of a message.
 pub(crate) fn line_of(text: &str, message: &str, signal: &str) -> Option<usize> {

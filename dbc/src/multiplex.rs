@@ -24,6 +24,15 @@ impl Condition {
         let Some(value) = self.selector.get(data) else { return false };
         self.ranges.iter().flatten().any(|(first, last)| (*first..=*last).contains(&value))
     }
+
+    /// Whether no value of the same selector meets both.
+    fn excludes(&self, other: &Self) -> bool {
+        let is_common = |(first, last): &(u64, u64)| {
+            let mut ranges = other.ranges.iter().flatten();
+            ranges.any(|(other_first, other_last)| first <= other_last && other_first <= last)
+        };
+        self.selector == other.selector && !self.ranges.iter().flatten().any(is_common)
+    }
 }
 
 /// When a signal is in a frame.
@@ -36,6 +45,12 @@ impl Presence {
     /// Whether it is in this payload.
     pub(crate) fn is_in(&self, data: &[u8]) -> bool {
         self.conditions.iter().flatten().all(|condition| condition.holds(data))
+    }
+
+    /// Whether no frame meets both.
+    pub(crate) fn excludes(&self, other: &Self) -> bool {
+        let mut conditions = self.conditions.iter().flatten();
+        conditions.any(|one| other.conditions.iter().flatten().any(|other| one.excludes(other)))
     }
 
     /// Sets the selectors so that it is: each to the first of its values.

@@ -7,7 +7,7 @@
 //! The raw number is unsigned, signed in two's complement, or an IEEE float of 32 or 64 bits
 //! (`SIG_VALTYPE_`). A raw number is rounded to the nearest, ties to even. A value beyond what the
 //! bits or the limits of the DBC hold is saturated when it is written, and is no value when it is
-//! read. Limits of which the upper is not above the lower one mean none.
+//! read. Equal limits mean none.
 
 use crate::field::Field;
 use crate::multiplex::Presence;
@@ -59,13 +59,7 @@ impl Signal {
     /// The physical value in a payload.
     pub fn read(&self, data: &[u8]) -> Value {
         let Some(raw) = self.read_raw(data) else { return Value::Absent };
-        let number = match self.kind {
-            Kind::Unsigned => raw as f64,
-            Kind::Signed => self.signed(raw) as f64,
-            Kind::Float32 => f64::from(f32::from_bits(raw as u32)),
-            Kind::Float64 => f64::from_bits(raw),
-        };
-        let value = number * self.factor + self.offset;
+        let value = self.value_of(raw);
         let (low, high) = self.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
         // A limit is often the last raw value, to as many digits as its author liked.
         let margin = 0.5 * self.resolution();
@@ -82,16 +76,39 @@ impl Signal {
         self.presence.is_in(data).then_some(raw)
     }
 
+    /// The physical value of raw bits, within the limits of the DBC or not.
+    pub fn value_of(&self, raw: u64) -> f64 {
+        let number = match self.kind {
+            Kind::Unsigned => raw as f64,
+            Kind::Signed => self.signed(raw) as f64,
+            Kind::Float32 => f64::from(f32::from_bits(raw as u32)),
+            Kind::Float64 => f64::from_bits(raw),
+        };
+        number * self.factor + self.offset
+    }
+
+    /// The raw bits of a physical value, to the resolution of the signal; `None` for one that it
+    /// does not hold.
+    pub fn raw_of(&self, value: f64) -> Option<u64> {
+        match self.nearest(value) {
+            (raw, Fit::Fits) => Some(raw),
+            _ => None,
+        }
+    }
+
+    /// The lowest and the highest physical value that bits and limits hold.
+    pub fn range(&self) -> (f64, f64) {
+        let ends = [f64::NEG_INFINITY, f64::INFINITY].map(|end| self.value_of(self.nearest(end).0));
+        (ends[0].min(ends[1]), ends[0].max(ends[1]))
+    }
+
     /// Writes a physical value, and the selectors of a multiplexed signal.
     pub fn write(&self, data: &mut [u8], value: f64) -> Fit {
-        if value.is_nan() {
-            return Fit::NotANumber;
+        let (raw, fit) = self.nearest(value);
+        if fit != Fit::NotANumber {
+            self.write_raw(data, raw);
         }
-        let (low, high) = self.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-        let held = value.clamp(low, high);
-        let (raw, is_cut) = self.raw((held - self.offset) / self.factor);
-        self.write_raw(data, raw);
-        if is_cut || held != value { Fit::Saturated } else { Fit::Fits }
+        fit
     }
 
     /// Writes bits as they are; those that do not fit are left out.
@@ -139,6 +156,17 @@ impl Signal {
     /// The first byte behind it.
     pub(crate) fn end(&self) -> usize {
         self.field.end()
+    }
+
+    /// The raw bits nearest to a physical value, and how it fits.
+    fn nearest(&self, value: f64) -> (u64, Fit) {
+        if value.is_nan() {
+            return (0, Fit::NotANumber);
+        }
+        let (low, high) = self.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+        let held = value.clamp(low, high);
+        let (raw, is_cut) = self.raw((held - self.offset) / self.factor);
+        (raw, if is_cut || held != value { Fit::Saturated } else { Fit::Fits })
     }
 
     /// The raw bits nearest to a number, and whether that was cut.
@@ -216,6 +244,16 @@ mod tests {
         let exact = signal(16, Kind::Unsigned, 0.001, Some((0.0, 65.535)));
         exact.write_raw(&mut data, 65_535);
         assert!(matches!(exact.read(&data), Value::Valid(_)));
+    }
+
+    #[test]
+    fn bits_and_limits_make_the_range() {
+        let signed = signal(8, Kind::Signed, -0.5, None);
+        assert_eq!(signed.range(), (-63.5, 64.0));
+        assert_eq!(Signal { limits: Some((-1.0, 1000.0)), ..signed }.range(), (-1.0, 64.0));
+        assert_eq!((signed.raw_of(64.0), signed.raw_of(64.5)), (Some(0x80), None));
+        assert_eq!((signed.raw_of(f64::NAN), signed.raw_of(f64::INFINITY)), (None, None));
+        assert_eq!(signed.value_of(0x80), 64.0);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::bus::{BusError, InvalidBus};
 use crate::gateway::GatewayError;
 use can_protocol::arming::Refusal;
 use can_protocol::{ArmItem, PROTOCOL_VERSION, RunState, Sync};
+use dbc::DbcError;
 use files::{FolderError, InputError, quoted};
 use scenario::source::ScenarioError;
 use std::fmt;
@@ -70,6 +71,8 @@ pub enum BenchError {
     },
     /// A bus that cannot be opened.
     Bus(BusError),
+    /// A message database that cannot be used.
+    Dbc(Box<DbcError>),
     /// A rig that cannot be driven by its own messages.
     Gateway(Box<GatewayError>),
     /// Rigs that did not answer before the run.
@@ -206,6 +209,7 @@ impl BenchError {
             // The disk is sound: the content is not.
             Self::File { why, .. } => why.kind() == std::io::ErrorKind::InvalidData,
             Self::Bus(why) => why.is_bad_input(),
+            Self::Dbc(why) => why.is_bad_input(),
             Self::Gateway(why) => why.is_bad_input(),
             Self::Input(why) => why.is_bad_input(),
             Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
@@ -341,6 +345,7 @@ impl fmt::Display for BenchError {
                 *needed as f64 * 1e-9
             ),
             Self::Bus(why) => why.fmt(f),
+            Self::Dbc(why) => why.fmt(f),
             Self::Gateway(why) => why.fmt(f),
             Self::SilentRigs { nodes, bus } => {
                 let nodes: Vec<String> = nodes.iter().map(u8::to_string).collect();
@@ -420,6 +425,12 @@ impl From<can_protocol::Error> for BenchError {
 impl From<BusError> for BenchError {
     fn from(why: BusError) -> Self {
         Self::Bus(why)
+    }
+}
+
+impl From<DbcError> for BenchError {
+    fn from(why: DbcError) -> Self {
+        Self::Dbc(Box::new(why))
     }
 }
 

@@ -64,7 +64,7 @@ fn what_cannot_be_looked_at_is_one_line() {
     for (args, expected) in [
         (&["--bus", "memory"][..], "--bus memory: expected socketcan:INTERFACE"),
         (&["--dbc", "no-such.dbc"][..], "no-such.dbc: cannot be read"),
-        (&["--dbc", "README.md"][..], "expected a DBC with messages"),
+        (&["--dbc", "README.md"][..], "README.md:1: found no DBC, expected "),
         (&["--dbc", "can-protocol/yawbench.dbc"][..], "no --data-bitrate: expected one"),
         (&["--rigs", "5"][..], "--rigs 5: expected a whole number from 1 to 4"),
         (&["--bitrate", "0"][..], "--bitrate 0: expected a bit rate"),

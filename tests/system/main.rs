@@ -30,6 +30,7 @@ mod layout;
 mod measured_run;
 mod on_mass;
 mod open_loop;
+mod own_messages;
 mod partial_records;
 mod physics;
 mod real_records;

@@ -109,13 +109,30 @@ fn errors_name_the_file_the_line_and_the_signal() {
         (" SG_ S : 0|16@1+ (0,0) [0|0]", "", "factor 0 and offset 0"),
         (" SG_ S : 0|16@1- (1,0) [0|0]", "SIG_VALTYPE_ 5 S : 1;", "16 bits"),
         (" SG_ S m1 : 0|16@1+ (1,0) [0|0]", "", "no selector of its page"),
+        (
+            " SG_ S m1 : 0|9@1+ (1,0) [0|0]",
+            " SG_ P M : 8|2@1+ (1,0) [0|0] \"\" X",
+            "bits of its own",
+        ),
+        (
+            " SG_ S : 0|8@1+ (1,0) [0|0]",
+            " SG_ S : 8|8@1+ (1,0) [0|0] \"\" X",
+            "a second one of this name in its message, expected names of their own",
+        ),
+        (" SG_ S : 0|16@1+ (1,0) [5|-5]", "", "limits [5|-5], expected the lower one first"),
     ] {
         let said = said(signal, more);
         assert!(said.starts_with("rig.dbc:4: signal M.S: found "), "{said}");
         assert!(said.contains(found), "{said}");
     }
-    let said = said(" SG_ S 0|16@1+ (1,0) [0|0]", "");
-    assert!(said.starts_with("rig.dbc:4: ") && !said.contains('\n'), "{said}");
+    let syntax = said(" SG_ S 0|16@1+ (1,0) [0|0]", "");
+    assert!(syntax.starts_with("rig.dbc:4: ") && !syntax.contains('\n'), "{syntax}");
+    let again = "\nBO_ 6 M: 8 X\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" X";
+    let twice = said(" SG_ S : 0|8@1+ (1,0) [0|0]", again);
+    assert!(twice.starts_with("rig.dbc:6: message M: found a second message"), "{twice}");
+    let other = "\nBO_ 5 N: 8 X\n SG_ T : 0|8@1+ (1,0) [0|0] \"\" X";
+    let same = said(" SG_ S : 0|8@1+ (1,0) [0|0]", other);
+    assert!(same.starts_with("rig.dbc:3: message M: found the identifier of message N"), "{same}");
     let absent = Database::read(Path::new("none.dbc")).unwrap_err();
     assert!(matches!(absent, DbcError::Input(_)) && absent.is_bad_input());
 }

@@ -4,7 +4,7 @@ use super::bus_message::BusMessage;
 use crate::BenchError;
 use can_dbc::{AttributeValue, Dbc, MessageId as DbcId};
 use can_protocol::{MessageId, Profile, Sender};
-use files::Limit;
+use dbc::Database;
 use scenario::run::CYCLE_S;
 use std::path::Path;
 
@@ -48,30 +48,30 @@ pub fn messages_of_protocol(profile: Profile, rigs: u8) -> Vec<BusMessage> {
 const NEVER_SENT: &str = "VECTOR__INDEPENDENT_SIG_MSG";
 
 /// The messages of a DBC: period from `GenMsgCycleTime` (ms), frame format from `VFrameFormat` and
-/// `CANFD_BRS`. A file in another encoding than UTF-8 is read too: names are ASCII.
+/// `CANFD_BRS`.
 ///
 /// # Errors
 /// The file cannot be read, or is no DBC.
 pub fn messages_of_dbc(path: &Path) -> Result<Vec<BusMessage>, BenchError> {
-    let bytes = files::input::read_bytes(path, Limit::Text).map_err(BenchError::Input)?;
-    let text = String::from_utf8_lossy(&bytes);
-    let refused = |found: String| BenchError::Kept {
-        file: path.to_owned(),
-        found,
-        expected: "a DBC with messages",
-    };
-    let dbc = Dbc::try_from(text.trim_start_matches('\u{feff}'))
-        .map_err(|why| refused(files::quote::message(&why.to_string())))?;
+    let database = Database::read(path)?;
+    let dbc = database.contents();
+    let refused =
+        |found: String, expected| BenchError::Kept { file: path.to_owned(), found, expected };
     let sent = dbc.messages.iter().filter(|message| message.name != NEVER_SENT);
     let mut messages = Vec::new();
     for message in sent {
-        let most = if is_fd(&dbc, message) { 64 } else { 8 };
+        let most = if is_fd(dbc, message) { 64 } else { 8 };
         if message.size > most {
-            return Err(refused(format!("message {} of {} bytes", message.name, message.size)));
+            let name = files::quoted(&message.name);
+            let found = format!("message {name} of {} bytes", message.size);
+            return Err(refused(found, "at most 8 bytes, or 64 in an FD frame"));
         }
-        messages.push(message_of(&dbc, message));
+        messages.push(message_of(dbc, message));
     }
-    if messages.is_empty() { Err(refused("no message".to_owned())) } else { Ok(messages) }
+    if messages.is_empty() {
+        return Err(refused("no message".to_owned(), "a DBC with messages"));
+    }
+    Ok(messages)
 }
 
 fn message_of(dbc: &Dbc, message: &can_dbc::Message) -> BusMessage {
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(row("MEAS_1").response_us, Some(135.0 * 4.0));
         assert_eq!(row("PRESSURE_OFF_1").verdict, Verdict::Unknown);
         let four = response_times(&messages_of_protocol(Profile::Classical, 4), &RATES);
-        assert!(four.is_late() && four.load > 1.08, "{}", four.load);
+        assert!(four.is_late() && four.load > Some(1.08), "{:?}", four.load);
         let fd = response_times(&messages_of_protocol(Profile::Fd, 4), &RATES);
         assert!(!fd.is_late(), "{fd:?}");
     }
@@ -181,12 +181,17 @@ mod tests {
     fn a_file_that_is_no_dbc_is_one_line() {
         let wide = "VERSION \"\"\nBO_ 1 WIDE: 9 A\n SG_ x : 0|8@1+ (1,0) [0|0] \"\" B\n\
             BA_DEF_ BO_ \"VFrameFormat\" INT 0 15;\nBA_DEF_DEF_ \"VFrameFormat\" 0;\n";
-        let texts = [("none", "hello\n"), ("empty", "VERSION \"\"\n"), ("wide", wide)];
-        for (name, text) in texts {
+        let endless = format!("VERSION \"\"\nCM_ \"{}", "\\\"".repeat(1000));
+        for (name, text, expected) in [
+            ("none", "hello\n", "none.dbc:1: found no DBC, expected "),
+            ("endless", &endless, "endless.dbc:2: found no DBC, expected "),
+            ("empty", "VERSION \"\"\n", "found no message, expected a DBC with messages"),
+            ("wide", wide, "found message WIDE of 9 bytes, expected at most 8 bytes, or"),
+        ] {
             let why = of_dbc(name, text).unwrap_err();
             let line = why.to_string();
             assert!(why.is_bad_input(), "{line}");
-            assert!(line.ends_with(", expected a DBC with messages"), "{line}");
+            assert!(line.contains(expected) && line.len() < 500, "{line}");
             assert_eq!(line.lines().count(), 1, "{line}");
         }
     }

@@ -47,8 +47,8 @@ pub struct ResponseTime {
 /// The messages of a bus, most urgent first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResponseTimes {
-    /// Share of the bus that messages with a period take at worst.
-    pub load: f64,
+    /// Share of the bus that messages with a period take at worst; `None` where none has one.
+    pub load: Option<f64>,
     /// Every message.
     pub messages: Vec<ResponseTime>,
 }
@@ -94,7 +94,8 @@ pub fn response_times(messages: &[BusMessage], rates: &BitRates) -> ResponseTime
             verdict,
         }
     });
-    ResponseTimes { load: load(&streams), messages: found.collect() }
+    let has_period = streams.iter().any(|stream| stream.period_ns.is_some());
+    ResponseTimes { load: has_period.then(|| load(&streams)), messages: found.collect() }
 }
 
 /// What arbitration compares: 11 bits, then a short id before a long one, then the other 18.
@@ -187,7 +188,11 @@ impl ResponseTimes {
                 message.verdict.name().into(),
             ]
         }));
-        let mut lines = vec![format!("{caption}, load {:.1} % at worst", 100.0 * self.load)];
+        let load = match self.load {
+            Some(load) => format!("load {:.1} % at worst", 100.0 * load),
+            None => "load unknown".to_owned(),
+        };
+        let mut lines = vec![format!("{caption}, {load}")];
         lines.extend(table.lines());
         let has = |verdict| self.messages.iter().any(|message| message.verdict == verdict);
         if has(Verdict::Change) {
@@ -254,9 +259,8 @@ mod tests {
         assert_eq!(response_ns(&mixed, 2, 1_000), Some(270_000));
     }
 
-    #[test]
-    fn arbitration_compares_eleven_bits_first() {
-        let message = |id, is_extended| BusMessage {
+    fn message(id: u32, is_extended: bool) -> BusMessage {
+        BusMessage {
             name: String::new(),
             id,
             is_extended,
@@ -264,7 +268,23 @@ mod tests {
             is_fd: false,
             switches_rate: false,
             period_s: None,
+        }
+    }
+
+    #[test]
+    fn the_load_of_messages_without_a_period_is_unknown() {
+        let rates = BitRates { nominal_bits_per_s: 1e6, data_bits_per_s: 1e6 };
+        let mut messages = [message(1, false), message(2, false)];
+        let heading = |messages: &[BusMessage]| {
+            response_times(messages, &rates).lines("Messages").swap_remove(0)
         };
+        assert_eq!(heading(&messages), "Messages, load unknown");
+        messages[0].period_s = Some(1e-3);
+        assert_eq!(heading(&messages), "Messages, load 13.5 % at worst");
+    }
+
+    #[test]
+    fn arbitration_compares_eleven_bits_first() {
         let long = |id: u32, rest| priority(&message(id << 18 | rest, true));
         let short = |id| priority(&message(id, false));
         assert!(short(0x100) < long(0x100, 0) && long(0x100, 0) < long(0x100, 1));

@@ -28,7 +28,7 @@ pub(super) struct RigReading {
 pub(super) enum RigState {
     Running,
     Fault,
-    /// Any other value, as the nearest whole number.
+    /// Any other raw number.
     Other(u16),
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Decoder {
     displacement: Option<Value>,
     counter: Option<u64>,
     echo: Option<u64>,
-    validity: Option<Value>,
+    validity: Option<u64>,
     /// The newest of each.
     pub(super) state: Option<RigState>,
     pub(super) temperature_degc: Option<f64>,
@@ -50,14 +50,12 @@ impl Decoder {
     pub(super) fn take(&mut self, plan: &GatewayPlan, frame: &RawFrame) -> Option<RigReading> {
         let measurement = &plan.measurement;
         if let Some(state) = plan.state
-            && let Some(value) = value_in(&state.at, frame)
+            && let Some(code) = raw_in(&state.at, frame)
         {
-            self.state = Some(match value {
-                Value::Valid(value) if is_code(value, state.running) => RigState::Running,
-                Value::Valid(value) if is_code(value, state.fault) => RigState::Fault,
-                // A conversion saturates.
-                Value::Valid(value) => RigState::Other(value.round() as u16),
-                Value::Invalid | Value::Absent => RigState::Other(u16::MAX),
+            self.state = Some(match code {
+                _ if code == state.running => RigState::Running,
+                _ if code == state.fault => RigState::Fault,
+                _ => RigState::Other(u16::try_from(code).unwrap_or(u16::MAX)),
             });
         }
         if let Some(placed) = plan.temperature
@@ -69,15 +67,12 @@ impl Decoder {
         let raw = |placed: Placed| raw_in(&placed, frame);
         self.counter = measurement.counter.and_then(raw).or(self.counter);
         self.echo = measurement.echo.and_then(raw).or(self.echo);
-        let validity = measurement.valid.and_then(|(placed, _)| value_in(&placed, frame));
+        let validity = measurement.valid.and_then(|(placed, _)| raw_in(&placed, frame));
         self.validity = validity.or(self.validity);
 
         let force = value_in(&measurement.force, frame)?;
         let validity = self.validity.take();
-        let is_sound = measurement.valid.is_none_or(|(_, sound)| match validity {
-            Some(Value::Valid(value)) => is_code(value, sound),
-            _ => false,
-        });
+        let is_sound = measurement.valid.is_none_or(|(_, sound)| validity == Some(sound));
         let displacement = self.displacement.take();
         Some(RigReading {
             force_n: si(force, measurement.force.scale),
@@ -110,11 +105,6 @@ fn si(value: Value, scale: f64) -> Option<f64> {
     }
 }
 
-/// Whether a value is a code of the map.
-fn is_code(value: f64, code: f64) -> bool {
-    (value - code).abs() < 0.5
-}
-
 /// Writes commands.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Encoder {
@@ -133,8 +123,8 @@ impl Encoder {
         };
         let mut frames: Vec<RawFrame> = plan.messages.iter().filter_map(blank).collect();
         debug_assert_eq!(frames.len(), plan.messages.len(), "a message that is no frame");
-        for (at, value) in &plan.constants {
-            write(&mut frames, at, *value);
+        for (at, code) in &plan.constants {
+            write_code(&mut frames, at, *code);
         }
         Self { frames, counter: 0 }
     }
@@ -154,14 +144,12 @@ impl Encoder {
             is_cut |= write(frames, at, command.velocity_m_per_s) != Fit::Fits;
         }
         if let Some(enable) = &plan.enable {
-            let value = if is_enabled { enable.armed } else { enable.stopped };
-            write(frames, &enable.at, value);
+            let code = if is_enabled { enable.armed } else { enable.stopped };
+            write_code(frames, &enable.at, code);
         }
         let counter = plan.counter.as_ref().map(|at| {
             let counter = self.counter % at.signal.modulus();
-            if let Some(frame) = frames.get_mut(at.message) {
-                at.signal.write_raw(frame.data_mut(), counter);
-            }
+            write_code(frames, at, counter);
             counter
         });
         self.counter = self.counter.wrapping_add(1);
@@ -179,5 +167,16 @@ fn write(frames: &mut [RawFrame], at: &CommandSignal, value: f64) -> Fit {
     match frames.get_mut(at.message) {
         Some(frame) => at.signal.write(frame.data_mut(), value / at.scale),
         None => Fit::NotANumber,
+    }
+}
+
+/// Writes a raw number, which cannot fail: the plan has checked that its signal holds it.
+fn write_code(frames: &mut [RawFrame], at: &CommandSignal, code: u64) {
+    let frame = frames.get_mut(at.message);
+    debug_assert!(frame.is_some(), "a signal of no frame");
+    if let Some(frame) = frame {
+        at.signal.write_raw(frame.data_mut(), code);
+        let written = at.signal.read_raw(frame.data());
+        debug_assert!(written == Some(code), "found {written:?}, expected {code} to be written");
     }
 }

@@ -1,6 +1,6 @@
 //! Why a rig cannot be driven by its own messages.
 
-use super::loss::Loss;
+use super::loss::{Loss, names};
 use dbc::DbcError;
 use files::quoted;
 use scenario::source::ScenarioError;
@@ -14,12 +14,14 @@ pub enum GatewayError {
     Dbc(DbcError),
     /// The map is no map.
     Map(ScenarioError),
-    /// A key of the map that does not go together with the rest: file, key, found, expected.
+    /// A key of the map that does not fit the DBC or the rest of the map.
     Key {
         /// The map.
         file: PathBuf,
+        /// Its line.
+        line: Option<usize>,
         /// Table and key, `[command] velocity`.
-        key: &'static str,
+        key: String,
         /// What was found.
         found: String,
         /// What was expected.
@@ -87,10 +89,9 @@ fn shown(file: &Path) -> String {
     quoted(&file.display().to_string()).to_string()
 }
 
-/// Names of losses as `--accept` takes them.
-fn names(losses: &[Loss]) -> String {
-    let names: Vec<&str> = losses.iter().map(|loss| loss.name()).collect();
-    names.join(",")
+/// A file, with its line where it is known.
+fn place(file: &Path, line: Option<usize>) -> String {
+    line.map_or_else(|| shown(file), |line| format!("{}:{line}", shown(file)))
 }
 
 impl fmt::Display for GatewayError {
@@ -98,22 +99,17 @@ impl fmt::Display for GatewayError {
         match self {
             Self::Dbc(why) => why.fmt(f),
             Self::Map(why) => why.fmt(f),
-            Self::Key { file, key, found, expected } => {
-                write!(f, "{}: {key}: found {}, expected {expected}", shown(file), quoted(found))
+            Self::Key { file, line, key, found, expected } => {
+                let (place, found) = (place(file, *line), quoted(found));
+                write!(f, "{place}: {key}: found {found}, expected {expected}")
             }
-            Self::Unit { file, line, signal, unit, expected } => {
-                f.write_str(&shown(file))?;
-                if let Some(line) = line {
-                    write!(f, ":{line}")?;
-                }
-                write!(
-                    f,
-                    ": signal {}: found unit \"{}\", expected {expected}, or unit or scale in the \
-                     map",
-                    quoted(signal),
-                    quoted(unit)
-                )
-            }
+            Self::Unit { file, line, signal, unit, expected } => write!(
+                f,
+                "{}: signal {}: found unit \"{}\", expected {expected}, or unit or scale in the map",
+                place(file, *line),
+                quoted(signal),
+                quoted(unit)
+            ),
             Self::OpenLoopOnly { file } => write!(
                 f,
                 "{}: found neither [measurement] counter nor [status] timeout_s, expected one of \

@@ -121,13 +121,26 @@ impl FromStr for Loss {
     }
 }
 
-/// What a run does without, for the terminal.
-pub fn loss_table(losses: &[Loss], accepted: &[Loss]) -> Table {
+/// Names of losses, as `--accept` takes them.
+pub(super) fn names(losses: &[Loss]) -> String {
+    let names: Vec<&str> = losses.iter().map(|loss| loss.name()).collect();
+    names.join(",")
+}
+
+/// What a run does without, for the terminal, and what was accepted without need.
+pub fn loss_lines(losses: &[Loss], accepted: &[Loss]) -> Vec<String> {
     let table = Table::new("").text("loss").text("accepted").text("missing").text("what it costs");
-    table.rows(losses.iter().map(|loss| -> [Cell; 4] {
+    let table = table.rows(losses.iter().map(|loss| -> [Cell; 4] {
         let is_accepted = if accepted.contains(loss) { "yes" } else { "no" };
         [loss.name().into(), is_accepted.into(), loss.missing().into(), loss.cost().into()]
-    }))
+    }));
+    let mut lines = table.lines();
+    let idle = |loss: &&Loss| !losses.contains(loss);
+    let idle: Vec<Loss> = accepted.iter().filter(idle).copied().collect();
+    if !idle.is_empty() {
+        lines.push(format!("note: --accept {}: not lost with these messages", names(&idle)));
+    }
+    lines
 }
 
 #[cfg(test)]
@@ -140,5 +153,15 @@ mod tests {
             assert_eq!(loss.name().parse(), Ok(*loss));
             assert!(Loss::ALL.iter().skip(number + 1).all(|other| other.name() != loss.name()));
         }
+    }
+
+    #[test]
+    fn a_loss_that_is_accepted_without_need_is_noted() {
+        let (lost, accepted) = ([Loss::NoCrc, Loss::NoEcho], [Loss::NoCrc, Loss::NoState]);
+        let lines = loss_lines(&lost, &accepted);
+        let row = |name: &str| lines.iter().find(|line| line.starts_with(name)).unwrap();
+        assert!(row("no-crc").contains("yes") && row("no-echo").contains("no  "), "{lines:?}");
+        assert_eq!(row("note"), "note: --accept no-state: not lost with these messages");
+        assert_eq!(loss_lines(&lost, &lost).len(), 3);
     }
 }

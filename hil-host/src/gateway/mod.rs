@@ -23,27 +23,33 @@
 //! Limits: one rig on its interface; no CRC of the rig's own; no slow-down, which its messages
 //! cannot say; SAFE is latched here and ends with this process.
 //!
-//! Read in this order: `map` (the file), `plan` (resolved against the DBC), `loss`, `codec` (frames
-//! to values and back), `preparation` (what is tried before arming), `front` (the rig that the host
-//! sees), `gateway` (the bus).
+//! Read in this order: `map` (the file), `resolve` (its names to a `plan`, by `key`, `look_up` and
+//! `unit`), `placement` (whose message, whose bits) and `capacity` (what signals hold), `loss`,
+//! `codec` (frames to values and back), `preparation` (what is tried before arming), `front` (the
+//! rig that the host sees), `gateway` (the bus).
 
+mod capacity;
 mod codec;
 mod error;
 mod front;
 #[expect(clippy::module_inception, reason = "the bus itself, next to its parts")]
 mod gateway;
+mod key;
 mod load;
+mod look_up;
 mod loss;
 mod map;
+mod placement;
 mod plan;
 mod preparation;
+mod resolve;
 mod unit;
 mod wire;
 
 pub use error::GatewayError;
 pub use gateway::Gateway;
 pub(crate) use load::load;
-pub use loss::{InvalidLoss, Loss, loss_table};
+pub use loss::{InvalidLoss, Loss, loss_lines};
 pub use plan::GatewayPlan;
 pub use preparation::Unready;
 pub use wire::Wire;

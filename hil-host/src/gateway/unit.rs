@@ -9,7 +9,35 @@ pub(super) enum Dimension {
     Temperature,
 }
 
+/// The least range that a signal of use has, and its largest step (SI units, or degrees Celsius).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Least {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    pub(super) step: f64,
+}
+
 impl Dimension {
+    /// What a signal has to hold to be of use at all.
+    pub(super) const fn least(self) -> Least {
+        match self {
+            Self::Displacement => Least { low: -1e-3, high: 1e-3, step: 1e-4 },
+            Self::Velocity => Least { low: -0.01, high: 0.01, step: 1e-3 },
+            Self::Force => Least { low: -1e3, high: 1e3, step: 100.0 },
+            Self::Temperature => Least { low: 20.0, high: 50.0, step: 5.0 },
+        }
+    }
+
+    /// The unit of that.
+    pub(super) const fn si_unit(self) -> &'static str {
+        match self {
+            Self::Displacement => "m",
+            Self::Velocity => "m/s",
+            Self::Force => "N",
+            Self::Temperature => "degC",
+        }
+    }
+
     /// The units that are known, in words.
     pub(super) const fn units(self) -> &'static str {
         match self {

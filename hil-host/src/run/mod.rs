@@ -32,6 +32,7 @@ use crate::BenchError;
 use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
 use crate::comparison::{self, Cycles, SecondRun};
 use crate::control::{Course, End, Requests, Session, SessionState};
+use crate::gateway::GatewayPlan;
 use crate::options::{PaceChoice, RunOptions};
 use crate::page::{SHOWN_CYCLES, page};
 use crate::realtime::{self, RealtimeOptions};
@@ -100,7 +101,8 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     let other = run.compared(|slot| plan.is_emulated(slot))?;
     let mut buses = open_buses(run, options, &plan)?;
     // Only now: where the bus is refused, the error stands alone.
-    for line in &load.lines {
+    let losses = options.gateway.iter().flat_map(GatewayPlan::loss_lines);
+    for line in losses.chain(load.lines.iter().cloned()) {
         files::say!("{line}");
     }
 

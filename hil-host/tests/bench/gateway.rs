@@ -1,7 +1,7 @@
 //! Rigs that speak their own messages, in virtual time: coupled, refused, and found out.
 
 use crate::support::locomotive::{lasting, session};
-use crate::support::own_messages::{Habits, OwnRig, gateway, plan, planned};
+use crate::support::own_messages::{Habits, OwnRig, gateway, plan, planned, planned_with};
 use can_protocol::arming::Refusal;
 use can_protocol::{ArmItem, Pace as WirePace, RunState};
 use hil_host::bus::Bus;
@@ -236,39 +236,12 @@ fn a_force_that_is_no_number_is_not_believed() {
 #[test]
 fn a_rig_that_gives_no_displacement_is_not_armed() {
     // The signal of another message, which never comes.
-    let map =
-        |map: String| map.replace("displacement = \"Position\"", "displacement = \"SetPosition\"");
-    let ran = run_with(plan("servo", map), "servo", sound(), WirePace::Clock, 1000);
-    assert!(matches!(ran.end, Err(NoAnswer::Refused { .. })), "{:?}", ran.end);
-}
-
-#[test]
-fn errors_of_a_map_name_file_key_found_and_expected() {
-    let said = |name: &str, from: &'static str, to: &'static str| {
-        let change = |map: String| {
-            assert!(map.contains(from), "{from}");
-            map.replace(from, to)
-        };
-        planned(name, change, Loss::ALL).unwrap_err().to_string()
+    let dbc = |dbc: String| {
+        let ram = "BO_ 5 Ram: 8 SERVO\n SG_ Ram : 0|24@1- (0.0001,0) [0|0] \"mm\" BENCH\n\nCM_ \"";
+        dbc.replacen("CM_ \"", ram, 1)
     };
-    for (from, to, expected) in [
-        ("\"LoadCell\"", "\"LoadCel\"", "found no signal \"LoadCel\""),
-        (
-            "\"LoadCell\"",
-            "\"SensorsOk\"",
-            "servo.dbc:19: signal Measured.SensorsOk: found unit \"\"",
-        ),
-        ("force = ", "forces = ", "servo-map.toml:10: "),
-        ("counter = \"Sequence\"\n", "", "[measurement] echo: found an echo alone"),
-        ("counter = \"Alive\"", "counter = \"LoadCell\"", "[measurement] counter: found signal"),
-        ("timeout_s = 0.1", "timeout_s = 2.0", "[status] timeout_s: found 2 s"),
-        ("armed = 1", "armed = 0", "[command] enable: found 0 for armed and stopped"),
-        ("stroke_m = 0.1", "stroke_m = -0.1", "[limits] stroke_m: found -0.1"),
-        ("[measurement]", "crc = \"Alive\"\n\n[measurement]", "[command] crc: found a CRC"),
-    ] {
-        let said = said("servo", from, to);
-        assert!(said.contains(expected) && !said.contains('\n'), "{said}");
-    }
-    let said = said("plain", "sign = -1 }\n\n", "sign = 2 }\n\n");
-    assert!(said.contains("found sign 2, expected 1 or -1"), "{said}");
+    let map = |map: String| map.replace("\"Position\"", "\"Ram.Ram\"");
+    let plan = planned_with("servo", dbc, map, Loss::ALL).unwrap();
+    let ran = run_with(plan, "servo", sound(), WirePace::Clock, 1000);
+    assert!(matches!(ran.end, Err(NoAnswer::Refused { .. })), "{:?}", ran.end);
 }

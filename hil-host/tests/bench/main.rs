@@ -7,6 +7,7 @@ mod driven_rigs;
 mod fault_table;
 mod faults;
 mod gateway;
+mod gateway_maps;
 mod plausibility;
 mod ramps;
 mod rig_answers;

@@ -31,10 +31,21 @@ pub(crate) fn planned(
     change: impl Fn(String) -> String,
     accepted: &[Loss],
 ) -> Result<GatewayPlan, GatewayError> {
-    let database = Database::read(&example(&format!("{name}.dbc"))).unwrap();
-    let map = example(&format!("{name}-map.toml"));
-    let text = change(std::fs::read_to_string(&map).unwrap());
-    GatewayPlan::new(&database, &Source::from_text(&map, &text), accepted)
+    planned_with(name, |dbc| dbc, change, accepted)
+}
+
+/// The same, with the DBC changed too.
+pub(crate) fn planned_with(
+    name: &str,
+    change_dbc: impl Fn(String) -> String,
+    change_map: impl Fn(String) -> String,
+    accepted: &[Loss],
+) -> Result<GatewayPlan, GatewayError> {
+    let read = |file: &str| std::fs::read_to_string(example(file)).unwrap();
+    let (dbc, map) = (format!("{name}.dbc"), format!("{name}-map.toml"));
+    let database = Database::from_text(Path::new(&dbc), &change_dbc(read(&dbc)))?;
+    let map = Source::from_text(Path::new(&map), &change_map(read(&map)));
+    GatewayPlan::new(&database, &map, accepted)
 }
 
 /// What a rig does wrong, or not at all.
