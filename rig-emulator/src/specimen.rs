@@ -53,3 +53,82 @@ impl Specimen {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Emulator, Reading, Reference, Target};
+    use scenario::rig::{DisplacementSensor, RigFile, SensorSetup};
+    use std::f64::consts::TAU;
+
+    const PERIOD_S: f64 = 1e-3;
+
+    /// An ideal rig with a fixture of 100 MN/m, without noise and lag.
+    fn rig(mounted: Mounted, sensors: SensorSetup) -> RigSetup {
+        let (fixture_m_per_n, lag_s) = (1e-8, 0.0);
+        let (force_noise_n, displacement_noise_m) = (0.0, 0.0);
+        RigSetup {
+            mounted,
+            sensors,
+            fixture_m_per_n,
+            lag_s,
+            force_noise_n,
+            displacement_noise_m,
+            ..RigFile::default_setup().unwrap()
+        }
+    }
+
+    /// The readings of a second of 20 um at 5 Hz about 3 mm, where the rig is started.
+    fn readings(setup: &RigSetup) -> Vec<Reading> {
+        let emulator = Emulator::new(setup, PERIOD_S, 0);
+        let mut state = emulator.start_at(3e-3);
+        let mut cycle = |n: u32| {
+            let angle = TAU * 5.0 * f64::from(n) * PERIOD_S;
+            let displacement_m = 3e-3 + 20e-6 * libm::sin(angle);
+            let velocity_m_per_s = 20e-6 * TAU * 5.0 * libm::cos(angle);
+            let reference = Reference { displacement_m, velocity_m_per_s };
+            emulator.cycle(&mut state, Target::Follow(reference))
+        };
+        (0..1000).map(&mut cycle).collect()
+    }
+
+    #[test]
+    fn a_bar_is_a_spring_in_series_with_the_fixture() {
+        let bar = Mounted::Bar { stiffness_n_per_m: 1e9 };
+        let at_ram =
+            SensorSetup { displacement: DisplacementSensor::Ram, ..SensorSetup::default() };
+        for (sensors, stiffness_n_per_m) in
+            [(at_ram, 1.0 / (1e-8 + 1e-9)), (SensorSetup::default(), 1e9)]
+        {
+            for reading in readings(&rig(bar, sensors)) {
+                let expected_n = stiffness_n_per_m * (reading.displacement_m - 3e-3);
+                assert!((reading.force_n - expected_n).abs() < 1e-3, "{reading:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_late_load_cell_shows_an_earlier_force_with_its_gain_and_offset() {
+        let bar = Mounted::Bar { stiffness_n_per_m: 1e9 };
+        let now = readings(&rig(bar, SensorSetup::default()));
+        let (force_gain, force_offset_n) = (0.98, 40.0);
+        for (late, whole) in [(2.0, 2), (7.25, 7)] {
+            let force_skew_s = late * PERIOD_S;
+            let sensors =
+                SensorSetup { force_skew_s, force_gain, force_offset_n, ..SensorSetup::default() };
+            let share = late - whole as f64;
+            for (n, reading) in readings(&rig(bar, sensors)).iter().enumerate().skip(10) {
+                let [later, earlier] = [whole, whole + 1].map(|cycles| now[n - cycles].force_n);
+                let expected_n = 0.98 * (later + share * (earlier - later)) + 40.0;
+                assert!((reading.force_n - expected_n).abs() < 1e-9, "{reading:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_load_does_not_depend_on_the_motion() {
+        let load = Mounted::Load { force_n: 4903.0 };
+        let found = readings(&rig(load, SensorSetup::default()));
+        assert!(found.iter().all(|reading| (reading.force_n - 4903.0).abs() < 1e-6));
+    }
+}

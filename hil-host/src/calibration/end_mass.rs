@@ -3,9 +3,10 @@
 //! ```text
 //! F = m x''          A = -w^2 X          m = sum Re(F conj(A)) / sum |A|^2     over the frequencies
 //! ```
-//! The standard error is that of the line through the origin over the frequencies; the residual is
-//! the rms of `F - m A` over that of `F`. Limit: hoses and guides behind the load cell are springs
-//! in parallel; they show in the residual.
+//! The standard error is that of the line through the origin over the frequencies, in phase; the
+//! residual is the rms of `F - m A` over that of `F`, in phase and out of it. Limits: a skew `tau` of
+//! the force leaves a residual of `w tau` and takes `(w tau)^2 / 2` off the mass; hoses and guides
+//! behind the load cell are springs in parallel, which make the mass depend on the frequency.
 
 use super::SinePair;
 
@@ -34,11 +35,18 @@ impl EndMassFit {
         let off = |pair: &SinePair| (pair.force_n - acceleration(pair) * mass_kg).norm_sqr();
         let unexplained: f64 = pairs.iter().map(off).sum();
         let whole: f64 = pairs.iter().map(|pair| pair.force_n.norm_sqr()).sum();
-        // Two components of every sine.
-        let freedom = 2.0 * pairs.len() as f64 - 1.0;
+        let in_phase: f64 = pairs
+            .iter()
+            .map(|pair| {
+                let acceleration = acceleration(pair);
+                let off_n = pair.force_n - acceleration * mass_kg;
+                (off_n * acceleration.conj()).re.powi(2) / acceleration.norm_sqr()
+            })
+            .sum();
+        let freedom = pairs.len() as f64 - 1.0;
         Some(Self {
             mass_kg,
-            mass_error_kg: (unexplained / freedom / squares).sqrt(),
+            mass_error_kg: (in_phase / freedom / squares).sqrt(),
             residual: (unexplained / whole).sqrt(),
         })
     }

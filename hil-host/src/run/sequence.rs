@@ -313,4 +313,34 @@ mod tests {
         played(&mut sequence, |cycle| Some(32.0 - 1e-3 * cycle as f64));
         assert_eq!(sequence.cycles()[0].map(|(begin, _)| begin), Some(2000));
     }
+
+    #[test]
+    fn a_test_about_where_the_ram_stands_may_leave_it_there() {
+        // From 3 mm on by 1 mm, in a tenth of a second.
+        let angle = |n: usize| PI * n as f64 / 100.0;
+        let way = |n| Command {
+            displacement_m: 0.5e-3 * (1.0 - libm::cos(angle(n))),
+            velocity_m_per_s: 0.5e-3 * PI / 0.1 * libm::sin(angle(n)),
+        };
+        let commands: Vec<Command> = (0..=100).map(way).collect();
+        let about = |returns| {
+            let sequence = Sequence::new(0, vec![commands.clone()], None);
+            sequence.counting_from(Origin::WhereItStands).returning(returns)
+        };
+        for (returns, rests_m) in [(true, 3e-3), (false, 4e-3)] {
+            let mut sequence = about(returns);
+            assert!((sequence.reach_m(0, 3e-3) - 4e-3).abs() < 1e-12);
+            assert!((sequence.reach_m(0, -3e-3) - 3e-3).abs() < 1e-12);
+            let played = played(&mut sequence, |_| None);
+            let last = played[played.len() - 1];
+            assert!((last.displacement_m - rests_m).abs() < 1e-12, "{last:?}");
+            for pair in played.windows(2) {
+                let step_m = (pair[1].displacement_m - pair[0].displacement_m).abs();
+                assert!(step_m <= WAY_M_PER_S * CYCLE_S, "{step_m}");
+            }
+        }
+        // Strokes that warm the oil lead further than a test of 1 mm.
+        let warmed = Sequence::new(0, vec![test(2e-3)], Some(20.0..=30.0));
+        assert!((warmed.reach_m(0, 0.0) - 2e-3 - WARM_UP_M).abs() < 1e-12);
+    }
 }
