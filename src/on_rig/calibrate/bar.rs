@@ -21,6 +21,8 @@ const STROKE_M: f64 = 0.1e-3;
 const SPEED_M_PER_S: f64 = 10e-3;
 /// Share of the load cell's range that a bar may take.
 const SHARE: f64 = 0.2;
+/// Residual above which something else than a bar is mounted, such as a damper.
+const RESIDUAL_MOST: f64 = 0.1;
 
 /// Small sines about where the ram stands, within the limits of a bar.
 pub(super) fn plan<'b>(bench: &'b Bench<'_>, cell_kn: f64) -> OpenLoopPlan<'b> {
@@ -64,5 +66,8 @@ pub(super) fn evaluated(bench: &Bench<'_>, tests: &[MeasuredTest], file: Calibra
         1e3 * fit.skew_error_s,
         1e2 * fit.residual
     ));
+    if fit.residual > RESIDUAL_MOST {
+        lines.push("warning: a residual above 10 %, expected less of a rigid bar".to_owned());
+    }
     Some((file.with_bar(&fit, bench.args.calibrate.certificate.as_deref()), lines))
 }
