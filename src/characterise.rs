@@ -7,8 +7,8 @@
 //! write `laboratory.json` with the figures that are printed. A virtual visit writes nothing before
 //! its last test is recorded.
 
-use crate::characterise_on_rig::{self, Common, LABORATORY, OnRigArgs};
 use crate::error::CommandError;
+use crate::on_rig::{self, Common, LABORATORY, OnRigArgs};
 use crate::output::print;
 use crate::run_records::RunRecordArgs;
 use crate::{exit, output, stop};
@@ -46,7 +46,7 @@ pub(crate) struct CharacteriseArgs {
     from: Vec<PathBuf>,
     /// Columns and units of the measured records [default: FILE.toml next to FILE.csv, if it is
     /// one].
-    #[arg(long, value_name = "FILE", requires = "from")]
+    #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
     /// No visit: print a mapping for this file, with what it says about its columns and questions
     /// about the rest; --out FILE writes it.
@@ -86,10 +86,15 @@ pub(crate) fn command(args: &CharacteriseArgs) -> Result<ExitCode, CommandError>
         return of_records(args, first, &datasheet);
     }
     refuse_record(args)?;
+    if args.mapping.is_some() && !args.on_rig.plays() {
+        return Err(CommandError::option("--mapping", "--from or --play, whose columns it names"));
+    }
     let list = test_list(&args.tests)?;
     if let Some(bus) = &args.on_rig.bus {
         let common = Common {
             model: args.model.as_deref(),
+            mapping: args.mapping.as_deref(),
+            reader: &args.of_run.reader(),
             tests: &list.tests,
             node: args.of_run.node(),
             out: args.out.as_deref(),
@@ -97,7 +102,7 @@ pub(crate) fn command(args: &CharacteriseArgs) -> Result<ExitCode, CommandError>
             json: args.json,
             datasheet: &datasheet,
         };
-        return characterise_on_rig::command(&args.on_rig, bus, common);
+        return on_rig::command(&args.on_rig, bus, common);
     }
     let (path, visit) = match (&args.physical, &args.model) {
         (Some(path), _) => (path, Visit::of_hydraulic(path, list, args.seed)?),

@@ -7,9 +7,9 @@
 mod bench_options;
 mod campaign;
 mod characterise;
-mod characterise_on_rig;
 mod critical_speed;
 mod curve;
+mod date;
 mod doctor;
 mod error;
 mod exit;
@@ -19,6 +19,7 @@ mod identify_on_mass;
 mod keys;
 mod linear_vehicle;
 mod next_test;
+mod on_rig;
 mod output;
 mod progress;
 mod replay;

@@ -148,6 +148,19 @@ pub enum BenchError {
         /// Where it stands (m).
         ram_m: f64,
     },
+    /// A motion in open loop leads beyond the agreed stroke.
+    NoRoom {
+        /// The node of the rig.
+        node: u8,
+        /// The bus as it was given.
+        bus: String,
+        /// Where its ram stands (m).
+        ram_m: f64,
+        /// The farthest from mid-stroke that the motion leads (m).
+        reach_m: f64,
+        /// The agreed stroke (m).
+        stroke_m: f64,
+    },
     /// Ctrl-C before the first cycle.
     Interrupted,
     /// `--require-realtime`, and the system refused a part of it.
@@ -222,6 +235,7 @@ impl BenchError {
             | Self::UnresetRig { .. }
             | Self::NoRandom { .. }
             | Self::FarRam { .. }
+            | Self::NoRoom { .. }
             | Self::Interrupted
             | Self::Unrecorded { .. }
             | Self::Report(_)
@@ -237,6 +251,7 @@ impl BenchError {
             Self::SilentRigs { .. }
                 | Self::BlindRigs { .. }
                 | Self::FarRam { .. }
+                | Self::NoRoom { .. }
                 | Self::ForeignVersion { .. }
                 | Self::RefusedSync { .. }
                 | Self::LatchedRig { .. }
@@ -375,6 +390,17 @@ impl fmt::Display for BenchError {
                     ram_m * 1e3
                 )
             }
+            Self::NoRoom { node, bus, ram_m, reach_m, stroke_m } => {
+                write!(
+                    f,
+                    "the ram of rig node {node} on {} stands at {:.2} mm and would be sent to {:.2} \
+                     mm from mid-stroke, beyond the agreed stroke of {:.2} mm: jog it first",
+                    quoted(bus),
+                    ram_m * 1e3,
+                    reach_m * 1e3,
+                    stroke_m * 1e3
+                )
+            }
             Self::ForeignVersion { .. }
             | Self::RefusedSync { .. }
             | Self::LatchedRig { .. }
@@ -510,6 +536,16 @@ mod tests {
             (BenchError::SilentRigs { nodes: vec![1, 3], bus: bus() }, [false, true, false]),
             (BenchError::BlindRigs { nodes: vec![2], bus: bus() }, [false, true, false]),
             (BenchError::FarRam { node: 1, bus: bus(), ram_m: 0.09 }, [false, true, false]),
+            (
+                BenchError::NoRoom {
+                    node: 1,
+                    bus: bus(),
+                    ram_m: 0.09,
+                    reach_m: 0.11,
+                    stroke_m: 0.1,
+                },
+                safe,
+            ),
             (BenchError::ForeignVersion { node: 1, bus: bus(), version: Some(1) }, safe),
             (BenchError::LatchedRig { node: 1, bus: bus(), state: RunState::Safe }, safe),
             (BenchError::UnarmedRig { node: 1, bus: bus(), refusal: by_rig }, safe),

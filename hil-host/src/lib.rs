@@ -21,6 +21,7 @@
 //! 8. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `counts` (while
 //!    it goes on), `statistics` (from the record), `summary` (`summary.json`), `page`
 //!    (`report.html`), `comparison` (the same run with another damper).
+//! 9. [`calibration`]: stiffness, skew, end mass and gain of a rig, from tests in open loop.
 //!
 //! Layers: `firmware-core` computes a cycle and `can-protocol` its frames; `scenario` reads the
 //! input, `files` guards it and the result folder, `signal` and `report` make the statistics and
@@ -28,6 +29,7 @@
 //! goes wrong around a run is a [`BenchError`]; inside the loop nothing is an error.
 
 pub mod bus;
+pub mod calibration;
 pub mod clock;
 mod comparison;
 pub mod control;

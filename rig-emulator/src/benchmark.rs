@@ -20,7 +20,8 @@ use crate::benchmark_plant::{BenchmarkPlant, PlantState};
 use crate::cycle::Target;
 use crate::integration::runge_kutta;
 use crate::mechanics::Mechanics;
-use firmware_core::damper::{Damper, Motion};
+use crate::specimen::Specimen;
+use firmware_core::damper::Motion;
 use scenario::rig::RigSetup;
 
 /// Longest substep (s): the benchmark's own is 1/4096 s.
@@ -30,7 +31,7 @@ const LONGEST_STEP_S: f64 = 0.125e-3;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Benchmark {
     plant: BenchmarkPlant,
-    damper: Damper,
+    specimen: Specimen,
     /// What stops and centres the reference, within its own stroke.
     guide: Ram,
     stroke_m: f64,
@@ -57,9 +58,9 @@ impl Benchmark {
     pub(crate) fn new(setup: &RigSetup, period_s: f64) -> Self {
         let plant = BenchmarkPlant::nominal();
         let guide = Ram::new(setup.stroke_m / plant.static_gain(), setup.rate_m_per_s, 0.0, 0.0);
-        let damper = setup.damper.clone();
+        let specimen = Specimen::of(setup);
         let stroke_m = setup.stroke_m;
-        Self { plant, damper, guide, stroke_m, substeps: 1, step_s: 0.0 }.with_period(period_s)
+        Self { plant, specimen, guide, stroke_m, substeps: 1, step_s: 0.0 }.with_period(period_s)
     }
 
     /// The same rig for cycles of another length.
@@ -69,7 +70,7 @@ impl Benchmark {
         let step_s = period_s / f64::from(substeps);
         let Ram { stroke_m, rate_m_per_s, lag_s, .. } = self.guide;
         let guide = Ram::new(stroke_m, rate_m_per_s, lag_s, step_s);
-        Self { damper: self.damper.prepared(step_s), guide, substeps, step_s, ..self }
+        Self { specimen: self.specimen.prepared(step_s), guide, substeps, step_s, ..self }
     }
 
     /// Its memory with the ram at rest at a displacement (m).
@@ -118,7 +119,7 @@ impl Benchmark {
         at.ram = RamState { displacement_m, velocity_m_per_s };
         at.eyes_m = displacement_m;
         let motion = Motion::new(displacement_m, velocity_m_per_s);
-        at.force_n = self.damper.advance(&mut at.damper, motion, self.step_s);
+        at.force_n = self.specimen.advance(&mut at.mounting, motion, self.step_s);
         at.load_cell_n = at.force_n;
     }
 }

@@ -18,7 +18,8 @@ pub enum Target {
 pub struct Reading {
     /// Load cell, tension positive (N).
     pub force_n: f64,
-    /// Displacement across the damper's eyes, extension positive (m).
+    /// Displacement across the damper's eyes, or at the ram where its sensor is there, extension
+    /// positive (m).
     pub displacement_m: f64,
     /// Displacement of the ram (m).
     pub ram_displacement_m: f64,

@@ -11,8 +11,9 @@
 //! 1.16 ms on the default rig.
 //!
 //! Displacement is kept at the ram and across the eyes: their difference is the fixture. Noise is
-//! added by the sensors and counted in cycles ([`Noise`]). The sensors' own dynamics are not
-//! modelled.
+//! added by the sensors and counted in cycles ([`Noise`]). The load cell has gain and offset, and its
+//! channel may be late: between two cycles the force is interpolated, which is exact for what changes
+//! slowly in a cycle. The sensors have no other dynamics.
 
 use crate::actuator::{RamState, Reference};
 use crate::benchmark::{Benchmark, BenchmarkState};
@@ -22,7 +23,7 @@ use crate::mechanics::Mechanics;
 use crate::noise::Noise;
 use crate::servo::{Servo, ServoState};
 use firmware_core::damper::DamperState;
-use scenario::rig::{DELAY_CYCLES_MAX, Drive, RigSetup};
+use scenario::rig::{DELAY_CYCLES_MAX, DisplacementSensor, Drive, RigSetup, SensorSetup};
 
 /// Speed below which a ram that is held by a controller counts as being at rest (m/s): in a second
 /// it moves by no more than the thickness of a hair.
@@ -30,6 +31,9 @@ pub const AT_REST_M_PER_S: f64 = 0.1e-3;
 
 /// References that the delay line keeps.
 const LINE: usize = DELAY_CYCLES_MAX as usize + 1;
+
+/// Forces that a late load cell keeps: 14 cycles at most.
+const FORCES: usize = 16;
 
 /// A rig that exists only as numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +43,7 @@ pub struct Emulator {
     delay_cycles: u16,
     force_noise_n: f64,
     displacement_noise_m: f64,
+    sensors: SensorSetup,
     noise: Noise,
     period_s: f64,
 }
@@ -58,6 +63,7 @@ pub struct EmulatorState {
     mechanics: Mechanics,
     own: PlantState,
     line: [Reference; LINE],
+    forces_n: [f64; FORCES],
 }
 
 /// What a drive remembers besides the mechanics.
@@ -82,6 +88,7 @@ impl Emulator {
             delay_cycles: setup.delay_cycles.min(DELAY_CYCLES_MAX),
             force_noise_n: setup.force_noise_n,
             displacement_noise_m: setup.displacement_noise_m,
+            sensors: setup.sensors,
             noise: Noise::new(setup.seed, stream),
             period_s,
         }
@@ -127,15 +134,17 @@ impl Emulator {
                 Plant::Benchmark(plant) => PlantState::Benchmark(plant.resting_at(ram_m)),
             },
             line: [held; LINE],
+            forces_n: [0.0; FORCES],
         }
     }
 
-    /// Begins a session with the plant as it stands: the noise counts from here, and the delay line
-    /// holds where the ram is.
+    /// Begins a session with the plant as it stands: the noise counts from here, the delay line
+    /// holds where the ram is, and a late load cell shows the force of now.
     pub fn begin(&self, state: &mut EmulatorState) {
         let displacement_m = state.ram().displacement_m;
         let held = Reference { displacement_m, ..Reference::default() };
         (state.cycle, state.line) = (0, [held; LINE]);
+        state.forces_n = [state.mechanics.load_cell_n; FORCES];
     }
 
     /// Whether the ram stands still: exactly where it is ideal, below [`AT_REST_M_PER_S`] and not
@@ -185,14 +194,40 @@ impl Emulator {
             _ => 0.0,
         };
         let [of_load_cell, of_eyes, of_ram, _] = self.noise.at(state.cycle);
+        let SensorSetup { force_gain, force_offset_n, .. } = self.sensors;
+        let force_n = force_gain * self.late_n(state, load_cell_n) + force_offset_n;
         state.cycle += 1;
+        let eyes_m = eyes_m + self.displacement_noise_m * of_eyes;
+        let ram_displacement_m = ram.displacement_m + self.displacement_noise_m * of_ram;
         Reading {
-            force_n: load_cell_n + self.force_noise_n * of_load_cell,
-            displacement_m: eyes_m + self.displacement_noise_m * of_eyes,
-            ram_displacement_m: ram.displacement_m + self.displacement_noise_m * of_ram,
+            force_n: force_n + self.force_noise_n * of_load_cell,
+            displacement_m: match self.sensors.displacement {
+                DisplacementSensor::Eyes => eyes_m,
+                DisplacementSensor::Ram => ram_displacement_m,
+            },
+            ram_displacement_m,
             behind_m,
             limits,
         }
+    }
+
+    /// Keeps the force of a cycle, and takes the one that a late load cell shows.
+    fn late_n(&self, state: &mut EmulatorState, now_n: f64) -> f64 {
+        let late = self.sensors.force_skew_s / self.period_s;
+        if late == 0.0 {
+            return now_n;
+        }
+        let length = FORCES as u64;
+        if let Some(place) = state.forces_n.get_mut((state.cycle % length) as usize) {
+            *place = now_n;
+        }
+        let whole = (late as u64).min(length - 2);
+        let share = (late - whole as f64).min(1.0);
+        let before = |cycles: u64| {
+            let place = ((state.cycle + length - cycles) % length) as usize;
+            state.forces_n.get(place).copied().unwrap_or(now_n)
+        };
+        (1.0 - share) * before(whole) + share * before(whole + 1)
     }
 
     /// Puts a reference into the delay line and takes out the one that is due.
@@ -230,7 +265,7 @@ impl EmulatorState {
 
     /// The damper.
     pub fn damper(&self) -> &DamperState {
-        &self.mechanics.damper
+        &self.mechanics.mounting.damper
     }
 
     /// Temperature of the damper, degrees Celsius, if the rig has a thermometer.

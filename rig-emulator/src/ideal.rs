@@ -17,7 +17,8 @@
 use crate::actuator::{Limits, Ram};
 use crate::cycle::Target;
 use crate::mechanics::Mechanics;
-use firmware_core::damper::{Damper, Motion};
+use crate::specimen::Specimen;
+use firmware_core::damper::Motion;
 use scenario::rig::RigSetup;
 
 /// Substeps of a cycle.
@@ -30,7 +31,7 @@ const SEARCH_STEPS: u32 = 12;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ideal {
     ram: Ram,
-    damper: Damper,
+    specimen: Specimen,
     fixture_m_per_n: f64,
     step_s: f64,
 }
@@ -41,7 +42,7 @@ impl Ideal {
         let step_s = period_s / f64::from(SUBSTEPS);
         Self {
             ram: Ram::new(setup.stroke_m, setup.rate_m_per_s, setup.lag_s, step_s),
-            damper: setup.damper.clone().prepared(step_s),
+            specimen: Specimen::of(setup).prepared(step_s),
             fixture_m_per_n: setup.fixture_m_per_n,
             step_s,
         }
@@ -54,7 +55,7 @@ impl Ideal {
         let Ram { stroke_m, rate_m_per_s, lag_s, .. } = self.ram;
         Self {
             ram: Ram::new(stroke_m, rate_m_per_s, lag_s, step_s),
-            damper: self.damper.prepared(step_s),
+            specimen: self.specimen.prepared(step_s),
             step_s,
             ..self
         }
@@ -84,20 +85,20 @@ impl Ideal {
         if self.fixture_m_per_n == 0.0 {
             // Nothing to agree on: no trial, and no copy of the damper's state.
             let motion = Motion::new(ram.displacement_m, ram.velocity_m_per_s);
-            at.force_n = self.damper.advance(&mut at.damper, motion, self.step_s);
+            at.force_n = self.specimen.advance(&mut at.mounting, motion, self.step_s);
             at.eyes_m = ram.displacement_m;
             return;
         }
-        let start = at.damper;
+        let start = at.mounting;
         let per_step = 1.0 / self.step_s;
         let damper_at = |force_n: f64| {
             let motion = Motion::new(
                 ram.displacement_m - self.fixture_m_per_n * force_n,
                 ram.velocity_m_per_s - self.fixture_m_per_n * (force_n - before) * per_step,
             );
-            let mut damper = start;
-            let answer_n = self.damper.advance(&mut damper, motion, self.step_s);
-            (answer_n, damper, motion.displacement_m)
+            let mut mounting = start;
+            let answer_n = self.specimen.advance(&mut mounting, motion, self.step_s);
+            (answer_n, mounting, motion.displacement_m)
         };
         let mut found = damper_at(before);
         // Force on the fixture and how far the damper's answer is off: two ends of a bracket.
@@ -120,6 +121,6 @@ impl Ideal {
             }
             (high, high_off) = (next, off);
         }
-        (at.force_n, at.damper, at.eyes_m) = found;
+        (at.force_n, at.mounting, at.eyes_m) = found;
     }
 }

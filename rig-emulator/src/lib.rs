@@ -1,4 +1,4 @@
-//! The physics of an emulated rig: what moves the ram, and the damper on it.
+//! The physics of an emulated rig: what moves the ram, and what is mounted on it.
 //!
 //! [`Emulator`] is a rig that exists only as numbers. A cycle takes a [`Target`] and gives a
 //! [`Reading`]; the same cycles give the same bits on every machine. The drive is one of three:
@@ -14,7 +14,8 @@
 //! 1. `cycle`, `actuator`: what goes into a cycle and comes out of it; the ram that follows, stops
 //!    and centres.
 //! 2. `emulator`: delay line, drive, sensors.
-//! 3. `ideal`, `servo`, `benchmark`: the drives. Each moves the same `mechanics`.
+//! 3. `ideal`, `servo`, `benchmark`: the drives. Each moves the same `mechanics`, and what is
+//!    mounted on it (`specimen`).
 //! 4. [`benchmark_plant`], with [`runge_kutta`]: the plant alone, which `rths` uses too.
 //! 5. `noise`: the sensors' noise.
 //!
@@ -31,6 +32,7 @@ mod integration;
 mod mechanics;
 mod noise;
 mod servo;
+mod specimen;
 
 pub use actuator::{DECELERATION_M_PER_S2, Limits, RamState, Reference};
 pub use benchmark_plant::BenchmarkPlant;

@@ -14,6 +14,15 @@ pub(crate) struct Mechanics {
     pub(crate) force_n: f64,
     /// Force that the load cell feels (N).
     pub(crate) load_cell_n: f64,
+    /// What is between the eyes.
+    pub(crate) mounting: Mounting,
+}
+
+/// What is remembered of what is mounted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Mounting {
+    /// Displacement of the eyes at which it was mounted (m).
+    pub(crate) at_m: f64,
     /// The damper.
     pub(crate) damper: DamperState,
 }
@@ -26,7 +35,10 @@ impl Mechanics {
             eyes_m: ram_m,
             force_n: 0.0,
             load_cell_n: 0.0,
-            damper: DamperState::starting(Motion::new(ram_m, 0.0)),
+            mounting: Mounting {
+                at_m: ram_m,
+                damper: DamperState::starting(Motion::new(ram_m, 0.0)),
+            },
         }
     }
 }

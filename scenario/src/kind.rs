@@ -40,6 +40,8 @@ const KEYS: [(Kind, &[&str]); 8] = [
             "fixture_n_per_m",
             "force_noise_n",
             "displacement_noise_m",
+            "mounted",
+            "sensors",
         ],
     ),
     (Kind::TestList, &["test"]),

@@ -41,6 +41,7 @@ pub mod irregularity;
 mod kind;
 pub mod minimum_speed;
 mod motion;
+mod mounted;
 pub mod plausibility;
 pub mod profile;
 pub mod quantity;

@@ -6,12 +6,14 @@
 //! Three kinds of drive move the ram. `ideal` follows its command late by numbers of the file;
 //! `servo` is late by its hydraulics, in a table of its own ([`ServoFile`]); `rths-benchmark` is
 //! the plant of a published benchmark, which has no numbers to choose. A key that means nothing to
-//! the kind is refused.
+//! the kind is refused. What is mounted and what the sensors show is the same for all ([`Mounted`],
+//! [`SensorsFile`]).
 
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
 use crate::kind::Kind;
+use crate::mounted::MountedKind;
 use crate::quantity::Quantity;
 use crate::servo::{Around, FIXTURE_N_PER_M};
 use crate::source::Source;
@@ -21,6 +23,9 @@ use firmware_core::damper::Damper;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
+pub use crate::mounted::{
+    BAR_N_PER_M, DisplacementSensor, FORCE_SKEW_MAX_S, Mounted, SensorSetup, SensorsFile,
+};
 pub use crate::servo::{FASTEST_HZ, ServoFile, ServoSetup};
 
 /// A rig as it stands in its file. What is absent keeps its default, a good laboratory rig.
@@ -52,6 +57,18 @@ pub struct RigFile {
     pub displacement_noise_m: Option<Quantity>,
     /// Seed of the noise.
     pub seed: Option<u64>,
+    /// What is mounted; the damper without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mounted: Option<MountedKind>,
+    /// Stiffness of a bar that is mounted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bar_n_per_m: Option<Quantity>,
+    /// A constant load on the load cell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub load_n: Option<Quantity>,
+    /// What the sensors show.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<SensorsFile>,
     /// The hydraulics of a servo rig.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo: Option<ServoFile>,
@@ -107,7 +124,11 @@ pub struct RigSetup {
     pub displacement_noise_m: f64,
     /// Seed of the noise.
     pub seed: u64,
-    /// The damper on the rig.
+    /// What its sensors show.
+    pub sensors: SensorSetup,
+    /// What is mounted.
+    pub mounted: Mounted,
+    /// The damper on the rig, where one is mounted.
     pub damper: Damper,
 }
 
@@ -234,6 +255,10 @@ impl RigFile {
                 DISPLACEMENT_NOISE_M,
             )),
             seed: Some(self.seed.unwrap_or(1)),
+            mounted: self.mounted,
+            bar_n_per_m: self.bar_n_per_m.clone(),
+            load_n: self.load_n.clone(),
+            sensors: self.sensors.clone(),
             servo,
             damper: self.damper.over(damper),
         }
@@ -269,13 +294,23 @@ impl RigFile {
             None => 0.0,
         };
         let damper = self.damper.build(source)?;
+        let numbers = (self.bar_n_per_m.as_ref(), self.load_n.as_ref());
+        let mounted = Mounted::of(self.mounted, numbers, source)?;
+        let sensors = self
+            .sensors
+            .as_ref()
+            .map_or(Ok(SensorSetup::default()), |given| given.build(source))?;
         let drive = match kind {
             RigKind::Ideal => Drive::Ideal,
             RigKind::RthsBenchmark => Drive::RthsBenchmark,
             RigKind::Servo => {
                 let fixture = self.fixture_n_per_m.as_ref();
                 let fixture_n_per_m = fixture.map_or(FIXTURE_N_PER_M, |given| given.value);
-                let around = Around { stroke_m, fixture_n_per_m, damper: &damper };
+                let mounted_n_per_m = match mounted {
+                    Mounted::Bar { stiffness_n_per_m } => stiffness_n_per_m,
+                    Mounted::Damper | Mounted::Load { .. } => damper.nominal().ke_n_per_m,
+                };
+                let around = Around { stroke_m, fixture_n_per_m, mounted_n_per_m, damper: &damper };
                 let file = self.servo.clone().unwrap_or_default();
                 let drive = file.build(source, around)?;
                 rate_m_per_s = drive.no_load_speed_m_per_s();
@@ -298,6 +333,8 @@ impl RigFile {
                 DISPLACEMENT_NOISE_M,
             )?,
             seed: self.seed.unwrap_or(1),
+            sensors,
+            mounted,
             damper,
         })
     }

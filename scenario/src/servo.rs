@@ -146,6 +146,8 @@ pub(crate) struct Around<'a> {
     pub(crate) stroke_m: f64,
     /// Stiffness of the fixture (N/m).
     pub(crate) fixture_n_per_m: f64,
+    /// Stiffness of what is mounted (N/m).
+    pub(crate) mounted_n_per_m: f64,
     /// The damper.
     pub(crate) damper: &'a Damper,
 }
@@ -232,11 +234,13 @@ impl ServoSetup {
             (stiffness_n_per_m / mass_kg).sqrt() / std::f64::consts::TAU
         };
         let fixture_n_per_m = around.fixture_n_per_m;
-        let damper_n_per_m = around.damper.nominal().ke_n_per_m;
         let against_ram = 1.0 + self.end_mass_kg / self.ram_mass_kg;
         [
             ("the ram", hz(self.oil_stiffness_n_per_m() + fixture_n_per_m, self.ram_mass_kg)),
-            ("the end mass", hz(fixture_n_per_m * against_ram + damper_n_per_m, self.end_mass_kg)),
+            (
+                "the end mass",
+                hz(fixture_n_per_m * against_ram + around.mounted_n_per_m, self.end_mass_kg),
+            ),
         ]
     }
 }

@@ -9,11 +9,13 @@ const KEPT: [&str; 7] = [".rs", ".toml", ".md", ".dbc", ".csv", ".py", ".lock"];
 /// Folders that are made, not kept.
 const MADE: [&str; 2] = ["target", "runs"];
 /// Files that a command writes and the documentation names without a folder.
-const WRITTEN: [&str; 6] = [
+const WRITTEN: [&str; 8] = [
+    "calibration.toml",
     "model.toml",
     "model-empirical.toml",
     "scenario.toml",
     "vehicle.toml",
+    "service.csv",
     "sine.csv",
     "sine.toml",
 ];

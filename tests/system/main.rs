@@ -37,6 +37,8 @@ mod real_records;
 mod replay;
 mod reproduce;
 mod ride;
+mod rig_calibration;
+mod rig_motions;
 mod rtcheck;
 mod rths_benchmark;
 mod run_command;

@@ -47,6 +47,17 @@ pub enum NoAnswer {
         /// Where it stands (m).
         ram_m: f64,
     },
+    /// A motion in open loop leads beyond the agreed stroke.
+    NoRoom {
+        /// Its node.
+        node: u8,
+        /// Where its ram stands (m).
+        ram_m: f64,
+        /// The farthest from mid-stroke that the motion leads (m).
+        reach_m: f64,
+        /// The agreed stroke (m).
+        stroke_m: f64,
+    },
     /// The user ended the wait.
     Interrupted,
 }
@@ -63,6 +74,9 @@ impl NoAnswer {
             Self::Refused { node, refusal } => BenchError::UnarmedRig { node, bus, refusal },
             Self::NoDisplacement(nodes) => BenchError::BlindRigs { nodes, bus },
             Self::TooFar { node, ram_m } => BenchError::FarRam { node, bus, ram_m },
+            Self::NoRoom { node, ram_m, reach_m, stroke_m } => {
+                BenchError::NoRoom { node, bus, ram_m, reach_m, stroke_m }
+            }
             Self::Interrupted => BenchError::Interrupted,
         }
     }

@@ -22,6 +22,9 @@ use std::time::Instant;
 /// A motion that rigs follow. It is asked in every cycle of the loop: it neither allocates nor
 /// waits.
 pub trait Motion {
+    /// The farthest from mid-stroke that a slot's ram is sent which stands at `ram_m` (m).
+    fn reach_m(&self, slot: usize, ram_m: f64) -> f64;
+
     /// The commands of the next cycle, by slot; none when the motion is over.
     fn next(&mut self, seen: &Seen) -> Option<[Command; DAMPER_SLOTS]>;
 }
@@ -41,19 +44,40 @@ impl Session<'_> {
     /// Arms every rig and opens the loop: the next cycle is the first of `OPEN_LOOP`.
     ///
     /// # Errors
-    /// A rig that refuses or is refused, or does not measure, or a stop. Rigs that were armed are
-    /// disarmed.
-    pub fn arm_open_loop<B: Bus>(
+    /// A rig that refuses or is refused, or does not measure, a motion that leads beyond the agreed
+    /// stroke from where a ram stands, or a stop. Rigs that were armed are disarmed.
+    pub fn arm_open_loop<B: Bus, M: Motion>(
         &self,
+        motion: &M,
         state: &mut SessionState,
         buses: &mut [B],
         requests: &Requests,
     ) -> Result<(), NoAnswer> {
         let armed = self.exchange(state, buses, requests);
-        let rams_m = armed.inspect_err(|_| self.disarm(state, buses))?;
+        let fits = armed.and_then(|rams_m| self.has_room(motion, state, rams_m).map(|()| rams_m));
+        let rams_m = fits.inspect_err(|_| self.disarm(state, buses))?;
         state.line.on(Event::Arm);
         self.line.open(&mut state.line, rams_m);
         self.begin_ports(state);
+        Ok(())
+    }
+
+    /// Checks that a motion stays within the agreed stroke. Limits would cut it otherwise, or fetch
+    /// a ram that stands beyond them, at a speed that is meant for the motion.
+    fn has_room<M: Motion>(
+        &self,
+        motion: &M,
+        state: &SessionState,
+        rams_m: [f64; DAMPER_SLOTS],
+    ) -> Result<(), NoAnswer> {
+        for port in &self.ports {
+            let (node, ram_m) = (port.node.number(), rams_m[port.slot]);
+            let stroke_m = state.line.slots[port.slot].limits.stroke_m;
+            let reach_m = motion.reach_m(port.slot, ram_m);
+            if reach_m > stroke_m {
+                return Err(NoAnswer::NoRoom { node, ram_m, reach_m, stroke_m });
+            }
+        }
         Ok(())
     }
 

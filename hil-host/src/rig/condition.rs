@@ -2,7 +2,10 @@
 
 use super::{Emulator, EmulatorState};
 use can_protocol::arming::{Limits, Readiness, Requirements};
-use scenario::rig::RigSetup;
+use scenario::rig::{Mounted, RigSetup};
+
+/// What an emulated rig agrees to with a bar between its eyes (um): no host that needs more arms it.
+const BAR_STROKE_UM: u32 = 100;
 
 /// The condition of a rig. An emulated one is ready; a test may make it anything.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,7 +23,7 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// That of an emulated rig: ready, limited by its ram.
+    /// That of an emulated rig: ready, limited by its ram, or by the bar that is mounted.
     pub(super) fn of(setup: &RigSetup) -> Self {
         let micro = |value: f64| (value * 1e6).round() as u32;
         Self {
@@ -29,7 +32,10 @@ impl Condition {
             shunt_passed: true,
             may_reset: true,
             limits: Limits {
-                stroke_um: micro(setup.stroke_m),
+                stroke_um: match setup.mounted {
+                    Mounted::Bar { .. } => BAR_STROKE_UM,
+                    Mounted::Damper | Mounted::Load { .. } => micro(setup.stroke_m),
+                },
                 velocity_um_per_s: micro(setup.rate_m_per_s),
                 // Neither has a limit of its own here.
                 acceleration_mm_per_s2: u32::MAX,

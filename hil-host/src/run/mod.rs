@@ -6,6 +6,7 @@
 mod about;
 mod handshake;
 mod late_report;
+mod measured_test;
 mod model_peak;
 mod open_loop;
 mod plan;
@@ -20,11 +21,11 @@ mod work;
 pub use crate::page::Ending;
 pub(crate) use late_report::kept_summary;
 pub use late_report::{LateReport, report};
-pub use open_loop::{
-    MeasuredTest, OPEN_LOOP_FILES, OpenLoopPlan, OpenLoopRecord, PlannedTest, open_loop,
-};
+pub use measured_test::{Delay, MeasuredTest};
+pub use open_loop::{OPEN_LOOP_FILES, OpenLoopPlan, OpenLoopRecord, PlannedTest, open_loop};
 pub(crate) use plan::Plan;
 pub use plan::is_on_a_bus;
+pub use sequence::Origin;
 pub(crate) use setup::{Terms, session};
 pub use setup::{line, watch_of};
 

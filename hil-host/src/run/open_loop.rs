@@ -4,8 +4,9 @@
 //! bus log and events are those of a run; the samples of each test are read back from the record.
 
 use super::handshake::Epoch;
+use super::measured_test::{MeasuredTest, Reading};
 use super::recording::{self, Output, Task};
-use super::sequence::Sequence;
+use super::sequence::{Origin, Sequence};
 use super::setup::{arming, pace, sent_by};
 use super::work::OpenLoop;
 use super::{COLUMNS, EVENTS, FILES, InFolder, LOG, RECORD, clear_unbegun, meet, space};
@@ -13,9 +14,8 @@ use crate::BenchError;
 use crate::bus::{AnyBus, Bus, BusChoice, BusCounters, MemoryBus, SocketCanBus};
 use crate::control::{Arming, End, MOST_FORCE_N, Port, Requests, Session, StopSummary};
 use crate::options::RunOptions;
-use crate::record::{InputKind, PART_CYCLES, Row, RowReader, column_reference};
+use crate::record::{PART_CYCLES, Row, RowReader, column_reference};
 use crate::rig::RigNode;
-use crate::statistics::Tracking;
 use can_protocol::{MessageId, Node, Profile};
 use files::ResultFolder;
 use firmware_core::command::Command;
@@ -48,6 +48,12 @@ pub struct OpenLoopPlan<'a> {
     pub readiness: Readiness,
     /// Oil temperatures at which a test may begin (degrees Celsius).
     pub window_degc: Option<RangeInclusive<f64>>,
+    /// What the displacements of the tests count from.
+    pub origin: Origin,
+    /// Whether the ram goes back to where it stood, or rests where the last test has left it.
+    pub returns: bool,
+    /// Whether a rig with tighter limits of motion is refused, and does not rule.
+    pub needs_its_limits: bool,
 }
 
 /// A test before it is run.
@@ -57,31 +63,6 @@ pub struct PlannedTest {
     pub name: String,
     /// Displacement and velocity of every cycle.
     pub commands: Vec<Command>,
-}
-
-/// A test that was run to its end.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MeasuredTest {
-    /// Its name.
-    pub name: String,
-    /// Control cycle of each sample.
-    pub cycles: Vec<u64>,
-    /// Time since the begin of the test (s).
-    pub time_s: Vec<f64>,
-    /// Measured displacement (m).
-    pub displacement_m: Vec<f64>,
-    /// Measured force (N).
-    pub force_n: Vec<f64>,
-    /// Temperature that the rig reports, where it reports one (degrees Celsius).
-    pub temperature_degc: Option<Vec<f64>>,
-    /// Cycles without a fresh measurement.
-    pub missing: u64,
-    /// Delay of the measured displacement against the command of the cycle in which it arrives (s).
-    pub delay_s: f64,
-    /// Rms of the difference over the rms of the command.
-    pub tracking_nrmse: f64,
-    /// Its largest value (m).
-    pub tracking_most_m: f64,
 }
 
 /// What an open loop has given.
@@ -101,6 +82,10 @@ pub struct OpenLoopRecord {
     pub bus: BusCounters,
     /// Rows and frames that were not recorded.
     pub unrecorded: u64,
+    /// Temperature that the rig has reported last (degrees Celsius).
+    pub temperature_degc: Option<f64>,
+    /// Where the ram was sent last (m).
+    pub rests_at_m: f64,
 }
 
 /// The files that an open loop writes into its folder.
@@ -122,7 +107,9 @@ pub fn open_loop(
         SLOT,
         plan.tests.iter().map(|test| test.commands.clone()).collect(),
         plan.window_degc.clone(),
-    );
+    )
+    .counting_from(plan.origin)
+    .returning(plan.returns);
     let cycles = sequence.expected_cycles();
     space::check(folder.path(), folder.free_bytes(), cycles * Row::size() as u64 * 2, cycles)?;
     let mut buses = vec![open_bus(plan, options)?];
@@ -135,7 +122,7 @@ pub fn open_loop(
         pace: pace.on_the_wire(),
         slow_down: options.slow_down,
         arming: Arming {
-            needs_what_it_asks: true,
+            needs_what_it_asks: plan.needs_its_limits,
             ..arming(std::slice::from_ref(&options.bus), options)?.requiring(&plan.readiness)
         },
         watched: [None; 3],
@@ -178,6 +165,8 @@ pub fn open_loop(
         cause: state.stop.map(|stop| stop.summary()),
         skipped: state.skipped,
         limited: state.line.slots[SLOT].limited,
+        temperature_degc: state.ports.first().and_then(|port| port.temperature_degc),
+        rests_at_m: state.line.slots[SLOT].command.displacement_m,
         bus: buses[0].counters(),
         unrecorded: recording.dropped,
     })
@@ -243,7 +232,7 @@ fn measured(
     let mut tests = Vec::new();
     for (test, cycles) in plan.tests.iter().zip(cycles) {
         let Some((first, last)) = *cycles else { continue };
-        let mut found = Found::new(test);
+        let mut found = Reading::new(&test.name, SLOT);
         while let Some(next) = row.filter(|row| row.cycle <= last) {
             if next.cycle >= first {
                 found.take(&next, first);
@@ -253,57 +242,4 @@ fn measured(
         tests.push(found.test());
     }
     Ok(tests)
-}
-
-/// What has been read of a test.
-struct Found {
-    test: MeasuredTest,
-    tracking: Tracking,
-    temperature_degc: Vec<f64>,
-}
-
-impl Found {
-    fn new(test: &PlannedTest) -> Self {
-        let test = MeasuredTest {
-            name: test.name.clone(),
-            cycles: Vec::new(),
-            time_s: Vec::new(),
-            displacement_m: Vec::new(),
-            force_n: Vec::new(),
-            temperature_degc: None,
-            missing: 0,
-            delay_s: f64::NAN,
-            tracking_nrmse: f64::NAN,
-            tracking_most_m: f64::NAN,
-        };
-        Self { test, tracking: Tracking::default(), temperature_degc: Vec::new() }
-    }
-
-    fn take(&mut self, row: &Row, first: u64) {
-        let (displacement_m, force_n) = (row.measured_m[SLOT], row.measured_n[SLOT]);
-        let is_fresh = row.input[SLOT] == InputKind::Fresh && displacement_m.is_finite();
-        if !is_fresh || !force_n.is_finite() {
-            self.test.missing += 1;
-            return;
-        }
-        self.tracking.take(row.command_m[SLOT], displacement_m);
-        self.test.cycles.push(row.cycle);
-        self.test.time_s.push((row.cycle - first) as f64 * CYCLE_S);
-        self.test.displacement_m.push(displacement_m);
-        self.test.force_n.push(force_n);
-        self.temperature_degc.push(row.temperature_degc[SLOT]);
-    }
-
-    fn test(self) -> MeasuredTest {
-        let Self { test, tracking, temperature_degc } = self;
-        let is_known = temperature_degc.iter().all(|degc| degc.is_finite());
-        MeasuredTest {
-            temperature_degc: (is_known && !temperature_degc.is_empty())
-                .then_some(temperature_degc),
-            delay_s: tracking.delay_s(),
-            tracking_nrmse: tracking.nrmse(),
-            tracking_most_m: tracking.most_m(),
-            ..test
-        }
-    }
 }

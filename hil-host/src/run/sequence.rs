@@ -7,6 +7,9 @@
 //! `x = x_0 + (1 - cos(pi t / T)) / 2 (x_1 - x_0)`, and a short rest. Before each test the oil is
 //! brought into its temperature window: a warm damper rests, a cold one is stroked slowly. Where
 //! the window is not reached in time, the test is left out.
+//!
+//! A test counts from mid-stroke, or from where the ram stood at the start: with a rigid bar between
+//! its eyes the ram has no other place. A sequence that does not return ends without the way back.
 
 use crate::control::{Motion, Seen};
 use core::f64::consts::PI;
@@ -26,12 +29,24 @@ const WARM_UP_CYCLES: usize = 1000;
 /// Longest time to wait for the oil (cycles): half an hour.
 const PATIENCE_CYCLES: u64 = 1_800_000;
 
+/// What the displacements of a test count from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Origin {
+    /// Mid-stroke.
+    #[default]
+    MidStroke,
+    /// Where the ram stood at the start.
+    WhereItStands,
+}
+
 /// A sequence of prescribed motions of one rig.
 #[derive(Debug)]
 pub(super) struct Sequence {
     slot: usize,
     tests: Vec<Vec<Command>>,
     window_degc: Option<RangeInclusive<f64>>,
+    origin: Origin,
+    returns: bool,
     phase: Phase,
     /// First and last cycle of each test that was run.
     cycles: Vec<Option<(u64, u64)>>,
@@ -63,7 +78,18 @@ impl Sequence {
     ) -> Self {
         debug_assert!(slot < DAMPER_SLOTS, "slot {slot}");
         let cycles = vec![None; tests.len()];
-        Self { slot, tests, window_degc, phase: Phase::Start, cycles, home_m: None }
+        let (origin, phase) = (Origin::MidStroke, Phase::Start);
+        Self { slot, tests, window_degc, origin, returns: true, phase, cycles, home_m: None }
+    }
+
+    /// The same with tests that count from elsewhere.
+    pub(super) fn counting_from(self, origin: Origin) -> Self {
+        Self { origin, ..self }
+    }
+
+    /// The same with or without the way back.
+    pub(super) fn returning(self, returns: bool) -> Self {
+        Self { returns, ..self }
     }
 
     /// First and last cycle of each test; none for one that was not run to its end.
@@ -78,11 +104,23 @@ impl Sequence {
         tests + ways * (REST_CYCLES as u64 + (WAY_LEAST_S / CYCLE_S) as u64)
     }
 
+    /// Displacement of mid-stroke, or of where the ram stood, for a ram that stands at `ram_m` (m).
+    fn origin_m(&self, ram_m: f64) -> f64 {
+        match self.origin {
+            Origin::MidStroke => 0.0,
+            Origin::WhereItStands => self.home_m.unwrap_or(ram_m),
+        }
+    }
+
     /// The way from where the ram is to the begin of a test, or home.
     fn way_to(&self, test: usize, from_m: f64) -> Phase {
+        if test >= self.tests.len() && !self.returns {
+            return Phase::Over;
+        }
         let home_m = self.home_m.unwrap_or(from_m);
         let first = self.tests.get(test).and_then(|test| test.first());
-        let to_m = first.map_or(home_m, |command| command.displacement_m);
+        let begins_m = first.map(|command| self.origin_m(from_m) + command.displacement_m);
+        let to_m = begins_m.unwrap_or(home_m);
         let needed_s = PI * (to_m - from_m).abs() / (2.0 * WAY_M_PER_S);
         let of = (needed_s.max(WAY_LEAST_S) / CYCLE_S) as usize;
         Phase::Way { test, from_m, to_m, at: 0, of }
@@ -107,6 +145,20 @@ enum Oil {
 }
 
 impl Motion for Sequence {
+    fn reach_m(&self, slot: usize, ram_m: f64) -> f64 {
+        if slot != self.slot {
+            return ram_m.abs();
+        }
+        let origin_m = self.origin_m(ram_m);
+        let at = |command: &Command| origin_m + command.displacement_m;
+        let strokes = self.window_degc.is_some();
+        // Oil is warmed from where a test begins, or where the ram stands.
+        let begins = self.tests.iter().map(|test| test.first().map_or(ram_m, at));
+        let warmed = begins.filter(|_| strokes).map(|from_m| from_m + WARM_UP_M);
+        let places = self.tests.iter().flatten().map(at).chain(warmed);
+        places.fold(ram_m.abs(), |most, x_m| most.max(x_m.abs()))
+    }
+
     fn next(&mut self, seen: &Seen) -> Option<[Command; DAMPER_SLOTS]> {
         let now = seen.commands.get(self.slot).copied().unwrap_or_default();
         let held = Command { velocity_m_per_s: 0.0, ..now };
@@ -149,8 +201,10 @@ impl Motion for Sequence {
                     if let (true, Some(cycles)) = (is_last, self.cycles.get_mut(test)) {
                         *cycles = Some((seen.cycle - at as u64, seen.cycle));
                     }
+                    let displacement_m = self.origin_m(now.displacement_m) + command.displacement_m;
+                    let command = Command { displacement_m, ..*command };
                     self.phase = Phase::Test { test, at: at + 1 };
-                    break *command;
+                    break command;
                 }
                 Phase::Braking { test } if now.velocity_m_per_s == 0.0 => {
                     self.phase = self.way_to(test + 1, now.displacement_m);
@@ -258,5 +312,35 @@ mod tests {
         let mut sequence = Sequence::new(0, vec![test(0.0)], window);
         played(&mut sequence, |cycle| Some(32.0 - 1e-3 * cycle as f64));
         assert_eq!(sequence.cycles()[0].map(|(begin, _)| begin), Some(2000));
+    }
+
+    #[test]
+    fn a_test_about_where_the_ram_stands_may_leave_it_there() {
+        // From 3 mm on by 1 mm, in a tenth of a second.
+        let angle = |n: usize| PI * n as f64 / 100.0;
+        let way = |n| Command {
+            displacement_m: 0.5e-3 * (1.0 - libm::cos(angle(n))),
+            velocity_m_per_s: 0.5e-3 * PI / 0.1 * libm::sin(angle(n)),
+        };
+        let commands: Vec<Command> = (0..=100).map(way).collect();
+        let about = |returns| {
+            let sequence = Sequence::new(0, vec![commands.clone()], None);
+            sequence.counting_from(Origin::WhereItStands).returning(returns)
+        };
+        for (returns, rests_m) in [(true, 3e-3), (false, 4e-3)] {
+            let mut sequence = about(returns);
+            assert!((sequence.reach_m(0, 3e-3) - 4e-3).abs() < 1e-12);
+            assert!((sequence.reach_m(0, -3e-3) - 3e-3).abs() < 1e-12);
+            let played = played(&mut sequence, |_| None);
+            let last = played[played.len() - 1];
+            assert!((last.displacement_m - rests_m).abs() < 1e-12, "{last:?}");
+            for pair in played.windows(2) {
+                let step_m = (pair[1].displacement_m - pair[0].displacement_m).abs();
+                assert!(step_m <= WAY_M_PER_S * CYCLE_S, "{step_m}");
+            }
+        }
+        // Strokes that warm the oil lead further than a test of 1 mm.
+        let warmed = Sequence::new(0, vec![test(2e-3)], Some(20.0..=30.0));
+        assert!((warmed.reach_m(0, 0.0) - 2e-3 - WARM_UP_M).abs() < 1e-12);
     }
 }

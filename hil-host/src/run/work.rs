@@ -71,7 +71,7 @@ impl<M: Motion> Work for OpenLoop<'_, M> {
         buses: &mut [B],
         requests: &Requests,
     ) -> Result<(), NoAnswer> {
-        session.arm_open_loop(state, buses, requests)
+        session.arm_open_loop(&*self.0, state, buses, requests)
     }
 
     fn run<B: Bus>(

@@ -49,9 +49,9 @@ mod tests;
 use crate::actuator::{Limits, Ram, RamState};
 use crate::cycle::Target;
 use crate::mechanics::Mechanics;
-use firmware_core::damper::{Damper, Motion};
+use crate::specimen::Specimen;
+use firmware_core::damper::Motion;
 use masses::Masses;
-use scenario::damper_mass;
 use scenario::rig::{RigSetup, ServoSetup};
 use valve::{Spool, Valve};
 
@@ -73,7 +73,7 @@ pub(crate) struct Servo {
     end_mass_kg: f64,
     fixture_n_per_m: f64,
     fixture_n_s_per_m: f64,
-    damper: Damper,
+    specimen: Specimen,
     substeps: u32,
     step_s: f64,
 }
@@ -115,7 +115,7 @@ impl Servo {
         debug_assert!(setup.fixture_m_per_n > 0.0, "a servo rig has a fixture that gives way");
         let step_s = period_s / f64::from(substeps);
         let fixture_n_per_m = 1.0 / setup.fixture_m_per_n;
-        let (damper, of_damper_kg) = without_mass(setup.damper.clone());
+        let (specimen, of_damper_kg) = Specimen::of(setup).without_mass();
         let end_mass_kg = drive.end_mass_kg + of_damper_kg;
         let open_m_per_s = drive.no_load_speed_m_per_s();
         let fixture_n_s_per_m =
@@ -133,7 +133,7 @@ impl Servo {
             end_mass_kg,
             fixture_n_per_m,
             fixture_n_s_per_m,
-            damper: damper.prepared(step_s),
+            specimen: specimen.prepared(step_s),
             substeps,
             step_s,
             setup: drive,
@@ -151,7 +151,7 @@ impl Servo {
             guide: Ram::new(stroke_m, rate_m_per_s, lag_s, step_s),
             valve: Valve::new(&self.setup, step_s),
             masses: Masses::new([self.setup.ram_mass_kg, self.end_mass_kg], friction, step_s),
-            damper: self.damper.prepared(step_s),
+            specimen: self.specimen.prepared(step_s),
             substeps,
             step_s,
             ..self
@@ -178,7 +178,7 @@ impl Servo {
             own.reference = self.taken_over(at, own);
         }
         own.follows = follows;
-        at.damper.set_temperature_degc(Some(own.temperature_degc));
+        at.mounting.damper.set_temperature_degc(Some(own.temperature_degc));
         let (mut limits, mut work_j) = (Limits::default(), 0.0);
         for substep in 0..self.substeps {
             match target {
@@ -245,7 +245,7 @@ impl Servo {
         own.pressure_pa += self.step_s * rate(middle_pa);
 
         let motion = Motion::new(at.eyes_m, ends[1]);
-        at.force_n = self.damper.advance(&mut at.damper, motion, self.step_s);
+        at.force_n = self.specimen.advance(&mut at.mounting, motion, self.step_s);
         at.load_cell_n = self.fixture_n_per_m * (at.ram.displacement_m - at.eyes_m)
             + self.fixture_n_s_per_m * (ends[0] - ends[1]);
     }
@@ -268,13 +268,4 @@ fn substeps(period_s: f64) -> u32 {
 /// The velocity at the end of a substep, from those in the middle of the last two.
 fn extrapolated(before: f64, now: f64) -> f64 {
     now + 0.5 * (now - before)
-}
-
-/// A damper without its moving mass, and that mass (kg).
-fn without_mass(damper: Damper) -> (Damper, f64) {
-    let mass_kg = damper_mass::mass_kg(&damper).unwrap_or(0.0);
-    match damper_mass::without(damper.clone()) {
-        Ok(lighter) => (lighter, mass_kg),
-        Err(_) => (damper, 0.0),
-    }
 }

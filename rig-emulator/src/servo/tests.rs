@@ -4,7 +4,7 @@ use super::*;
 use crate::actuator::{DECELERATION_M_PER_S2, Reference};
 use crate::emulator::{AT_REST_M_PER_S, Emulator};
 use firmware_core::damper::effects::{MovingMass, TemperatureFade};
-use firmware_core::damper::{HeatBalance, Nominal};
+use firmware_core::damper::{Damper, HeatBalance, Nominal};
 use scenario::rig::{Drive, RigFile, RigKind};
 use scenario::source::Source;
 use std::f64::consts::TAU;

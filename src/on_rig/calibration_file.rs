@@ -1,0 +1,297 @@
+//! `calibration.toml`: what is known of a rig's load cell, its fixture and its end mass.
+//!
+//! ```toml
+//! format = 1
+//! node = 1
+//!
+//! [fixture]                                   # a rigid bar
+//! date = "2026-11-29"
+//! certificate = "K-2041"
+//! stiffness_n_per_m = 90.9e6
+//! stiffness_error_n_per_m = 12e3
+//! skew_s = 0.4e-3                             # how late the force is against the displacement
+//! skew_error_s = 2e-6
+//! residual = 1e-3
+//!
+//! [end_mass]                                  # a dry run
+//! [load_cell]                                 # force = gain (reading - offset_n)
+//! ```
+//! Every part has the date and the certificate of its own day. A later calibration replaces its own
+//! part and keeps the others. All `_error` values are standard errors.
+
+use crate::date::Date;
+use crate::error::CommandError;
+use can_protocol::Node;
+use files::{number, quoted};
+use hil_host::calibration::{BarFit, EndMassFit, GainFit, Reading};
+use scenario::source::Source;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The file of a calibration.
+pub(super) const CALIBRATION: &str = "calibration.toml";
+
+/// Version of the file.
+const FORMAT: u32 = 1;
+
+/// What is known of a rig.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CalibrationFile {
+    format: u32,
+    node: u8,
+    fixture: Option<Fixture>,
+    end_mass: Option<EndMass>,
+    load_cell: Option<LoadCell>,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct Fixture {
+    date: String,
+    certificate: Option<String>,
+    stiffness_n_per_m: f64,
+    stiffness_error_n_per_m: f64,
+    skew_s: f64,
+    skew_error_s: f64,
+    residual: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct EndMass {
+    date: String,
+    certificate: Option<String>,
+    mass_kg: f64,
+    mass_error_kg: f64,
+    residual: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct LoadCell {
+    date: String,
+    certificate: Option<String>,
+    /// None where a zero is all that was read.
+    gain: Option<f64>,
+    gain_error: Option<f64>,
+    /// None where a single reading leaves the offset open.
+    offset_n: Option<f64>,
+    offset_error_n: Option<f64>,
+    reading: Vec<KnownForce>,
+}
+
+/// A reading under a known force.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct KnownForce {
+    reference_n: f64,
+    reading_n: f64,
+    error_n: f64,
+}
+
+impl CalibrationFile {
+    /// Nothing yet of a rig.
+    pub(super) fn empty(node: Node) -> Self {
+        let node = node.number();
+        Self { format: FORMAT, node, fixture: None, end_mass: None, load_cell: None }
+    }
+
+    /// Reads the calibration of the rig with this node.
+    ///
+    /// # Errors
+    /// A file that is none, or that of another rig.
+    pub(super) fn load(path: &Path, node: Node) -> Result<Self, CommandError> {
+        let source = Source::read(path)?;
+        let file: Self = source.parse()?;
+        let refused = |found: String, expected: String| {
+            Err(CommandError::Input { file: path.to_owned(), found, expected })
+        };
+        if file.format != FORMAT {
+            return refused(format!("format = {}", file.format), FORMAT.to_string());
+        }
+        if file.node != node.number() {
+            return refused(
+                format!("the calibration of node {}", file.node),
+                format!("node {node}"),
+            );
+        }
+        if let Some(date) =
+            file.dates().map(|(_, date)| date).find(|date| date.parse::<Date>().is_err())
+        {
+            return refused(
+                format!("date = \"{}\"", quoted(date)),
+                "a day such as 2026-11-29".to_owned(),
+            );
+        }
+        Ok(file)
+    }
+
+    /// With the fixture as a bar has shown it today.
+    pub(super) fn with_bar(self, fit: &BarFit, certificate: Option<&str>) -> Self {
+        let (date, certificate) = (Date::today().to_string(), certificate.map(str::to_owned));
+        let BarFit {
+            stiffness_n_per_m,
+            stiffness_error_n_per_m,
+            skew_s,
+            skew_error_s,
+            residual,
+            ..
+        } = *fit;
+        let fixture = Fixture {
+            date,
+            certificate,
+            stiffness_n_per_m,
+            stiffness_error_n_per_m,
+            skew_s,
+            skew_error_s,
+            residual,
+        };
+        Self { fixture: Some(fixture), ..self }
+    }
+
+    /// With the end mass as a dry run has shown it today.
+    pub(super) fn with_end_mass(self, fit: EndMassFit, certificate: Option<&str>) -> Self {
+        let (date, certificate) = (Date::today().to_string(), certificate.map(str::to_owned));
+        let EndMassFit { mass_kg, mass_error_kg, residual } = fit;
+        let end_mass = EndMass { date, certificate, mass_kg, mass_error_kg, residual };
+        Self { end_mass: Some(end_mass), ..self }
+    }
+
+    /// The readings of the load cell so far.
+    pub(super) fn readings(&self) -> Vec<Reading> {
+        let known = self.load_cell.iter().flat_map(|cell| &cell.reading);
+        known
+            .map(|KnownForce { reference_n, reading_n, error_n }| Reading {
+                reference_n: *reference_n,
+                reading_n: *reading_n,
+                error_n: *error_n,
+            })
+            .collect()
+    }
+
+    /// With the load cell as these readings show it today, as far as they do.
+    pub(super) fn with_readings(
+        self,
+        fit: Option<GainFit>,
+        readings: &[Reading],
+        certificate: Option<&str>,
+    ) -> Self {
+        let (date, certificate) = (Date::today().to_string(), certificate.map(str::to_owned));
+        let known = |reading: &Reading| KnownForce {
+            reference_n: reading.reference_n,
+            reading_n: reading.reading_n,
+            error_n: reading.error_n,
+        };
+        let load_cell = LoadCell {
+            date,
+            certificate,
+            gain: fit.map(|fit| fit.gain),
+            gain_error: fit.map(|fit| fit.gain_error),
+            offset_n: fit.and_then(|fit| fit.offset_error_n.map(|_| fit.offset_n)),
+            offset_error_n: fit.and_then(|fit| fit.offset_error_n),
+            reading: readings.iter().map(known).collect(),
+        };
+        Self { load_cell: Some(load_cell), ..self }
+    }
+
+    /// The file.
+    ///
+    /// # Errors
+    /// Never: every value has a form in TOML.
+    pub(super) fn to_toml(&self) -> Result<String, CommandError> {
+        let text = toml::to_string(self)
+            .map_err(|why| CommandError::File(CALIBRATION.into(), std::io::Error::other(why)))?;
+        Ok(format!("# Written by yawbench characterise --calibrate.\n{text}"))
+    }
+
+    /// Parts with their dates.
+    fn dates(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let fixture = self.fixture.iter().map(|part| ("fixture", part.date.as_str()));
+        let end_mass = self.end_mass.iter().map(|part| ("end mass", part.date.as_str()));
+        let load_cell = self.load_cell.iter().map(|part| ("load cell", part.date.as_str()));
+        fixture.chain(end_mass).chain(load_cell)
+    }
+
+    /// One line for every part that is older than so many days.
+    pub(super) fn old(&self, days: f64) -> Vec<String> {
+        let today = Date::today();
+        let age = |(part, date): (&'static str, &str)| {
+            let age_days = date.parse::<Date>().ok()?.days_until(today);
+            (age_days as f64 > days).then(|| {
+                let most = number(days);
+                format!(
+                    "the calibration of the {part} is of {date}, {age_days} days old, expected at \
+                     most {most}"
+                )
+            })
+        };
+        self.dates().filter_map(age).collect()
+    }
+
+    /// One line for every part, for records.
+    pub(super) fn lines(&self) -> Vec<String> {
+        let of = |date: &str, certificate: &Option<String>| match certificate {
+            Some(certificate) => format!("{date}, certificate {certificate}"),
+            None => date.to_owned(),
+        };
+        let fixture = self.fixture.as_ref().map(|part| {
+            format!(
+                "fixture of {}: {:.2} +- {:.2} MN/m, force {:.3} +- {:.3} ms late",
+                of(&part.date, &part.certificate),
+                1e-6 * part.stiffness_n_per_m,
+                1e-6 * part.stiffness_error_n_per_m,
+                1e3 * part.skew_s,
+                1e3 * part.skew_error_s
+            )
+        });
+        let end_mass = self.end_mass.as_ref().map(|part| {
+            let of = of(&part.date, &part.certificate);
+            format!("end mass of {of}: {:.3} +- {:.3} kg", part.mass_kg, part.mass_error_kg)
+        });
+        let load_cell = self.load_cell.as_ref().map(|part| {
+            let known = |value: Option<f64>, error: Option<f64>| value.zip(error);
+            let gain = match known(part.gain, part.gain_error) {
+                Some((gain, error)) => format!("gain {gain:.5} +- {error:.5}"),
+                None => "gain not known".to_owned(),
+            };
+            let offset = match known(part.offset_n, part.offset_error_n) {
+                Some((offset_n, error_n)) => format!("offset {offset_n:.1} +- {error_n:.1} N"),
+                None => "offset not known".to_owned(),
+            };
+            format!("load cell of {}: {gain}, {offset}", of(&part.date, &part.certificate))
+        });
+        fixture.into_iter().chain(end_mass).chain(load_cell).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_calibration_keeps_its_other_parts_and_says_what_is_old() {
+        let node = Node::ALL[0];
+        let mass = EndMassFit { mass_kg: 10.0, mass_error_kg: 0.02, residual: 0.01 };
+        let readings = [Reading { reference_n: 5000.0, reading_n: 4900.0, error_n: 1.0 }];
+        let gain = GainFit::of(&readings).unwrap();
+        let file = CalibrationFile::empty(node).with_end_mass(mass, Some("K-1")).with_readings(
+            Some(gain),
+            &readings,
+            None,
+        );
+        let text = file.to_toml().unwrap();
+        let read: CalibrationFile =
+            Source::from_text(Path::new("calibration.toml"), &text).parse().unwrap();
+        assert_eq!(read, file);
+        assert_eq!(read.readings(), readings);
+        let lines = read.lines();
+        assert!(lines[0].starts_with("end mass of ") && lines[0].contains("certificate K-1"));
+        assert!(lines[1].contains("offset not known"), "{lines:?}");
+        assert_eq!(file.old(1.0), Vec::<String>::new());
+        let end_mass =
+            file.end_mass.clone().map(|part| EndMass { date: "2001-02-03".to_owned(), ..part });
+        let old = CalibrationFile { end_mass, ..file }.old(365.0);
+        assert!(old.len() == 1 && old[0].contains("end mass is of 2001-02-03"), "{old:?}");
+    }
+}

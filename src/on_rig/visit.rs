@@ -1,0 +1,104 @@
+//! The tests of a visit on a rig.
+//!
+//! Before the rig is armed, the heat of every test and the temperature that the oil will reach are
+//! printed.
+
+use super::Bench;
+use super::records::{names, write};
+use crate::error::CommandError;
+use firmware_core::command::Command;
+use firmware_core::damper::{Damper, DamperState, HeatBalance, Motion};
+use hil_host::run::PlannedTest;
+use report::{Cell, Table};
+use scenario::damper::DamperFile;
+use scenario::run::CYCLE_S;
+use scenario::source::Source;
+use std::process::ExitCode;
+use virtual_bench::bench_visit::LABORATORY_DEGC;
+use virtual_bench::bench_visit::protocol::Test;
+
+/// Runs the tests of a list.
+pub(super) fn visit(bench: &Bench<'_>) -> Result<ExitCode, CommandError> {
+    let planned: Vec<PlannedTest> = bench.common.tests.iter().map(planned).collect();
+    let frequencies = bench.common.tests.iter().map(|test| test.excitation.frequency_hz());
+    let frequencies: Vec<f64> = frequencies.collect();
+    let names = names(&planned);
+    let mut folder = bench.folder(None, &names)?;
+    print_heat(bench, &planned, &frequencies)?;
+    let plan = bench.plan(planned);
+    let found = bench.conduct(&plan, &mut folder)?;
+    write(bench, &folder, &found, plan.tests.len())
+}
+
+/// A test as commands.
+fn planned(test: &Test) -> PlannedTest {
+    let cycles = libm::floor(test.duration_s / CYCLE_S + 1e-9) as usize;
+    let command = |cycle: usize| {
+        let (x_m, v_m_per_s) = test.excitation.at(cycle as f64 * CYCLE_S);
+        Command { displacement_m: test.mean_m + x_m, velocity_m_per_s: v_m_per_s }
+    };
+    PlannedTest { name: test.name.clone(), commands: (0..=cycles).map(command).collect() }
+}
+
+/// Prints the heat of every test with the damper that is expected; a motion without a frequency has
+/// one of zero.
+pub(super) fn print_heat(
+    bench: &Bench<'_>,
+    tests: &[PlannedTest],
+    frequencies_hz: &[f64],
+) -> Result<(), CommandError> {
+    let damper = match bench.common.model {
+        Some(path) => DamperFile::load_model(path)?.build(&Source::read(path)?)?,
+        None => bench.rig.damper.clone(),
+    };
+    files::say!("expected heat, from {LABORATORY_DEGC} degrees Celsius on:");
+    for line in heat(&damper, tests, frequencies_hz).lines() {
+        files::say!("{line}");
+    }
+    Ok(())
+}
+
+/// The heat of every test, and where it leads the oil.
+fn heat(damper: &Damper, tests: &[PlannedTest], frequencies_hz: &[f64]) -> Table {
+    let table = Table::new("")
+        .text("test")
+        .fixed("length", "s", 1)
+        .fixed("work", "J", 0)
+        .fixed("per cycle", "J", 1)
+        .fixed("heat", "W", 0)
+        .fixed("oil behind it", "degC", 1);
+    let (damper, balance) = (damper.clone().prepared(CYCLE_S), HeatBalance::of(damper));
+    let mut degc = LABORATORY_DEGC;
+    let rows: Vec<[Cell; 6]> = tests
+        .iter()
+        .zip(frequencies_hz)
+        .map(|(test, frequency_hz)| {
+            let work_j = work_j(&damper, &test.commands);
+            let length_s = test.commands.len().saturating_sub(1).max(1) as f64 * CYCLE_S;
+            degc = balance.after(degc, work_j / length_s, LABORATORY_DEGC, length_s);
+            let cycles = length_s * frequency_hz;
+            let per_cycle = (cycles >= 1.0).then(|| work_j / cycles);
+            [
+                test.name.as_str().into(),
+                length_s.into(),
+                work_j.into(),
+                per_cycle.into(),
+                (work_j / length_s).into(),
+                degc.into(),
+            ]
+        })
+        .collect();
+    table.rows(rows)
+}
+
+/// The work of a damper along a motion (J).
+fn work_j(damper: &Damper, commands: &[Command]) -> f64 {
+    let Some(first) = commands.first() else { return 0.0 };
+    let mut state = DamperState::starting(Motion::new(first.displacement_m, 0.0));
+    let steps = commands.windows(2).map(|pair| {
+        let motion = Motion::new(pair[1].displacement_m, pair[1].velocity_m_per_s);
+        let force_n = damper.advance(&mut state, motion, CYCLE_S);
+        force_n * (pair[1].displacement_m - pair[0].displacement_m)
+    });
+    steps.sum()
+}
