@@ -19,7 +19,8 @@ use firmware_core::supervision::CommandLimits;
 use hil_host::bus::BusChoice;
 use hil_host::control::End;
 use hil_host::run::{
-    MeasuredTest, OPEN_LOOP_FILES, OpenLoopPlan, OpenLoopRecord, PlannedTest, open_loop,
+    MeasuredTest, OPEN_LOOP_FILES, OpenLoopPlan, OpenLoopRecord, PlannedTest, TRACKING,
+    TrackingFile, open_loop,
 };
 use hil_host::{PaceChoice, RunOptions};
 use measurement::mapping::{Companion, Extension};
@@ -125,7 +126,7 @@ pub(crate) fn command(
     let csv: Vec<String> = common.tests.iter().map(Test::csv_name).collect();
     let mappings: Vec<String> = csv.iter().map(|name| Companion::name_for(name)).collect();
     let names = csv.iter().chain(&mappings).map(String::as_str).chain(OPEN_LOOP_FILES);
-    folder.check(&names.chain([LABORATORY]).collect::<Vec<_>>())?;
+    folder.check(&names.chain([LABORATORY, TRACKING]).collect::<Vec<_>>())?;
     let options = RunOptions {
         bus: bus.clone(),
         pace: pace(args, bus),
@@ -268,6 +269,8 @@ fn write(
         folder.write(&Companion::name_for(&name), &companion.to_toml(&name))?;
         paths.push(folder.file(&name));
     }
+    let followed = serde_json::to_string_pretty(&TrackingFile::of(&found.tests))?;
+    folder.write(TRACKING, &format!("{followed}\n"))?;
     let mut lines = Vec::new();
     if paths.is_empty() {
         lines.push("no test was run to its end".to_owned());

@@ -21,6 +21,7 @@ mod linear_vehicle;
 mod next_test;
 mod output;
 mod progress;
+mod rehearse;
 mod replay;
 mod report;
 mod reproduce;
@@ -57,6 +58,11 @@ enum Command {
     /// Run a scenario: the vehicle on its track, with dampers modelled or on a rig.
     #[command(after_help = "Example: yawbench run scenarios/ss9-160kmh.toml --duration 10")]
     Run(run::RunArgs),
+    /// Rehearse a run on emulated rigs that are as late as the real ones: how far every limit is
+    /// away, before anything is armed.
+    #[command(after_help = "Examples: yawbench rehearse scenarios/ss9-160kmh.toml --delay-ms 1.5
+          yawbench rehearse scenarios/ss9-160kmh.toml --measured runs/rig-1")]
+    Rehearse(rehearse::RehearseArgs),
     /// Make the report of a run from the files in its folder, also of a run that was killed.
     #[command(after_help = "Example: yawbench report runs/ss9-160kmh-1")]
     Report(report::ReportArgs),
@@ -190,6 +196,7 @@ fn parsed() -> Result<Cli, clap::Error> {
 fn run(command: &Command) -> Result<ExitCode, CommandError> {
     Ok(match command {
         Command::Run(args) => run::command(args)?,
+        Command::Rehearse(args) => rehearse::command(args)?,
         Command::Report(args) => report::command(args).map(done)?,
         Command::Replay(args) => replay::command(args)?,
         Command::Rig(args) => rig::command(args)?,

@@ -32,6 +32,7 @@ mod on_mass;
 mod open_loop;
 mod physics;
 mod real_records;
+mod rehearse;
 mod replay;
 mod reproduce;
 mod ride;

@@ -5,6 +5,7 @@
 
 mod about;
 mod handshake;
+mod in_memory;
 mod late_report;
 mod model_peak;
 mod open_loop;
@@ -15,6 +16,7 @@ mod sequence;
 mod setup;
 mod space;
 mod stability_check;
+mod tracking_file;
 mod work;
 
 pub use late_report::{LateReport, report};
@@ -25,6 +27,7 @@ pub(crate) use plan::Plan;
 pub use plan::is_on_a_bus;
 pub(crate) use setup::{Terms, session};
 pub use setup::{line, watch_of};
+pub use tracking_file::{TRACKING, TestTracking, TrackingFile};
 
 use crate::BenchError;
 use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
@@ -39,15 +42,17 @@ use crate::record::{
 };
 use crate::statistics::Statistics;
 use crate::summary::{Outcome, Summary};
-pub(crate) use about::{RunAbout, read_about};
+pub(crate) use about::{RunAbout, read_about, read_json};
 use files::{FolderError, ResultFolder};
 use handshake::{Epoch, Heard};
+pub(crate) use in_memory::in_memory;
 use plan::BusLoad;
 use recording::{Output, Place, Recording, RunFile, Task};
 use report::Section;
 use scenario::run::Run;
 use setup::{arming, open_buses, pace};
-use stability_check::StabilityCheck;
+pub(crate) use space::needed_bytes;
+pub(crate) use stability_check::StabilityCheck;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -57,7 +62,7 @@ use work::Coupled;
 pub(crate) const RECORD: &str = "record.npy";
 const COMPARED: &str = "record-compared.npy";
 pub(crate) const LOG: &str = "bus.log";
-const SUMMARY: &str = "summary.json";
+pub(crate) const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 pub(crate) const SCENARIO: &str = "scenario.toml";
 const VEHICLE: &str = "vehicle.toml";
