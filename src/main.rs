@@ -27,6 +27,7 @@ mod report;
 mod reproduce;
 mod ride;
 mod rig;
+mod rig_delay;
 mod rig_reset;
 mod rtcheck;
 mod rths_benchmark;
@@ -120,6 +121,13 @@ enum Command {
         after_help = "Example: yawbench critical-speed scenarios/ss9-160kmh.toml --vary damper.ke_n_per_m=3e6:15e6:5"
     )]
     CriticalSpeed(critical_speed::CriticalSpeedArgs),
+    /// Find by how much the critical speed is wrong that is measured with a rig whose force is
+    /// late. The speed of the scenario counts for the measured delay alone; its track and duration
+    /// are not used.
+    #[command(
+        after_help = "Example: yawbench rig-delay scenarios/ss9-160kmh.toml --delay-ms=-1,0,1,2"
+    )]
+    RigDelay(rig_delay::RigDelayArgs),
     /// Reproduce the study of the SS9's yaw dampers, figure by figure: its numbers next to ours.
     #[command(after_help = "Examples: yawbench reproduce --figure 10a --out reproduced
           yawbench reproduce --validation")]
@@ -209,6 +217,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
         Command::Campaign(args) => campaign::command(args)?,
         Command::Simulate(args) => simulate::command(args).map(done)?,
         Command::CriticalSpeed(args) => critical_speed::command(args)?,
+        Command::RigDelay(args) => rig_delay::command(args)?,
         Command::Reproduce(args) => reproduce::command(args)?,
         Command::Ride(args) => ride::command(args)?,
         Command::RthsBenchmark(args) => rths_benchmark::command(args)?,

@@ -61,7 +61,7 @@ pub use draw::Draw;
 pub use error::BenchError;
 pub use linear_vehicle::{Hunting, LinearMode, LinearVehicle};
 pub use options::{PaceChoice, RunOptions};
-pub use rehearsal::{CheckMargin, MeasuredRam, Rehearsal, Table, Verdict, rehearse};
+pub use rehearsal::{CheckMargin, LimitOf, MeasuredRam, Rehearsal, Verdict, rehearse};
 pub use reset::{reset_over, reset_rig};
 pub use summary::{
     Acceleration, Accelerations, ArmedSession, BusCount, DamperSummary, ForceRange, Frames,

@@ -36,6 +36,7 @@ mod rehearse;
 mod replay;
 mod reproduce;
 mod ride;
+mod rig_delay;
 mod rtcheck;
 mod rths_benchmark;
 mod run_command;

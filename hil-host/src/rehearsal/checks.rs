@@ -13,10 +13,10 @@ use serde::Serialize;
 /// Share of a limit that is to be left.
 const SMALL: f64 = 0.2;
 
-/// Where a limit stands.
+/// What a limit belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Table {
+pub enum LimitOf {
     /// In `[motion]` of the scenario.
     Motion,
     /// In `[plausibility]`.
@@ -63,8 +63,8 @@ impl Verdict {
 pub struct CheckMargin {
     /// Place of the damper slot; null for what belongs to the whole run.
     pub place: Option<String>,
-    /// Where the limit stands.
-    pub table: Table,
+    /// What the limit belongs to.
+    pub limit_of: LimitOf,
     /// Its key.
     pub check: &'static str,
     /// Unit of both values; null for a share or a gain.
@@ -81,7 +81,7 @@ pub struct CheckMargin {
 
 impl CheckMargin {
     /// A check, and whether a run would act on it.
-    fn new(place: Option<&str>, table: Table, reached: &Reached) -> Self {
+    fn new(place: Option<&str>, limit_of: LimitOf, reached: &Reached) -> Self {
         let limit = Some(reached.limit).filter(|limit| limit.is_finite());
         let margin = reached.margin();
         let verdict = match (reached.largest, margin) {
@@ -92,7 +92,7 @@ impl CheckMargin {
         };
         Self {
             place: place.map(str::to_owned),
-            table,
+            limit_of,
             check: reached.key,
             unit: reached.unit,
             reached: reached.largest,
@@ -134,7 +134,7 @@ pub(super) fn of_motion(slot: &Slot, memory: &SlotState) -> [CheckMargin; 3] {
         ),
     ]
     .map(|reached| {
-        let check = CheckMargin::new(Some(&slot.place), Table::Motion, &reached);
+        let check = CheckMargin::new(Some(&slot.place), LimitOf::Motion, &reached);
         let is_cut = check.verdict == Verdict::Beyond && is_worn(slot);
         let verdict = if is_cut { Verdict::Cut } else { check.verdict };
         CheckMargin { verdict, ..check }
@@ -143,7 +143,7 @@ pub(super) fn of_motion(slot: &Slot, memory: &SlotState) -> [CheckMargin; 3] {
 
 /// What the supervision has seen of a rig.
 pub(super) fn of_plausibility(slot: &Slot, reached: &[Reached]) -> Vec<CheckMargin> {
-    let of = |reached| CheckMargin::new(Some(&slot.place), Table::Plausibility, reached);
+    let of = |reached| CheckMargin::new(Some(&slot.place), LimitOf::Plausibility, reached);
     reached.iter().map(of).collect()
 }
 
@@ -158,14 +158,14 @@ pub(super) fn of_delay(
     let cost = delays.residual(CYCLE_S).map(|delay| delay.worst_cost(sensitivity));
     let limit = if *accept_delay_error { f64::INFINITY } else { COST_REFUSED };
     let reached = value("damping_lost", None, cost, limit);
-    Some(CheckMargin::new(Some(&slot.place), Table::Delay, &reached))
+    Some(CheckMargin::new(Some(&slot.place), LimitOf::Delay, &reached))
 }
 
 /// The gain of every rig's loop where it crosses the negative real axis: the inverse of the margin.
 pub(super) fn of_stability(found: &StabilityCheck) -> Vec<CheckMargin> {
     let of = |(place, found): (&str, &Stability)| {
         let reached = value("loop_gain", None, Some(1.0 / found.margin), 1.0 / LEAST_MARGIN);
-        CheckMargin::new(Some(place), Table::Stability, &reached)
+        CheckMargin::new(Some(place), LimitOf::Stability, &reached)
     };
     found.rigs().map(of).collect()
 }
@@ -174,7 +174,7 @@ pub(super) fn of_stability(found: &StabilityCheck) -> Vec<CheckMargin> {
 pub(super) fn of_disk(needed_bytes: u64, free_bytes: Option<u64>) -> CheckMargin {
     let needed = 1e-6 * needed_bytes as f64;
     let free = free_bytes.map_or(f64::INFINITY, |free| 1e-6 * free as f64);
-    CheckMargin::new(None, Table::Disk, &value("disk_space", Some("MB"), Some(needed), free))
+    CheckMargin::new(None, LimitOf::Disk, &value("disk_space", Some("MB"), Some(needed), free))
 }
 
 #[cfg(test)]
@@ -184,7 +184,7 @@ mod tests {
     fn verdict(largest: f64, has_tripped: bool) -> Verdict {
         let reached =
             Reached { key: "force", unit: None, largest: Some(largest), limit: 10.0, has_tripped };
-        CheckMargin::new(None, Table::Plausibility, &reached).verdict
+        CheckMargin::new(None, LimitOf::Plausibility, &reached).verdict
     }
 
     #[test]

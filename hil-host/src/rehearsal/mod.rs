@@ -16,7 +16,7 @@ mod checks;
 mod measured_ram;
 mod text;
 
-pub use checks::{CheckMargin, Table, Verdict};
+pub use checks::{CheckMargin, LimitOf, Verdict};
 pub use measured_ram::MeasuredRam;
 
 use crate::BenchError;
