@@ -22,11 +22,13 @@ mod next_test;
 mod on_rig;
 mod output;
 mod progress;
+mod rehearse;
 mod replay;
 mod report;
 mod reproduce;
 mod ride;
 mod rig;
+mod rig_delay;
 mod rig_reset;
 mod rtcheck;
 mod rths_benchmark;
@@ -58,6 +60,11 @@ enum Command {
     /// Run a scenario: the vehicle on its track, with dampers modelled or on a rig.
     #[command(after_help = "Example: yawbench run scenarios/ss9-160kmh.toml --duration 10")]
     Run(run::RunArgs),
+    /// Rehearse a run on emulated rigs that are as late as the real ones: how far every limit is
+    /// away, before anything is armed.
+    #[command(after_help = "Examples: yawbench rehearse scenarios/ss9-160kmh.toml --delay-ms 1.5
+          yawbench rehearse scenarios/ss9-160kmh.toml --measured runs/rig-1")]
+    Rehearse(rehearse::RehearseArgs),
     /// Make the report of a run from the files in its folder, also of a run that was killed.
     #[command(after_help = "Example: yawbench report runs/ss9-160kmh-1")]
     Report(report::ReportArgs),
@@ -115,6 +122,13 @@ enum Command {
         after_help = "Example: yawbench critical-speed scenarios/ss9-160kmh.toml --vary damper.ke_n_per_m=3e6:15e6:5"
     )]
     CriticalSpeed(critical_speed::CriticalSpeedArgs),
+    /// Find by how much the critical speed is wrong that is measured with a rig whose force is
+    /// late. The speed of the scenario counts for the measured delay alone; its track and duration
+    /// are not used.
+    #[command(
+        after_help = "Example: yawbench rig-delay scenarios/ss9-160kmh.toml --delay-ms=-1,0,1,2"
+    )]
+    RigDelay(rig_delay::RigDelayArgs),
     /// Reproduce the study of the SS9's yaw dampers, figure by figure: its numbers next to ours.
     #[command(after_help = "Examples: yawbench reproduce --figure 10a --out reproduced
           yawbench reproduce --validation")]
@@ -191,6 +205,7 @@ fn parsed() -> Result<Cli, clap::Error> {
 fn run(command: &Command) -> Result<ExitCode, CommandError> {
     Ok(match command {
         Command::Run(args) => run::command(args)?,
+        Command::Rehearse(args) => rehearse::command(args)?,
         Command::Report(args) => report::command(args)?,
         Command::Replay(args) => replay::command(args)?,
         Command::Rig(args) => rig::command(args)?,
@@ -203,6 +218,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
         Command::Campaign(args) => campaign::command(args)?,
         Command::Simulate(args) => simulate::command(args).map(done)?,
         Command::CriticalSpeed(args) => critical_speed::command(args)?,
+        Command::RigDelay(args) => rig_delay::command(args)?,
         Command::Reproduce(args) => reproduce::command(args)?,
         Command::Ride(args) => ride::command(args)?,
         Command::RthsBenchmark(args) => rths_benchmark::command(args)?,

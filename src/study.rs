@@ -83,7 +83,19 @@ struct StudyFile<'a, P, A> {
 /// Bad input, before anything is written; points of another study; files that change while the
 /// study runs; a disk that fails.
 pub(crate) fn command<S: Study>(args: &StudyArgs, study: S) -> Result<ExitCode, CommandError> {
-    let grid = Grid::new(args.vary.clone())?;
+    command_over(args, None, study)
+}
+
+/// The same over an axis of the question's own, which changes slowest.
+///
+/// # Errors
+/// As for [`command`].
+pub(crate) fn command_over<S: Study>(
+    args: &StudyArgs,
+    own: Option<Axis>,
+    study: S,
+) -> Result<ExitCode, CommandError> {
+    let grid = Grid::new(own.into_iter().chain(args.vary.clone()).collect())?;
     let shard = args.shard.unwrap_or(Shard::WHOLE);
     if args.merge.is_empty() {
         check_size(&grid, shard, args.seeds)?;

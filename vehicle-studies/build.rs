@@ -6,6 +6,6 @@ fn main() {
     println!("cargo:rerun-if-changed=../files/build");
     export_hash(
         "VEHICLE_STUDIES_SOURCES",
-        &["src", "../signal/src", "../scenario/src", "../firmware-core/src"],
+        &["src", "../signal/src", "../rig-emulator/src", "../scenario/src", "../firmware-core/src"],
     );
 }

@@ -28,6 +28,11 @@ pub enum BenchError {
     },
     /// Something that the protocol does not know, such as a node beyond 4.
     Protocol(can_protocol::Error),
+    /// A scenario without a rig where one is needed.
+    NoRig {
+        /// Its title.
+        title: String,
+    },
     /// Pace fast with a rig on a real bus.
     FastOnBus {
         /// The bus.
@@ -212,6 +217,7 @@ impl BenchError {
             Self::Scenario(_)
             | Self::SlotBus { .. }
             | Self::Protocol(_)
+            | Self::NoRig { .. }
             | Self::FastOnBus { .. }
             | Self::OtherHost { .. }
             | Self::BusLoad { .. }
@@ -326,6 +332,11 @@ impl fmt::Display for BenchError {
             Self::Scenario(why) => why.fmt(f),
             Self::SlotBus { place, why } => write!(f, "slot \"{}\": bus: {why}", quoted(place)),
             Self::Protocol(why) => why.fmt(f),
+            Self::NoRig { title } => write!(
+                f,
+                "{}: found no slot with on = \"rig\", expected one: no rig would be armed",
+                quoted(title)
+            ),
             Self::FastOnBus { bus } => write!(
                 f,
                 "--pace: found pace fast on {}, expected lockstep or realtime: pace fast runs on \

@@ -13,14 +13,16 @@
 //! 3. [`control`]: the loop, and the watch over the damper of each rig.
 //! 4. [`rig`]: the other end of the bus, in line or as a process of its own; `reset` releases one
 //!    that is latched; [`Draw`] is the source of the numbers of both sides.
-//!    The delay that a rig leaves to the force is measured in blocks ([`DelayBlocks`]).
+//!    The delay that a rig leaves to the force is measured in blocks
+//!    ([`firmware_core::line::DelayBlocks`]).
 //! 5. [`gateway`]: a rig that speaks its own messages, by its DBC, behind a bus of ours.
 //! 6. [`record`]: rows and frames leave the loop through bounded queues; a record or a bus log is
 //!    read back as a damper test.
 //! 7. [`faults`]: faults that are injected into a coupled run in virtual time.
 //! 8. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `counts` (while
 //!    it goes on), `statistics` (from the record), `summary` (`summary.json`), `page`
-//!    (`report.html`), `comparison` (the same run with another damper).
+//!    (`report.html`), `comparison` (the same run with another damper). [`rehearse`] runs it in
+//!    memory first, and says how far every limit is away.
 //! 9. [`calibration`]: stiffness, skew, end mass and gain of a rig, from tests in open loop.
 //!
 //! Layers: `firmware-core` computes a cycle and `can-protocol` its frames; `scenario` reads the
@@ -45,9 +47,9 @@ mod page;
 mod progress_bar;
 pub mod realtime;
 pub mod record;
+mod rehearsal;
 pub mod replay;
 mod reset;
-mod residual_delay;
 pub mod rig;
 pub mod rtcheck;
 pub mod run;
@@ -61,8 +63,8 @@ pub use draw::Draw;
 pub use error::BenchError;
 pub use linear_vehicle::{Hunting, LinearMode, LinearVehicle};
 pub use options::{PaceChoice, RunOptions};
+pub use rehearsal::{CheckMargin, LimitOf, MeasuredRam, Rehearsal, TRACKING, Verdict, rehearse};
 pub use reset::{reset_over, reset_rig};
-pub use residual_delay::{DelayBlocks, ResidualDelay, Sensitivity};
 pub use summary::{
     Acceleration, Accelerations, ArmedSession, BusCount, DamperSummary, ForceRange, Frames,
     MeasuredDelay, Percentiles, StepPercentiles, Stroke, Summary, TrackingSummary,

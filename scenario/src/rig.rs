@@ -9,6 +9,7 @@
 //! the kind is refused. What is mounted and what the sensors show is the same for all ([`Mounted`],
 //! [`SensorsFile`]).
 
+use crate::cycle::CYCLE_S;
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
@@ -140,6 +141,8 @@ const DISPLACEMENT_NOISE_M: f64 = 0.2e-6;
 
 /// Longest pure delay that a rig keeps (cycles).
 pub const DELAY_CYCLES_MAX: u16 = 64;
+/// The same as a time (s).
+pub const DELAY_MAX_S: f64 = DELAY_CYCLES_MAX as f64 * CYCLE_S;
 
 impl RigKind {
     /// As it is written.
@@ -162,6 +165,23 @@ impl RigKind {
 }
 
 impl RigSetup {
+    /// The same rig with an ideal drive that is late by so much (s): whole cycles, and a lag for
+    /// the rest. None of a lead, or of a delay that a rig does not keep.
+    #[must_use]
+    pub fn late_by(&self, delay_s: f64) -> Option<Self> {
+        if !(0.0..=DELAY_MAX_S).contains(&delay_s) {
+            return None;
+        }
+        // A short lag damps least, and none at all lets the speed jump.
+        let cycles = libm::floor(((delay_s - LAG_S) / CYCLE_S).max(0.0) + 1e-9);
+        Some(Self {
+            drive: Drive::Ideal,
+            lag_s: delay_s - cycles * CYCLE_S,
+            delay_cycles: cycles as u16,
+            ..self.clone()
+        })
+    }
+
     /// What is unusual about the numbers of its damper, one line each, for a command to print.
     pub fn warnings(&self) -> Vec<String> {
         let lines = typical::damper_warnings(&self.damper);
@@ -359,5 +379,24 @@ impl RigFile {
             return Err(source.whole_error(found));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_late_rig_is_late_by_whole_cycles_and_a_short_lag() {
+        let rig = RigFile::default_setup().unwrap();
+        for (ms, cycles, lag_ms) in [(0.0, 0, 0.0), (0.5, 0, 0.5), (1.4, 0, 1.4), (8.5, 8, 0.5)] {
+            let late = rig.late_by(1e-3 * ms).unwrap();
+            assert_eq!(late.delay_cycles, cycles, "{ms}");
+            assert!((late.lag_s - 1e-3 * lag_ms).abs() < 1e-12, "{ms}: {}", late.lag_s);
+            assert_eq!(late.damper, rig.damper);
+        }
+        for s in [-1e-6, 65e-3, f64::NAN] {
+            assert_eq!(rig.late_by(s), None, "{s}");
+        }
     }
 }

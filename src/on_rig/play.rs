@@ -58,7 +58,8 @@ pub(super) fn play(bench: &Bench<'_>) -> Result<ExitCode, CommandError> {
     print_heat(bench, &tests, &vec![0.0; tests.len()])?;
     let plan = bench.plan(tests);
     let found = bench.conduct(&plan, &mut folder)?;
-    write(bench, &folder, &found, plan.tests.len())
+    let names: Vec<&str> = plan.tests.iter().map(|test| test.name.as_str()).collect();
+    write(bench, &folder, &found, &names)
 }
 
 /// The motions of a record, with or without a force.

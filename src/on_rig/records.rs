@@ -43,13 +43,13 @@ fn csv_name(test: &str) -> String {
     format!("{test}.csv")
 }
 
-/// Writes records, mappings, figures and tracking of tests of which `planned` were asked for;
+/// Writes records, mappings, figures and tracking of the tests that were asked for by name;
 /// prints figures and tracking.
 pub(super) fn write(
     bench: &Bench<'_>,
     folder: &ResultFolder,
     found: &OpenLoopRecord,
-    planned: usize,
+    planned: &[&str],
 ) -> Result<ExitCode, CommandError> {
     let common = bench.common;
     let paths = write_records(bench, folder, &found.tests)?;
@@ -81,10 +81,13 @@ pub(super) fn write(
     if let Some(code) = ended_early(found) {
         return Ok(code);
     }
-    if found.tests.len() == planned {
+    if found.tests.len() == planned.len() {
         return Ok(ExitCode::SUCCESS);
     }
-    output::complain("tests were left out: the oil did not reach its temperatures");
+    let is_run = |name: &&str| found.tests.iter().any(|test| test.name == **name);
+    let left_out: Vec<&str> = planned.iter().copied().filter(|name| !is_run(name)).collect();
+    let left_out = left_out.join(", ");
+    output::complain(&format!("the oil did not reach its temperatures: without {left_out}"));
     Ok(ExitCode::from(FAILED))
 }
 

@@ -6,12 +6,10 @@
 
 use crate::date::Date;
 use can_protocol::Node;
+pub(super) use hil_host::TRACKING;
 use hil_host::run::{Delay, MeasuredTest};
 use report::{Cell, Table};
 use serde::Serialize;
-
-/// The delay and the tracking, for later runs.
-pub(super) const TRACKING: &str = "tracking.json";
 
 /// How well the ram has followed in every test.
 pub(super) fn table(tests: &[MeasuredTest]) -> Table {
@@ -21,7 +19,7 @@ pub(super) fn table(tests: &[MeasuredTest]) -> Table {
         .fixed("+-", "ms", 3)
         .fixed("rms error", "%", 2)
         .fixed("most", "mm", 3)
-        .fixed("missing", "", 0);
+        .fixed("missing", "cycles", 0);
     table.rows(tests.iter().map(|test| -> [Cell; 6] {
         [
             test.name.as_str().into(),
@@ -53,7 +51,7 @@ struct TrackedTest {
     name: String,
     delay_s: Option<f64>,
     delay_standard_error_s: Option<f64>,
-    /// Rms of the error over the rms of the command.
+    /// Rms of the error over the standard deviation of the command.
     error_rms: Option<f64>,
     error_most_m: f64,
     samples: usize,

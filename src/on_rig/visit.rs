@@ -27,7 +27,8 @@ pub(super) fn visit(bench: &Bench<'_>) -> Result<ExitCode, CommandError> {
     print_heat(bench, &planned, &frequencies)?;
     let plan = bench.plan(planned);
     let found = bench.conduct(&plan, &mut folder)?;
-    write(bench, &folder, &found, plan.tests.len())
+    let names: Vec<&str> = plan.tests.iter().map(|test| test.name.as_str()).collect();
+    write(bench, &folder, &found, &names)
 }
 
 /// A test as commands.
@@ -73,11 +74,11 @@ fn heat(damper: &Damper, tests: &[PlannedTest], frequencies_hz: &[f64]) -> Table
         .iter()
         .zip(frequencies_hz)
         .map(|(test, frequency_hz)| {
-            let work_j = work_j(&damper, &test.commands);
+            let works_j = works_j(&damper, &test.commands);
+            let work_j = works_j.last().copied().unwrap_or(0.0);
             let length_s = test.commands.len().saturating_sub(1).max(1) as f64 * CYCLE_S;
             degc = balance.after(degc, work_j / length_s, LABORATORY_DEGC, length_s);
-            let cycles = length_s * frequency_hz;
-            let per_cycle = (cycles >= 1.0).then(|| work_j / cycles);
+            let per_cycle = largest_in(&works_j, 1.0 / (frequency_hz * CYCLE_S));
             [
                 test.name.as_str().into(),
                 length_s.into(),
@@ -91,14 +92,24 @@ fn heat(damper: &Damper, tests: &[PlannedTest], frequencies_hz: &[f64]) -> Table
     table.rows(rows)
 }
 
-/// The work of a damper along a motion (J).
-fn work_j(damper: &Damper, commands: &[Command]) -> f64 {
-    let Some(first) = commands.first() else { return 0.0 };
+/// The largest work within so many cycles (J), of the work so far; tests begin and end softly.
+fn largest_in(works_j: &[f64], cycles: f64) -> Option<f64> {
+    let whole = (1.0..=works_j.len() as f64).contains(&cycles).then(|| cycles.round() as usize)?;
+    works_j.windows(whole + 1).map(|works_j| works_j[whole] - works_j[0]).reduce(f64::max)
+}
+
+/// The work of a damper along a motion, so far (J).
+fn works_j(damper: &Damper, commands: &[Command]) -> Vec<f64> {
+    let Some(first) = commands.first() else { return Vec::new() };
     let mut state = DamperState::starting(Motion::new(first.displacement_m, 0.0));
     let steps = commands.windows(2).map(|pair| {
         let motion = Motion::new(pair[1].displacement_m, pair[1].velocity_m_per_s);
         let force_n = damper.advance(&mut state, motion, CYCLE_S);
         force_n * (pair[1].displacement_m - pair[0].displacement_m)
     });
-    steps.sum()
+    let so_far = steps.scan(0.0, |sum_j, work_j| {
+        *sum_j += work_j;
+        Some(*sum_j)
+    });
+    std::iter::once(0.0).chain(so_far).collect()
 }

@@ -34,7 +34,14 @@ fn a_visit_on_a_rig_measures_its_damper_and_its_delay() {
     assert!(csv.starts_with("# specimen: seven\n# orientation: upright\ntime_s,"), "{csv:.80}");
     assert_eq!(csv.lines().count(), 3 + 7501);
     // Record, log and events are there too, and the rig was never coupled.
-    for file in ["record.npy", "bus.log", "events.jsonl", "laboratory.json", "manifest.json"] {
+    for file in [
+        "record.npy",
+        "bus.log",
+        "events.jsonl",
+        "laboratory.json",
+        "tracking.json",
+        "manifest.json",
+    ] {
         assert!(out.join(file).is_file(), "{file}");
     }
     let events = read(&out.join("events.jsonl"));

@@ -25,6 +25,24 @@ pub struct Impedance {
     pub damping_n_s_per_m: f64,
 }
 
+impl Impedance {
+    /// The same, its force late by so much (s) at a frequency (Hz).
+    ///
+    /// ```text
+    /// K + i w C -> (K + i w C) exp(-i w tau)
+    /// ```
+    pub(crate) fn late_by(self, delay_s: f64, frequency_hz: f64) -> Self {
+        debug_assert!(frequency_hz > 0.0, "{frequency_hz} Hz");
+        let omega = TAU * frequency_hz;
+        let (sin, cos) = libm::sincos(omega * delay_s);
+        let (in_phase, ahead) = (self.stiffness_n_per_m, omega * self.damping_n_s_per_m);
+        Self {
+            stiffness_n_per_m: in_phase * cos + ahead * sin,
+            damping_n_s_per_m: (ahead * cos - in_phase * sin) / omega,
+        }
+    }
+}
+
 /// Stiffness and damping of a damper at a stroke (m, half the travel) and a frequency (Hz).
 pub(crate) fn impedance(damper: &Damper, stroke_m: f64, frequency_hz: f64) -> Impedance {
     debug_assert!(stroke_m > 0.0 && frequency_hz > 0.0, "{stroke_m} m at {frequency_hz} Hz");
@@ -86,5 +104,18 @@ mod tests {
         let share = (w * ce / ke).powi(2);
         assert!((found.stiffness_n_per_m / (ke * share / (1.0 + share)) - 1.0).abs() < 1e-4);
         assert!((found.damping_n_s_per_m / (ce / (1.0 + share)) - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_delay_costs_a_maxwell_element_the_damping_of_the_formula() {
+        let maxwell = Nominal { clearance_2a_m: 0.0, f_relief_n: 1e9, ..Nominal::NEW };
+        let own = impedance(&Damper::new(maxwell, &[]).unwrap(), 1e-3, 3.0);
+        for delay_s in [-2e-3, 1e-3, 8e-3] {
+            let lost = 1.0 - own.late_by(delay_s, 3.0).damping_n_s_per_m / own.damping_n_s_per_m;
+            let relaxation_s = maxwell.ce_n_s_per_m / maxwell.ke_n_per_m;
+            let formula =
+                firmware_core::compensation::damping_energy_lost(delay_s, 3.0, relaxation_s);
+            assert!((lost - formula).abs() < 1e-3, "{delay_s}: {lost} {formula}");
+        }
     }
 }

@@ -25,6 +25,10 @@ pub enum StudyError {
     OnTrack(usize, Box<Self>),
     /// A study without any track.
     NoTrack,
+    /// A vehicle without a damper.
+    NoDamper,
+    /// A delay that no rig keeps (s).
+    NoDelay(f64),
     /// A track without a curve.
     NoCurve,
     /// A track without irregularity.
@@ -77,6 +81,8 @@ impl StudyError {
             Self::Signal(why) => why.is_bad_input(),
             Self::Scenario(_)
             | Self::Damper(_)
+            | Self::NoDamper
+            | Self::NoDelay(_)
             | Self::NoCurve
             | Self::NoIrregularity
             | Self::NoBody(..)
@@ -100,6 +106,11 @@ impl fmt::Display for StudyError {
             Self::OffTheTrack(at_m) => write!(f, "off the track at {at_m:.0} m"),
             Self::OnTrack(number, why) => write!(f, "track {number}: {why}"),
             Self::NoTrack => write!(f, "found no track, expected at least one"),
+            Self::NoDamper => write!(f, "found no damper slot, expected one that can be on a rig"),
+            Self::NoDelay(delay_s) => {
+                let found_ms = files::number(1e3 * delay_s);
+                write!(f, "found a rig that is late by {found_ms} ms, expected at most 63.5 ms")
+            }
             Self::NoCurve => write!(f, "the track has no curve, expected [track.curve]"),
             Self::NoIrregularity => {
                 write!(f, "the track has no irregularity, expected [track.irregularity]")

@@ -8,15 +8,16 @@
 //! | module | what |
 //! | --- | --- |
 //! | [`trip`] | a vehicle under way: on one track at one speed, recorded at 1 kHz |
-//! | [`critical_speed`], [`ride`], [`curve`] | the three questions, each with its text and its page |
+//! | [`critical_speed`], [`rig_delay`], [`ride`], [`curve`] | the questions, each with its text and its page |
 //! | [`modes`], `describing_function` | linear vibrations, with a damper as stiffness and damping |
 //! | [`receptance`] | poles and residues of the vehicle at the places of its dampers |
 //! | [`study`] | asking at every point; the identity of a study |
 //! | [`grid`], [`GridPoint`], [`OverSeeds`] | points, their answers, quantities over several tracks |
 //! | [`StudyError`] | what can go wrong in any of them |
 //!
-//! The crate uses `scenario` for what it simulates, `signal` for what it makes of the signals,
-//! `files` for identities and `report` for pages. It knows nothing of records, rigs and buses.
+//! The crate uses `scenario` for what it simulates, `rig-emulator` for dampers behind rigs,
+//! `signal` for what it makes of the signals, `files` for identities and `report` for pages. It
+//! knows nothing of records and buses.
 
 pub mod critical_speed;
 pub mod curve;
@@ -30,6 +31,7 @@ mod point;
 mod point_table;
 pub mod receptance;
 pub mod ride;
+pub mod rig_delay;
 pub mod study;
 pub mod trip;
 

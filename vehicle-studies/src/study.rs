@@ -33,6 +33,8 @@ pub trait Study: Debug + Serialize + Sync {
     const NAME: &'static str;
     /// What answers are called.
     const ANSWERS: &'static str;
+    /// Key of an axis of the grid that belongs to the question and not to the scenario.
+    const OWN_KEY: Option<&'static str> = None;
     /// The answer at a point; its default is none.
     type Answer: Serialize + DeserializeOwned + Default + Clone + PartialEq + Send + Sync;
 
@@ -49,7 +51,7 @@ pub trait Study: Debug + Serialize + Sync {
         Ok(())
     }
 
-    /// Finds the answer for the scenario of a point.
+    /// Finds the answer for the scenario of a point; `own` is the value at the question's own key.
     ///
     /// # Errors
     /// Why there is none; the parts of `answer` that were found before stay.
@@ -57,6 +59,7 @@ pub trait Study: Debug + Serialize + Sync {
         &self,
         run: &Run,
         equipped: &Equipped<'_>,
+        own: Option<f64>,
         answer: &mut Self::Answer,
     ) -> Result<(), StudyError>;
 
@@ -78,16 +81,19 @@ pub struct Varied {
 
 impl Varied {
     /// The scenario at a point, with one second of its random track, since studies lay their own. A
-    /// measured track has to reach as far as the study goes (s).
+    /// measured track has to reach as far as the study goes (s). An axis of `own_key` is none of the
+    /// scenario's.
     ///
     /// # Errors
     /// A scenario that cannot be read or does not hold at the point.
     pub fn run(
         &self,
         index: usize,
+        own_key: Option<&str>,
         duration_s: impl Fn(&Run) -> f64,
     ) -> Result<Run, ScenarioError> {
-        let settings = self.grid.point(index);
+        let mut settings = self.grid.point(index);
+        settings.retain(|setting| own_key != Some(setting.key.as_str()));
         let load = |duration_s: f64| {
             let overrides = Overrides { duration_s: Some(duration_s), speed_kmh: None };
             Run::load_as_fine_as_needed(&self.scenario, overrides, &settings)
@@ -124,7 +130,7 @@ impl<S: Study> VariedStudy<S> {
     pub fn identity(&self) -> Result<Identity, StudyError> {
         let Self { varied, study } = self;
         let at = |index: usize| -> Result<BTreeMap<String, String>, StudyError> {
-            let run = varied.run(index, |run| study.duration_s(run))?;
+            let run = varied.run(index, S::OWN_KEY, |run| study.duration_s(run))?;
             let in_file = |why| StudyError::InFile(varied.scenario.clone(), Box::new(why));
             study.fits(&run).map_err(in_file)?;
             Ok(run.inputs)
@@ -160,13 +166,15 @@ impl<S: Study> VariedStudy<S> {
     ) -> Result<Option<GridPoint<S::Answer>>, StudyError> {
         debug_assert!(index < self.varied.grid.len(), "{index} lies outside the grid");
         let Self { varied, study } = self;
-        let run = varied.run(index, |run| study.duration_s(run))?;
+        let run = varied.run(index, S::OWN_KEY, |run| study.duration_s(run))?;
         self.refuse_changed(&identity.inputs, &run.inputs)?;
-        let mut answer = S::Answer::default();
+        let (at, mut answer) = (varied.grid.point(index), S::Answer::default());
         let mut pace = None;
         let mut find = || -> Result<(), StudyError> {
             let equipped = Equipped::of(&run)?.until(stop);
-            let found = study.answer(&run, &equipped, &mut answer);
+            let own = at.iter().find(|setting| S::OWN_KEY == Some(setting.key.as_str()));
+            let own = own.map(Setting::number);
+            let found = study.answer(&run, &equipped, own, &mut answer);
             pace = equipped.pace();
             found
         };
@@ -174,7 +182,7 @@ impl<S: Study> VariedStudy<S> {
             Err(StudyError::Stopped) => return Ok(None),
             found => found.err().map(|why| why.to_string()),
         };
-        let (study, at) = (self.name(identity), varied.grid.point(index));
+        let study = self.name(identity);
         Ok(Some(GridPoint { index, study, at, answer, failure, pace }))
     }
 

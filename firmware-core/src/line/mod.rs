@@ -29,9 +29,11 @@
 
 mod fade;
 mod open_loop;
+mod residual_delay;
 mod slot;
 
 pub use fade::{Fade, TooFar, URGENT_S};
+pub use residual_delay::{BLOCK_CYCLES, DelayBlocks, FEWEST_BLOCKS, ResidualDelay, Sensitivity};
 pub use slot::{RigSlot, Slot, SlotState};
 
 use crate::command::Command;
@@ -252,6 +254,7 @@ impl Line<'_> {
             };
             let limited = memory.limits.limited(memory.command, compensated, self.cycle_s);
             memory.limited += u64::from(limited.is_saturated);
+            memory.demand = memory.demand.larger(limited.demand);
             memory.command = limited.command;
             memory.compensator.sent(memory.command);
             debug_assert!(memory.command.is_finite(), "a plausible state gives a finite command");

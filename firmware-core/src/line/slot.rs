@@ -5,7 +5,7 @@ use crate::command::Command;
 use crate::compensation::{Compensator, CompensatorState, VirtualWear, VirtualWearState};
 use crate::damper::{Damper, DamperState, Motion};
 use crate::guard::Guard;
-use crate::supervision::{CommandLimits, Ramp};
+use crate::supervision::{CommandLimits, Demand, Ramp};
 use crate::vehicle::{DAMPER_SLOTS, DamperForces};
 
 /// Where the force of a slot comes from.
@@ -53,6 +53,8 @@ pub struct SlotState {
     pub command: Command,
     /// Commands that a limit has changed.
     pub limited: u64,
+    /// The most that the vehicle's motion has asked of the ram, limits apart.
+    pub demand: Demand,
     /// Displacement at which the ram stood when it was coupled (m).
     pub ram_start_m: f64,
     /// Share of the vehicle's motion in the command.

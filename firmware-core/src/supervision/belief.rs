@@ -17,7 +17,8 @@ use super::age::{Age, AgeJudge};
 use super::cause::{Cause, Signal};
 use super::checks::{Checks, Condition};
 use super::findings::{Findings, Noted};
-use super::loss::{Loss, LossVerdict};
+use super::loss::{Loss, LossVerdict, MostLost};
+use super::reached::Reached;
 use super::rule::{Action, Rule, RuleState};
 use super::stuck::Stuck;
 use super::work::{GivenBack, Work};
@@ -62,6 +63,8 @@ const RESIDUAL_S: f64 = 1.0;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Belief {
     age: AgeJudge,
+    /// Age of the oldest measurement so far, cycles.
+    oldest_cycles: u8,
     begun: bool,
     /// Whether the rig was coupled, and every cycle is to bring a measurement.
     is_coupled: bool,
@@ -203,12 +206,50 @@ impl Belief {
         (&self.measurements, &self.commands)
     }
 
+    /// How far every signal that has a limit has come towards it.
+    pub fn reached(&self, checks: &Checks) -> [Reached; Reached::COUNT] {
+        let [one_cycle, ten_cycles] = self.work.most_given();
+        let (measurements, commands) = (self.measurements.most(), self.commands.most());
+        let most = |of: fn(&MostLost) -> u32| f64::from(of(&measurements).max(of(&commands)));
+        let rule = Reached::of_rule;
+        let count = Reached::of_count;
+        [
+            rule(Signal::Displacement, &checks.displacement, &self.displacement),
+            rule(Signal::Velocity, &checks.velocity, &self.velocity),
+            rule(Signal::Acceleration, &checks.acceleration, &self.acceleration),
+            rule(Signal::Tracking, &checks.tracking, &self.tracking),
+            rule(Signal::Force, &checks.force, &self.force),
+            rule(Signal::ForceRate, &checks.force_rate, &self.force_rate),
+            rule(Signal::Residual, &checks.residual, &self.residual),
+            rule(Signal::Temperature, &checks.temperature, &self.temperature),
+            Reached::of_share("work", one_cycle, checks.work.one_cycle),
+            Reached::of_share("work_of_ten", ten_cycles, checks.work.ten_cycles),
+            Reached {
+                has_tripped: self
+                    .cause()
+                    .is_some_and(|cause| cause.signal == Signal::OldMeasurements),
+                ..count("age", f64::from(self.oldest_cycles), checks.age.limit)
+            },
+            // One cycle less than those that are too many.
+            count(
+                "lost_in_a_row",
+                most(|lost| lost.in_a_row),
+                f64::from(checks.lost.in_a_row) - 1.0,
+            ),
+            count("lost_of_50", most(|lost| lost.in_short), f64::from(checks.lost.in_short)),
+            count("lost_of_250", most(|lost| lost.in_long), f64::from(checks.lost.in_long)),
+        ]
+    }
+
     fn judge(&mut self, checks: &Checks, measured: &Measured, sent: u8) -> ForceInput {
         if !measured.runs {
             return ForceInput::Invalid;
         }
-        let age = match self.age.take(measured.counter, measured.echo, sent, checks.counter_modulus)
-        {
+        let age = self.age.take(measured.counter, measured.echo, sent, checks.counter_modulus);
+        if let Age::New(cycles) = age {
+            self.oldest_cycles = self.oldest_cycles.max(cycles);
+        }
+        let age = match age {
             Age::New(age) if f64::from(age) <= checks.age.limit => age,
             Age::New(_) | Age::Old => {
                 self.old_cycles = self.old_cycles.saturating_add(1);

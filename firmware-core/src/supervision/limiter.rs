@@ -43,6 +43,32 @@ pub struct Limited {
     pub command: Command,
     /// Whether it differs from the wanted one.
     pub is_saturated: bool,
+    /// What the wanted one asks of the ram.
+    pub demand: Demand,
+}
+
+/// What a wanted command asks of a ram, in the quantities that have a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Demand {
+    /// Displacement from mid-stroke, with the way on which the ram can brake where it moves
+    /// outward, m.
+    pub stroke_m: f64,
+    /// Speed, m/s.
+    pub velocity_m_per_s: f64,
+    /// Change of the speed in a period, m/s.
+    pub speed_change_m_per_s: f64,
+}
+
+impl Demand {
+    /// Of each quantity the larger one.
+    #[must_use]
+    pub const fn larger(self, other: Self) -> Self {
+        Self {
+            stroke_m: self.stroke_m.max(other.stroke_m),
+            velocity_m_per_s: self.velocity_m_per_s.max(other.velocity_m_per_s),
+            speed_change_m_per_s: self.speed_change_m_per_s.max(other.speed_change_m_per_s),
+        }
+    }
 }
 
 impl CommandLimits {
@@ -72,8 +98,9 @@ impl CommandLimits {
     pub fn limited(&self, last: Command, wanted: Command, period_s: f64) -> Limited {
         debug_assert!(period_s > 0.0 && last.is_finite() && wanted.is_finite());
         debug_assert!(self.acceleration_m_per_s2 > 0.0 && self.velocity_m_per_s > 0.0);
-        if self.keeps(last, wanted, period_s) {
-            return Limited { command: wanted, is_saturated: false };
+        let demand = self.demand(last, wanted, period_s);
+        if self.keeps(demand, period_s) {
+            return Limited { command: wanted, is_saturated: false, demand };
         }
         let Self { stroke_m, velocity_m_per_s: v_max, acceleration_m_per_s2: a_max } = *self;
         let target_m = clamped(wanted.displacement_m, -stroke_m, stroke_m);
@@ -94,24 +121,29 @@ impl CommandLimits {
         let v = last.velocity_m_per_s;
         let velocity_m_per_s = clamped(allowed, v - change, v + change);
         let displacement_m = last.displacement_m + velocity_m_per_s * period_s;
-        Limited { command: Command { displacement_m, velocity_m_per_s }, is_saturated: true }
+        let command = Command { displacement_m, velocity_m_per_s };
+        Limited { command, is_saturated: true, demand }
     }
 
-    /// Whether a command keeps all limits, a period after the last.
-    fn keeps(&self, last: Command, wanted: Command, period_s: f64) -> bool {
-        let step = (wanted.displacement_m - last.displacement_m) / period_s;
-        let change = self.acceleration_m_per_s2 * period_s;
-        let distance_m = self.stroke_m - wanted.displacement_m.abs();
-        let outward = wanted.velocity_m_per_s * wanted.displacement_m > 0.0;
-        let can_brake = !outward
-            || wanted.velocity_m_per_s * wanted.velocity_m_per_s
-                <= 2.0 * self.acceleration_m_per_s2 * distance_m;
-        distance_m >= 0.0
-            && can_brake
-            && wanted.velocity_m_per_s.abs() <= self.velocity_m_per_s
-            && step.abs() <= self.velocity_m_per_s
-            && (wanted.velocity_m_per_s - last.velocity_m_per_s).abs() <= change
-            && (step - last.velocity_m_per_s).abs() <= change
+    /// What a command asks of the ram, a period after the last.
+    fn demand(&self, last: Command, wanted: Command, period_s: f64) -> Demand {
+        let Command { displacement_m: x, velocity_m_per_s: v } = wanted;
+        let step = (x - last.displacement_m) / period_s;
+        let is_outward = v * x > 0.0;
+        let braking_m = if is_outward { 0.5 * v * v / self.acceleration_m_per_s2 } else { 0.0 };
+        let (to_wanted, to_step) = (v - last.velocity_m_per_s, step - last.velocity_m_per_s);
+        Demand {
+            stroke_m: x.abs() + braking_m,
+            velocity_m_per_s: v.abs().max(step.abs()),
+            speed_change_m_per_s: to_wanted.abs().max(to_step.abs()),
+        }
+    }
+
+    /// Whether a demand is within all limits.
+    fn keeps(&self, demand: Demand, period_s: f64) -> bool {
+        demand.stroke_m <= self.stroke_m
+            && demand.velocity_m_per_s <= self.velocity_m_per_s
+            && demand.speed_change_m_per_s <= self.acceleration_m_per_s2 * period_s
     }
 }
 
@@ -164,6 +196,21 @@ mod tests {
                 command = next;
             }
         }
+    }
+
+    #[test]
+    fn a_ram_that_moves_outward_asks_for_the_way_on_which_it_brakes() {
+        let last = Command { displacement_m: 39.8e-3, velocity_m_per_s: 0.2 };
+        let out = Command { displacement_m: 40e-3, velocity_m_per_s: 0.2 };
+        // 0.2^2 / (2 * 20) m = 1 mm.
+        let demand = LIMITS.limited(last, out, T).demand;
+        assert!((demand.stroke_m - 41e-3).abs() < 1e-12, "{demand:?}");
+        assert!((demand.velocity_m_per_s - 0.2).abs() < 1e-12, "{demand:?}");
+        // A command beyond the limits asks for what it asks for, whatever is sent instead.
+        let far = Command { displacement_m: 80e-3, velocity_m_per_s: 0.2 };
+        let limited = LIMITS.limited(last, far, T);
+        assert!(limited.is_saturated && limited.demand.stroke_m > 80e-3, "{limited:?}");
+        assert!((limited.demand.speed_change_m_per_s - 40.0).abs() < 1e-9, "{limited:?}");
     }
 
     #[test]

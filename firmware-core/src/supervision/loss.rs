@@ -54,6 +54,18 @@ pub struct Loss {
     short: Window<1>,
     long: Window<4>,
     total: u64,
+    most: MostLost,
+}
+
+/// The most that was lost so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MostLost {
+    /// In a row.
+    pub in_a_row: u32,
+    /// In the short window.
+    pub in_short: u32,
+    /// In the long window.
+    pub in_long: u32,
 }
 
 impl Loss {
@@ -71,6 +83,11 @@ impl Loss {
         self.total += u64::from(is_lost);
         self.short.push(is_lost, SHORT_CYCLES);
         self.long.push(is_lost, LONG_CYCLES);
+        self.most = MostLost {
+            in_a_row: self.most.in_a_row.max(self.in_a_row),
+            in_short: self.most.in_short.max(self.short.count),
+            in_long: self.most.in_long.max(self.long.count),
+        };
         if self.in_a_row >= limits.in_a_row {
             LossVerdict::Row
         } else if self.short.count > limits.in_short {
@@ -90,6 +107,11 @@ impl Loss {
     /// Lost within the short and within the long window.
     pub fn in_windows(&self) -> (u32, u32) {
         (self.short.count, self.long.count)
+    }
+
+    /// The most that was lost so far.
+    pub fn most(&self) -> MostLost {
+        self.most
     }
 
     /// Lost in all.

@@ -8,6 +8,7 @@
 //! | `cause` | what stopped a bench |
 //! | `loss` | frames that do not arrive |
 //! | `age` | how old a measurement is |
+//! | `reached` | how far a signal has come towards its limit |
 //! | `rule` | a limit on a signal, its debounce and its action |
 //! | `findings` | the first cause that ends a run, and what ended nothing |
 //! | `stuck` | a sensor that has frozen |
@@ -31,6 +32,7 @@ mod loss;
 mod ramp;
 #[cfg(test)]
 mod random;
+mod reached;
 mod rule;
 mod second_sender;
 mod state;
@@ -43,9 +45,10 @@ pub use cause::{Cause, Signal};
 pub use checks::{Checks, Condition, RESIDUAL_SHARE};
 pub use findings::Noted;
 pub use growth::Growth;
-pub use limiter::{CommandLimits, Limited};
-pub use loss::{LONG_CYCLES, Loss, LossLimits, LossVerdict, SHORT_CYCLES};
+pub use limiter::{CommandLimits, Demand, Limited};
+pub use loss::{LONG_CYCLES, Loss, LossLimits, LossVerdict, MostLost, SHORT_CYCLES};
 pub use ramp::Ramp;
+pub use reached::Reached;
 pub use rule::{Action, Rule, RuleState};
 pub use second_sender::{Frames, SecondSender};
 pub use state::{Event, Outcome, State, write_diagram};

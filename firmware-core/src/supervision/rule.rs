@@ -50,8 +50,9 @@ pub struct Rule {
 pub struct RuleState {
     /// Cycles in a row beyond the limit.
     beyond_cycles: u32,
-    /// Largest magnitude so far; values that are no number count as infinite.
-    largest: f64,
+    /// Largest magnitude so far; values that are no number count as infinite. None before the first
+    /// value.
+    largest: Option<f64>,
     /// Value at which it tripped.
     tripped_at: Option<f64>,
 }
@@ -74,7 +75,7 @@ impl Rule {
         debug_assert!(self.debounce_cycles > 0, "a rule without a cycle trips on nothing");
         debug_assert!(self.limit >= 0.0, "a limit of {} lets nothing pass", self.limit);
         let magnitude = if value.is_nan() { f64::INFINITY } else { value.abs() };
-        state.largest = state.largest.max(magnitude);
+        state.largest = Some(state.largest.map_or(magnitude, |before| before.max(magnitude)));
         let is_beyond = magnitude > self.limit;
         state.beyond_cycles = if is_beyond { state.beyond_cycles.saturating_add(1) } else { 0 };
         if state.tripped_at.is_none() && state.beyond_cycles >= self.debounce_cycles {
@@ -94,8 +95,8 @@ impl RuleState {
         self.tripped_at
     }
 
-    /// The largest magnitude so far, tripped or not.
-    pub fn largest(&self) -> f64 {
+    /// The largest magnitude so far, tripped or not; none before the first value.
+    pub fn largest(&self) -> Option<f64> {
         self.largest
     }
 }
@@ -121,7 +122,7 @@ mod tests {
         for value in [2.0, -3.0, 4.0, 5.0] {
             RULE.take(&mut state, value);
         }
-        assert_eq!((state.tripped_at(), state.largest()), (Some(4.0), 5.0));
+        assert_eq!((state.tripped_at(), state.largest()), (Some(4.0), Some(5.0)));
     }
 
     #[test]
@@ -129,7 +130,7 @@ mod tests {
         assert_eq!(trips_at(&[f64::NAN, f64::INFINITY, f64::NEG_INFINITY]), Some(2));
         let mut state = RuleState::default();
         RULE.take(&mut state, f64::NAN);
-        assert_eq!(state.largest(), f64::INFINITY);
+        assert_eq!(state.largest(), Some(f64::INFINITY));
     }
 
     #[test]

@@ -82,6 +82,9 @@ pub struct Work {
     /// What the cycle has shown that has ended in this cycle of control.
     ended: Option<Ended>,
     verdict: Option<WorkVerdict>,
+    /// The largest shares so far that were given back, in one cycle and in ten; negative where a
+    /// damper took work.
+    most_given: [Option<f64>; 2],
 }
 
 /// A cycle of the motion.
@@ -114,6 +117,12 @@ struct Ended {
 }
 
 impl Cycle {
+    /// The share of the most that is given back beyond what springs may give; negative where work
+    /// was taken.
+    fn given_share(&self) -> f64 {
+        (-self.taken_j - self.relaxed_j.max(0.0)) / self.most_j
+    }
+
     /// What is given back beyond a share of the most.
     fn beyond(&self, share: f64) -> Option<GivenBack> {
         let limit_j = -share * self.most_j - self.relaxed_j.max(0.0);
@@ -176,6 +185,13 @@ impl Work {
         self.ended?.wrong_phase
     }
 
+    /// The largest shares of the most possible work that were given back, in one cycle and in ten:
+    /// zero where the damper took work in every one, none before so many cycles of the motion have
+    /// ended.
+    pub fn most_given(&self) -> [Option<f64>; 2] {
+        self.most_given.map(|share| share.map(|share| share.max(0.0)))
+    }
+
     /// Work of the last whole cycle, J.
     pub fn last_cycle_j(&self) -> f64 {
         let last = (self.next + SUMMED - 1) % SUMMED;
@@ -209,6 +225,11 @@ impl Work {
                 (None, None) => WorkVerdict::Passive,
             };
             self.ended = Some(Ended { wrong_sign, wrong_phase });
+            let given = [Some(cycle.given_share()), is_full.then(|| all.given_share())];
+            for (most, share) in self.most_given.iter_mut().zip(given) {
+                // None is less than any share.
+                *most = if *most < share { share } else { *most };
+            }
             self.verdict = Some(self.verdict().max(now));
         }
         (self.begun, self.begin_n) = (true, end_n);
@@ -259,6 +280,23 @@ mod tests {
         assert_eq!(cycle_of(WorkVerdict::GivesBack, 3.46e-3, |_| 0.1), None);
         let late = cycle_of(WorkVerdict::GivesBack, 3.46e-3, |_| -0.1);
         assert!(late.is_some_and(|n| n < 13 * 286), "{late:?}");
+    }
+
+    #[test]
+    fn a_flipped_dashpot_gives_back_all_and_a_sound_one_nothing() {
+        let given = |sign: f64| {
+            let mut work = Work::default();
+            assert_eq!(work.most_given(), [None; 2]);
+            for n in 0..5000 {
+                let phase = core::f64::consts::TAU * 3.5e-3 * f64::from(n);
+                let force_n = sign * 16e3 * libm::cos(phase);
+                work.take(&WorkLimits::USUAL, 3.46e-3 * libm::sin(phase), force_n);
+            }
+            work.most_given().map(Option::unwrap)
+        };
+        assert_eq!(given(1.0), [0.0; 2]);
+        let [one, ten] = given(-1.0);
+        assert!((one - 1.0).abs() < 0.05 && (ten - 1.0).abs() < 0.02, "{one} {ten}");
     }
 
     #[test]

@@ -1,24 +1,19 @@
 //! The second run of a comparison: on the memory bus, as fast as possible, in a thread of its own.
 
 use crate::BenchError;
-use crate::bus::{BusChoice, MemoryBus};
-use crate::clock::Tick;
-use crate::control::{Buses, Course, End, Ending, Requests};
+use crate::control::{End, Session, SessionState};
 use crate::counts::Counts;
 use crate::progress_bar::LateBar;
-use crate::record::{
-    InParts, NpyWriter, OpenFiles, PART_CYCLES, Queues, ROWS, Row, by_part, parts,
-};
-use crate::rig::RigNode;
-use crate::run::{Plan, Terms, session};
+use crate::record::{InParts, NpyWriter, OpenFiles, PART_CYCLES, ROWS, Row, by_part, parts};
+use crate::run::{Terms, in_memory};
 use crate::statistics::Statistics;
 use can_protocol::Profile;
 use scenario::run::Run;
 use std::fs::File;
 use std::io;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 /// The second run, done.
 #[derive(Debug, Clone)]
@@ -43,9 +38,6 @@ pub(crate) struct Cycles {
     /// Cycles of RUN.
     pub(crate) run: u64,
 }
-
-/// How long the rigs in memory may take to answer.
-const PATIENCE: Duration = Duration::from_secs(2);
 
 impl SecondRun {
     /// Runs through a scenario with as many cycles before and in RUN as the main run had, and
@@ -79,21 +71,6 @@ fn through(
     stop: &AtomicBool,
 ) -> Result<Option<SecondRun>, BenchError> {
     let failed = |why| BenchError::File { file: path.clone(), why };
-    let plan = Plan::new(run, &BusChoice::Memory)?;
-    let track = run.track.view();
-    let mut course = Course::new(run, &track);
-    let session = session(run, &track, &plan.rigs, Terms::in_memory(profile))?;
-    let rigs = plan.rigs.iter().map(|rig| RigNode::new(&run.rig, rig.node, profile));
-    let mut buses = vec![MemoryBus::new(rigs)];
-    let mut state = session.start(session.line.start(run.start.state.clone()));
-    session
-        .greet(&mut state, &mut buses, PATIENCE, &Requests::armed())
-        .map_err(|why| why.on(&BusChoice::Memory))?;
-    state.line.delay_run(ramp_in);
-    let mut queues = Queues::default();
-    // The frames of this bus are not kept.
-    let (mut recorder, _frames) = queues.split();
-    let mut buses = Buses::new(&mut buses, &mut recorder);
     let open = OpenFiles::default();
     let record = InParts::new(|part| {
         let writer = NpyWriter::begin(make(part)?)?;
@@ -110,33 +87,32 @@ fn through(
     let mut counts = Counts::default();
     let mut rows: Vec<Row> = Vec::with_capacity(ROWS);
     let mut bar = LateBar::new("the same with the other damper", cycles);
-    let mut ending = Ending::default();
-    let end = 'run: loop {
-        let track = course.track();
-        while !course.is_passed(&state.line) {
-            if stop.load(Ordering::Relaxed) {
-                for part in parts(&path) {
-                    std::fs::remove_file(part).map_err(failed)?;
-                }
-                return Ok(None);
-            }
-            let row = session.cycle_on(&track, &mut state, &mut buses, Tick::default());
-            counts.take(&row);
-            rows.push(row);
-            if rows.len() == ROWS {
-                write(&rows).map_err(failed)?;
-                rows.clear();
-                bar.at(counts.run_cycles);
-            }
-            if let Some(end) = ending.take(&session, &mut state, cycles, false) {
-                break 'run end;
-            }
+    let take = |row: &Row| -> Result<ControlFlow<()>, BenchError> {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(ControlFlow::Break(()));
         }
-        course.change()?;
+        counts.take(row);
+        rows.push(*row);
+        if rows.len() == ROWS {
+            write(&rows).map_err(failed)?;
+            rows.clear();
+            bar.at(counts.run_cycles);
+        }
+        Ok(ControlFlow::Continue(()))
+    };
+    let begin = |state: &mut SessionState| state.line.delay_run(ramp_in);
+    let close =
+        |session: &Session<'_>, state: &SessionState, end| (session.watched, state.hash, end);
+    let found = in_memory(run, Terms::in_memory(profile), begin, cycles, take, close)?;
+    let Some((watched, hash, end)) = found else {
+        for part in parts(&path) {
+            std::fs::remove_file(part).map_err(failed)?;
+        }
+        return Ok(None);
     };
     write(&rows).map_err(failed)?;
     record.into_last().finish().and_then(|_| open.hold()).map_err(failed)?;
     bar.finish();
     let statistics = Statistics::of(&path, run.run_in_s, |_| {})?;
-    Ok(Some(SecondRun { counts, statistics, watched: session.watched, hash: state.hash, end }))
+    Ok(Some(SecondRun { counts, statistics, watched, hash, end }))
 }

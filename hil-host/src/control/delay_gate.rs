@@ -10,7 +10,7 @@
 //! accepts that. A slot whose motion is too small to measure passes: nothing is known of it, and
 //! the summary says so.
 
-use crate::residual_delay::{BLOCK_CYCLES, DelayBlocks, FEWEST_BLOCKS};
+use firmware_core::line::{BLOCK_CYCLES, DelayBlocks, FEWEST_BLOCKS};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::MEASURING_CYCLES;
 

@@ -3,9 +3,8 @@
 use super::cycle::Inputs;
 use super::delay_gate::{COST_REFUSED, DelayGate, SETTLING_CYCLES};
 use super::session::{Session, SessionState};
-use crate::residual_delay::Sensitivity;
 use firmware_core::compensation::delay_that_costs;
-use firmware_core::line::Slot;
+use firmware_core::line::{Sensitivity, Slot};
 use firmware_core::supervision::{Action, Cause, Signal, State};
 
 impl Session<'_> {
@@ -24,7 +23,7 @@ impl Session<'_> {
                 let answer = inputs.answer[port.slot];
                 let measured_m = answer.map_or(f64::NAN, |answer| answer.displacement_m);
                 let wanted_m = state.line.slots[port.slot].wanted.displacement_m;
-                state.gate.delays[port.slot].take(wanted_m, measured_m);
+                state.gate.delays[port.slot].take(wanted_m, measured_m, self.line.cycle_s);
             }
         }
         if cycle >= end {
@@ -35,7 +34,7 @@ impl Session<'_> {
 
     fn judge_delay(&self, state: &mut SessionState, gate: &DelayGate) {
         for port in &self.ports {
-            let found = state.gate.delays[port.slot].residual();
+            let found = state.gate.delays[port.slot].residual(self.line.cycle_s);
             let (Some(delay), Some(sensitivity)) = (found, self.sensitivity(port.slot, gate))
             else {
                 continue;

@@ -13,7 +13,8 @@ use firmware_core::command;
 use firmware_core::compensation::{Answer, CompensatorState};
 use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{
-    Action, Arrival, Belief, Cause, Checks, Frames, Growth, Measured, Rule, SecondSender, Signal,
+    Action, Arrival, Belief, Cause, Checks, Frames, Growth, Measured, Reached, Rule, SecondSender,
+    Signal,
 };
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::{BEYOND_STROKE_M, BeyondLimits, CYCLE_S};
@@ -288,6 +289,11 @@ impl Port {
     /// Ends the run: what comes now belongs to no cycle.
     pub fn finish(&self, state: &mut PortState) {
         state.at_end = Some(self.counts(state));
+    }
+
+    /// How far what the rig has measured has come towards the limits of its checks.
+    pub(crate) fn reached(&self, state: &PortState) -> [Reached; Reached::COUNT] {
+        state.belief.reached(agreed(&self.checks, state.armed.as_ref()))
     }
 
     /// The largest force that the host believes (N).

@@ -105,7 +105,7 @@ pub(crate) fn read_about(folder: &ResultFolder) -> Result<RunAbout, BenchError> 
 }
 
 /// A JSON file of a run.
-pub(super) fn read_json<T: DeserializeOwned>(
+pub(crate) fn read_json<T: DeserializeOwned>(
     file: &Path,
     expected: &'static str,
 ) -> Result<T, BenchError> {

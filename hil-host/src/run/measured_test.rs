@@ -77,6 +77,10 @@ impl Delay {
     }
 }
 
+/// The largest error of a ram that follows: that of a delay of a tenth of a period. A rig is tested
+/// with motions of up to 10 Hz, and is late by 10 ms.
+const FOLLOWS_NRMSE: f64 = 0.63;
+
 /// What has been read of a test.
 pub(super) struct Reading {
     test: MeasuredTest,
@@ -141,7 +145,12 @@ impl Reading {
 
     /// The test.
     pub(super) fn test(self) -> MeasuredTest {
-        let Self { test, tracking, temperature_degc, .. } = self;
+        let Self { mut test, tracking, temperature_degc, .. } = self;
+        // A ram that does not follow has no delay.
+        let follows = tracking.nrmse() <= FOLLOWS_NRMSE;
+        if !follows {
+            test.blocks.clear();
+        }
         let is_known = temperature_degc.iter().all(|degc| degc.is_finite());
         MeasuredTest {
             temperature_degc: (is_known && !temperature_degc.is_empty())

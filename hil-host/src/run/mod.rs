@@ -5,6 +5,7 @@
 
 mod about;
 mod handshake;
+mod in_memory;
 mod late_report;
 mod measured_test;
 mod model_peak;
@@ -43,15 +44,17 @@ use crate::record::{
 };
 use crate::statistics::Statistics;
 use crate::summary::{Outcome, Summary};
-pub(crate) use about::{RunAbout, read_about};
+pub(crate) use about::{RunAbout, read_about, read_json};
 use files::{FolderError, ResultFolder};
 use handshake::{Epoch, Heard};
+pub(crate) use in_memory::in_memory;
 use plan::BusLoad;
 use recording::{Output, Place, Recording, RunFile, Task};
 use report::Section;
 use scenario::run::Run;
 use setup::{arming, open_buses, pace};
-use stability_check::StabilityCheck;
+pub(crate) use space::needed_bytes;
+pub(crate) use stability_check::StabilityCheck;
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -61,7 +64,7 @@ use work::Coupled;
 pub(crate) const RECORD: &str = "record.npy";
 const COMPARED: &str = "record-compared.npy";
 pub(crate) const LOG: &str = "bus.log";
-const SUMMARY: &str = "summary.json";
+pub(crate) const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 pub(crate) const SCENARIO: &str = "scenario.toml";
 const VEHICLE: &str = "vehicle.toml";

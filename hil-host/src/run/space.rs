@@ -11,7 +11,7 @@ use std::path::Path;
 const REST_BYTES: u64 = 20_000_000;
 
 /// Bytes that a run writes.
-pub(super) fn needed_bytes(run: &Run, plan: &Plan, profile: Profile) -> u64 {
+pub(crate) fn needed_bytes(run: &Run, plan: &Plan, profile: Profile) -> u64 {
     let records = if run.compare.is_some() { 2 } else { 1 };
     let rows = records * run.cycles() * Row::size() as u64;
     rows + run.cycles() * log_bytes_per_cycle(plan, profile) + REST_BYTES

@@ -8,22 +8,21 @@ use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::control::{COST_REFUSED, Session};
 use crate::linear_vehicle::LinearVehicle;
-use crate::residual_delay::Sensitivity;
 use crate::stability::{BEYOND_HUNTING, LEAST_MARGIN, RigLoop, Stability};
 use firmware_core::compensation::{Compensator, Series, delay_that_costs};
-use firmware_core::line::{KNOWN_DELAY_CYCLES, RigSlot, Slot};
+use firmware_core::line::{KNOWN_DELAY_CYCLES, RigSlot, Sensitivity, Slot};
 use firmware_core::supervision::OLDEST_CYCLES;
 use scenario::run::{CYCLE_S, Run};
 
 /// What was found of every rig.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct StabilityCheck {
+pub(crate) struct StabilityCheck {
     rigs: Vec<(String, Stability)>,
 }
 
 impl StabilityCheck {
     /// Of the rigs of a session; of none where the vehicle is not known.
-    pub(super) fn of(session: &Session<'_>, run: &Run, vehicle: Option<&LinearVehicle>) -> Self {
+    pub(crate) fn of(session: &Session<'_>, run: &Run, vehicle: Option<&LinearVehicle>) -> Self {
         let Some(vehicle) = vehicle else { return Self::default() };
         let rigs = session.line.slots.iter().zip(&run.slots).enumerate();
         let found = rigs.filter_map(|(slot, (kind, place))| {
@@ -31,6 +30,11 @@ impl StabilityCheck {
             Some((place.place.clone(), of_rig(rig, slot, vehicle)))
         });
         Self { rigs: found.collect() }
+    }
+
+    /// Every rig by its slot's place, with what was found.
+    pub(crate) fn rigs(&self) -> impl Iterator<Item = (&str, &Stability)> {
+        self.rigs.iter().map(|(place, found)| (place.as_str(), found))
     }
 
     /// Prints one line for each rig, and refuses one on a real bus without the margin.

@@ -6,7 +6,7 @@ use super::liveliest::Liveliest;
 use super::power::Power;
 use super::tracking::Tracking;
 use crate::record::{InputKind, Row};
-use crate::residual_delay::DelayBlocks;
+use firmware_core::line::DelayBlocks;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::CYCLE_S;
 use signal::spectrum::Welch;
@@ -175,7 +175,7 @@ impl SlotSums {
         self.tracking.take(row.command_m[slot], row.measured_m[slot]);
         self.wanted.take(force_n, row.wanted_m[slot]);
         self.following.take(row.wanted_m[slot], row.measured_m[slot]);
-        self.delay.take(row.wanted_m[slot], fresh_m(row, slot));
+        self.delay.take(row.wanted_m[slot], fresh_m(row, slot), CYCLE_S);
         let residual_n = row.measured_n[slot] - row.model_n[slot];
         if residual_n.is_finite() {
             self.residual.take(residual_n);

@@ -1,7 +1,7 @@
 //! How well a ram follows.
 //!
 //! ```text
-//! e = x_measured - x_command      tau = -<e v> / <v^2>      NRMSE = rms(e) / rms(x_command)
+//! e = x_measured - x_command      tau = -<e v> / <v^2>      NRMSE = rms(e) / std(x_command)
 //! ```
 //! `v` is the velocity of the command and `tau` the delay that a pure lag would have: the part of
 //! the error that goes with the velocity. A command carries the velocity, and a ram without any lag
@@ -14,6 +14,8 @@ use scenario::run::CYCLE_S;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Tracking {
     command: Power,
+    command_sum_m: f64,
+    commands: u64,
     error: Power,
     last_m: Option<f64>,
     with_rate: f64,
@@ -24,6 +26,8 @@ pub(crate) struct Tracking {
 impl Tracking {
     pub(crate) fn take(&mut self, command_m: f64, measured_m: f64) {
         self.command.take(command_m);
+        self.command_sum_m += command_m;
+        self.commands += 1;
         let Some(before_m) = self.last_m.replace(command_m) else { return };
         let (error, rate) = (measured_m - command_m, (command_m - before_m) / CYCLE_S);
         if !error.is_finite() {
@@ -45,9 +49,12 @@ impl Tracking {
         self.error.rms()
     }
 
-    /// The same over the rms of the command.
+    /// The same over the standard deviation of the command: where the motion is on the stroke does
+    /// not matter.
     pub(crate) fn nrmse(&self) -> f64 {
-        self.rms_m() / self.command.rms()
+        let mean_m = self.command_sum_m / self.commands.max(1) as f64;
+        let variance_m2 = self.command.rms().powi(2) - mean_m.powi(2);
+        self.rms_m() / variance_m2.max(0.0).sqrt()
     }
 
     /// The largest error (m).
@@ -70,5 +77,11 @@ mod tests {
         assert!((tracking.delay_s() - 2e-3).abs() < 3e-5, "{tracking:?}");
         // w tau = 4.4 %.
         assert!((tracking.nrmse() - 0.044).abs() < 1e-3, "{tracking:?}");
+        // 40 mm away from the middle it is the same.
+        let mut away = Tracking::default();
+        for n in (0..4000).map(f64::from) {
+            away.take(at(n) + 40e-3, at(n - 2.0) + 40e-3);
+        }
+        assert!((away.nrmse() - tracking.nrmse()).abs() < 1e-9, "{away:?}");
     }
 }

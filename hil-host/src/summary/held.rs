@@ -78,7 +78,7 @@ pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
 }
 
 /// Whether software adds wear to the damper of a slot.
-fn is_worn(slot: &Slot) -> bool {
+pub(crate) fn is_worn(slot: &Slot) -> bool {
     match slot.force {
         SlotForce::Rig { virtual_clearance_2a_m, virtual_compliance_m_per_n, .. } => {
             virtual_clearance_2a_m > 0.0 || virtual_compliance_m_per_n > 0.0

@@ -20,6 +20,7 @@ pub use tracking::{MeasuredDelay, TrackingSummary};
 
 pub(crate) use accelerations::accelerations;
 pub(crate) use dampers::dampers;
+pub(crate) use held::is_worn;
 pub(crate) use late::{Asked, KeptSummary};
 pub(crate) use outcome::Outcome;
 pub(crate) use times::microseconds;
@@ -127,7 +128,7 @@ impl Summary {
                 damper.flagged_measurements = Some(memory.flagged);
                 damper.limited_commands = Some(state.line.slots[port.slot].limited);
                 if let Some(tracking) = &mut damper.tracking {
-                    let delay = state.gate.delays[port.slot].residual();
+                    let delay = state.gate.delays[port.slot].residual(CYCLE_S);
                     tracking.before_run = delay.map(|delay| tracking.measured(delay));
                 }
             }

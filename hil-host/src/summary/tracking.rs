@@ -2,9 +2,9 @@
 
 use crate::control::{COST_REFUSED, COST_WARNED};
 use crate::linear_vehicle::Hunting;
-use crate::residual_delay::{ResidualDelay, Sensitivity};
 use crate::statistics::SlotSums;
-use scenario::run::SlotForce;
+use firmware_core::line::{ResidualDelay, Sensitivity};
+use scenario::run::{CYCLE_S, SlotForce};
 use serde::Serialize;
 
 /// How a rig follows, over the time of the statistics.
@@ -14,9 +14,12 @@ pub struct TrackingSummary {
     pub delay: Option<MeasuredDelay>,
     /// The same between the fades, before RUN; null where it was not measured there.
     pub before_run: Option<MeasuredDelay>,
+    /// Delay of the measured displacement against the command of the cycle in which it arrives, s:
+    /// what a compensator has to make up for; null without motion.
+    pub ram_delay_s: Option<f64>,
     /// Whether the slot accepts a delay whatever it costs.
     pub accept_delay_error: bool,
-    /// Rms of measured less wanted displacement over the rms of the latter.
+    /// Rms of measured less wanted displacement over the standard deviation of the latter.
     pub nrmse: Option<f64>,
     /// Largest error, m.
     pub peak_error_m: f64,
@@ -52,13 +55,14 @@ impl TrackingSummary {
         let without_delay = Self {
             delay: None,
             before_run: None,
+            ram_delay_s: finite(sums.tracking.delay_s()),
             accept_delay_error: *accept_delay_error,
             nrmse: finite(sums.following.nrmse()),
             peak_error_m: sums.following.most_m(),
             exchanged_energy_error: finite((asked - taken) / taken),
             sensitivity: hunting.map(|hunting| Sensitivity::of(model, hunting.frequency_hz)),
         };
-        let delay = sums.delay.residual().map(|delay| without_delay.measured(delay));
+        let delay = sums.delay.residual(CYCLE_S).map(|delay| without_delay.measured(delay));
         Some(Self { delay, ..without_delay })
     }
 

@@ -2,15 +2,14 @@
 
 use crate::support::locomotive::{NODE, scenario_with, session};
 use can_protocol::{Pace as WirePace, Profile};
-use firmware_core::line::Slot;
+use firmware_core::line::{Sensitivity, Slot};
 use firmware_core::supervision::{Action, Signal, State};
-use hil_host::Sensitivity;
 use hil_host::bus::MemoryBus;
 use hil_host::clock::Pacer;
 use hil_host::control::{Buses, Course, DelayGate, End, Pace, Requests, SessionState};
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
-use scenario::run::{MEASURING_CYCLES, Run};
+use scenario::run::{CYCLE_S, MEASURING_CYCLES, Run};
 use std::time::Duration;
 
 const HUNTING_HZ: f64 = 3.5;
@@ -47,7 +46,7 @@ fn gated(run: &Run) -> (End, SessionState, f64) {
     let end = session.run(&mut course, &mut state, &mut buses, &mut pace, 1000, &requests);
     let Slot::Rig(rig) = &session.line.slots[0] else { panic!("no rig") };
     let sensitivity = Sensitivity::of(&rig.model, HUNTING_HZ);
-    let delay = state.gate.delays[0].residual();
+    let delay = state.gate.delays[0].residual(CYCLE_S);
     let cost = delay.map_or(f64::NAN, |delay| delay.worst_cost(sensitivity));
     (end, state, cost)
 }
@@ -105,6 +104,6 @@ fn the_default_rig_needs_no_compensation() {
     let run = scenario_with("");
     let (end, state, cost) = gated(&run);
     assert_eq!(end, End::Completed);
-    let delay = state.gate.delays[0].residual().unwrap();
+    let delay = state.gate.delays[0].residual(CYCLE_S).unwrap();
     assert!(cost < 0.005 && delay.mean_s.abs() < 0.05e-3, "{cost} {delay:?}");
 }

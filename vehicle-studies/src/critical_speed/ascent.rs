@@ -10,8 +10,7 @@ use super::procedure::{Criterion, Procedure};
 use super::stability;
 use crate::error::StudyError;
 use crate::trip::track::rough_start;
-use crate::trip::{Equipped, Trip};
-use firmware_core::line::LineState;
+use crate::trip::{Equipped, Trip, TripState};
 use firmware_core::track::Track;
 use firmware_core::vehicle::BodyId;
 use rayon::prelude::*;
@@ -132,7 +131,7 @@ pub fn set_off<'a>(
     procedure: &Procedure,
     track: &'a Track<'a>,
     kmh: f64,
-) -> Result<(Trip<'a>, LineState, f64), NoEquilibrium> {
+) -> Result<(Trip<'a>, TripState, f64), NoEquilibrium> {
     let speed_m_per_s = kmh / 3.6;
     let trip = Trip::new(equipped, track, speed_m_per_s, procedure.substeps);
     let moved = offset_wheelset(equipped, procedure).map(|body| (body, procedure.offset_m));

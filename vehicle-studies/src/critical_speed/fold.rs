@@ -14,8 +14,7 @@ use super::bracket::Critical;
 use super::hunting::{Hunting, after};
 use super::procedure::Procedure;
 use crate::error::StudyError;
-use crate::trip::{Equipped, Trip};
-use firmware_core::line::LineState;
+use crate::trip::{Equipped, Trip, TripState};
 use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
 use rayon::prelude::*;
 use scenario::equilibrium::NoEquilibrium;
@@ -90,7 +89,7 @@ fn held(
     equipped: &Equipped<'_>,
     procedure: &Procedure,
     kmh: f64,
-    state: &mut LineState,
+    state: &mut TripState,
 ) -> Result<Hunting, StudyError> {
     let track = Track::default();
     let trip = Trip::new(equipped, &track, kmh / 3.6, procedure.substeps);
@@ -101,9 +100,9 @@ fn held(
 fn swinging(
     equipped: &Equipped<'_>,
     procedure: &Procedure,
-) -> Result<(Hunting, LineState), StudyError> {
+) -> Result<(Hunting, TripState), StudyError> {
     let speed_m_per_s = procedure.to_kmh / 3.6;
-    let shaken: Result<Vec<(Hunting, LineState)>, StudyError> = BURST_HZ
+    let shaken: Result<Vec<(Hunting, TripState)>, StudyError> = BURST_HZ
         .par_iter()
         .map(|burst_hz| {
             let samples = burst(speed_m_per_s / burst_hz);

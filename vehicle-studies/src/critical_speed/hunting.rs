@@ -1,8 +1,7 @@
 //! Is it hunting? The lateral motion of the wheelsets over the last seconds of a run.
 
 use crate::error::StudyError;
-use crate::trip::{Trip, lateral_m};
-use firmware_core::line::LineState;
+use crate::trip::{Trip, TripState, lateral_m};
 use firmware_core::vehicle::BodyId;
 use scenario::run::CYCLE_S;
 use serde::{Deserialize, Serialize};
@@ -45,7 +44,7 @@ impl Hunting {
 /// The trip is stopped.
 pub(super) fn after(
     trip: &Trip<'_>,
-    state: &mut LineState,
+    state: &mut TripState,
     [duration_s, watched_s]: [f64; 2],
 ) -> Result<Hunting, StudyError> {
     debug_assert!((0.0..=duration_s).contains(&watched_s), "{watched_s} s of {duration_s} s");

@@ -4,7 +4,7 @@
 //! of one stroke and of the frequency of the mode that is asked for
 //! (`describing_function`); the frequency is that of the least damped mode, found by
 //! repetition. At zero stroke a clearance would mean that there is no damper: a stroke has to be
-//! given.
+//! given. A damper behind a rig is turned by the delay of its force.
 
 use super::bracket::{Critical, first_unstable};
 use super::procedure::Procedure;
@@ -156,8 +156,12 @@ fn modes(
     frequency_hz: f64,
 ) -> Option<Vec<Mode>> {
     let mut dampers = Impedances::default();
-    for (slot, damper) in dampers.0.iter_mut().zip(&equipped.dampers) {
-        *slot = impedance(damper, stroke_m, frequency_hz);
+    for (number, (slot, damper)) in dampers.0.iter_mut().zip(&equipped.dampers).enumerate() {
+        let own = impedance(damper, stroke_m, frequency_hz);
+        *slot = match &equipped.rigs {
+            Some(rigs) if rigs.has(number) => own.late_by(rigs.delay_s(), frequency_hz),
+            _ => own,
+        };
     }
     let jacobians = Jacobians::about(
         &equipped.vehicle,

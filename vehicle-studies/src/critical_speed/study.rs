@@ -44,6 +44,7 @@ impl Study for Question {
         &self,
         _run: &Run,
         equipped: &Equipped<'_>,
+        _own: Option<f64>,
         answer: &mut CriticalSpeeds,
     ) -> Result<(), StudyError> {
         answer.equivalent_conicity_at_3_mm = conicity(equipped);

@@ -27,7 +27,7 @@ impl Passed {
         duration_s: f64,
     ) -> Result<Self, StudyError> {
         let mut state = trip.begin(&[])?;
-        let axles = state.vehicle.wheels.iter().take(trip.vehicle().axles.len());
+        let axles = state.line.vehicle.wheels.iter().take(trip.vehicle().axles.len());
         let loads = axles.map(|[[left], [right]]| [-left.vertical_n, -right.vertical_n]).collect();
         let places = Places::wheelsets_of(trip.vehicle());
         let signals = Signals::of(trip, &mut state, duration_s, &places, Wheels::Recorded)?;

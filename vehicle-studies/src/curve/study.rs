@@ -30,6 +30,7 @@ impl Study for Procedure {
         &self,
         run: &Run,
         equipped: &Equipped<'_>,
+        _own: Option<f64>,
         answer: &mut CurveAnswer,
     ) -> Result<(), StudyError> {
         answer.curve = Some(Curve::of(run, equipped, self)?);

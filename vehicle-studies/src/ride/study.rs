@@ -32,6 +32,7 @@ impl Study for Procedure {
         &self,
         run: &Run,
         equipped: &Equipped<'_>,
+        _own: Option<f64>,
         answer: &mut RideAnswer,
     ) -> Result<(), StudyError> {
         answer.ride = Some(Ride::of(run, equipped, self)?);

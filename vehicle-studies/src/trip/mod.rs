@@ -5,6 +5,8 @@
 //! in software: `2a` adds up, compliances add up. With a clearance of a metre
 //! (`damper.clearance_2a_m = 1.0`) a damper never touches: that is a trip with dampers taken off.
 //!
+//! [`Rigs`] put some of its dampers behind emulated rigs instead, whose force is late.
+//!
 //! A trip ends early with [`StudyError::Stopped`] when the flag of its vehicle is set
 //! ([`Equipped::until`]).
 //!
@@ -12,6 +14,7 @@
 //! how fast trips are.
 
 mod pace;
+mod rigs;
 pub mod signals;
 #[cfg(test)]
 mod tests;
@@ -19,13 +22,14 @@ pub mod track;
 
 use crate::error::StudyError;
 use firmware_core::damper::{Damper, DamperError};
-use firmware_core::guard::ForceInput;
-use firmware_core::line::{Fade, Line, LineState, Slot};
+use firmware_core::line::{DelayBlocks, Fade, Line, LineState, Slot};
 use firmware_core::track::Track;
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
 use pace::Odometer;
 pub use pace::Pace;
+pub use rigs::Rigs;
+use rigs::{Emulated, RigState};
 use scenario::equilibrium::{self, NoEquilibrium};
 use scenario::minimum_speed::minimum_speed_m_per_s;
 use scenario::run::{CYCLE_S, Run, SlotForce, worn};
@@ -53,6 +57,8 @@ pub struct Equipped<'a> {
     pub contact: Option<Contact>,
     /// The damper of every slot.
     pub dampers: Vec<Damper>,
+    /// Which of them are behind rigs; none where all are modelled in their places.
+    pub rigs: Option<Rigs>,
     odometer: Arc<Odometer>,
     stop: &'a AtomicBool,
 }
@@ -69,6 +75,7 @@ impl Equipped<'static> {
             vehicle: run.vehicle.clone(),
             contact: run.contact.clone(),
             dampers: dampers?,
+            rigs: None,
             odometer: Arc::default(),
             stop: &NEVER,
         })
@@ -76,7 +83,14 @@ impl Equipped<'static> {
 
     /// A vehicle on cones, with no dampers.
     pub fn without_dampers(vehicle: Vehicle) -> Self {
-        Self { vehicle, contact: None, dampers: Vec::new(), odometer: Arc::default(), stop: &NEVER }
+        Self {
+            vehicle,
+            contact: None,
+            dampers: Vec::new(),
+            rigs: None,
+            odometer: Arc::default(),
+            stop: &NEVER,
+        }
     }
 }
 
@@ -84,8 +98,8 @@ impl Equipped<'_> {
     /// The same vehicle, whose trips end with [`StudyError::Stopped`] once a flag is set.
     #[must_use]
     pub fn until(self, stop: &AtomicBool) -> Equipped<'_> {
-        let Self { vehicle, contact, dampers, odometer, .. } = self;
-        Equipped { vehicle, contact, dampers, odometer, stop }
+        let Self { vehicle, contact, dampers, rigs, odometer, .. } = self;
+        Equipped { vehicle, contact, dampers, rigs, odometer, stop }
     }
 
     /// Checks the flag that stops the work on this vehicle.
@@ -101,6 +115,12 @@ impl Equipped<'_> {
     pub fn with(mut self, damper: &Damper) -> Self {
         self.dampers.fill(damper.clone());
         self
+    }
+
+    /// The same vehicle with some of its dampers behind rigs.
+    #[must_use]
+    pub fn behind(&self, rigs: Rigs) -> Self {
+        Self { rigs: Some(rigs), ..self.clone() }
     }
 
     /// How fast its trips were; none before the first.
@@ -145,7 +165,23 @@ fn modelled(force: &SlotForce, on_rig: &Damper) -> Result<Damper, DamperError> {
 #[derive(Debug, Clone)]
 pub struct Trip<'a> {
     line: Line<'a>,
+    rigs: Vec<Emulated>,
     equipped: &'a Equipped<'a>,
+}
+
+/// Where a trip is: the vehicle, and the rigs of its dampers. A clone is a snapshot.
+#[derive(Debug, Clone)]
+pub struct TripState {
+    /// The vehicle and its damper slots.
+    pub line: LineState,
+    rigs: Vec<RigState>,
+}
+
+impl TripState {
+    /// The delays of the rigs so far, in slot order.
+    pub fn delays(&self) -> impl Iterator<Item = &DelayBlocks> {
+        self.rigs.iter().map(|rig| &rig.delay)
+    }
 }
 
 impl<'a> Trip<'a> {
@@ -164,8 +200,16 @@ impl<'a> Trip<'a> {
             reason = "once per trip, and a line holds it by value"
         )]
         let mut slots = [const { Slot::Empty }; DAMPER_SLOTS];
-        for (slot, damper) in slots.iter_mut().zip(&equipped.dampers) {
-            *slot = Slot::Modelled(damper.clone().prepared(substep_s));
+        let mut rigs = Vec::new();
+        for (number, (slot, damper)) in slots.iter_mut().zip(&equipped.dampers).enumerate() {
+            let model = damper.clone().prepared(substep_s);
+            *slot = match &equipped.rigs {
+                Some(own) if own.has(number) => {
+                    rigs.push(own.emulated(number, damper));
+                    Slot::Rig(own.slot(model))
+                }
+                _ => Slot::Modelled(model),
+            };
         }
         let line = Line {
             vehicle: &equipped.vehicle,
@@ -177,7 +221,7 @@ impl<'a> Trip<'a> {
             slots,
             fade: Fade::default(),
         };
-        Self { line, equipped }
+        Self { line, rigs, equipped }
     }
 
     /// Steady running at the beginning of the track, some wheelsets moved to the right by so much
@@ -185,7 +229,7 @@ impl<'a> Trip<'a> {
     ///
     /// # Errors
     /// No steady running was found.
-    pub fn begin(&self, offsets_m: &[(BodyId, f64)]) -> Result<LineState, NoEquilibrium> {
+    pub fn begin(&self, offsets_m: &[(BodyId, f64)]) -> Result<TripState, NoEquilibrium> {
         let line = &self.line;
         let mut start = equilibrium::running(line.vehicle, line.contact, line.speed_m_per_s)?;
         start.state.distance_m.0[0] = START_M;
@@ -195,7 +239,10 @@ impl<'a> Trip<'a> {
                 pose[LATERAL].0[0] += offset_m;
             }
         }
-        Ok(line.start(start.state))
+        let mut state = line.start(start.state);
+        rigs::couple(line, &mut state);
+        let rigs = self.rigs.iter().map(Emulated::start).collect();
+        Ok(TripState { line: state, rigs })
     }
 
     /// Runs on for a time and passes every cycle to `see`. False where the vehicle has left the
@@ -205,7 +252,7 @@ impl<'a> Trip<'a> {
     /// The flag of the vehicle is set ([`StudyError::Stopped`]), the state is somewhere on the way.
     pub fn go(
         &self,
-        state: &mut LineState,
+        state: &mut TripState,
         duration_s: f64,
         mut see: impl FnMut(&LineState),
     ) -> Result<bool, StudyError> {
@@ -220,11 +267,11 @@ impl<'a> Trip<'a> {
                     break;
                 }
             }
-            self.line.step(state, &[ForceInput::Missing; DAMPER_SLOTS]);
-            if state.is_safe() {
+            rigs::step(&self.line, &self.rigs, state);
+            if state.line.is_safe() {
                 break;
             }
-            see(state);
+            see(&state.line);
             done += 1;
         }
         self.equipped.odometer.count(done, began.elapsed());

@@ -18,6 +18,7 @@
 //! half a millisecond) before the positions of the same sample.
 
 use super::Trip;
+use super::TripState;
 use crate::error::StudyError;
 use firmware_core::line::LineState;
 use firmware_core::vehicle::{BodyId, LATERAL, PITCH, ROLL, VERTICAL, Vehicle, YAW};
@@ -197,7 +198,7 @@ impl Signals {
     /// The trip is stopped.
     pub fn of(
         trip: &Trip<'_>,
-        state: &mut LineState,
+        state: &mut TripState,
         duration_s: f64,
         places: &Places,
         wheels: Wheels,

@@ -14,15 +14,14 @@
 //! ([`damping_energy_lost`]): of the mean, and the larger one of both ends of the interval. It is
 //! linear, with `lambda = Ce / Ke` of the slot's model.
 
-use firmware_core::compensation::damping_energy_lost;
-use firmware_core::damper::Damper;
-use firmware_core::line::KNOWN_DELAY_CYCLES;
-use scenario::run::CYCLE_S;
+use super::KNOWN_DELAY_CYCLES;
+use crate::compensation::damping_energy_lost;
+use crate::damper::Damper;
 
-/// Cycles of a block: a second.
-pub(crate) const BLOCK_CYCLES: u32 = 1000;
+/// Cycles of a block: a second at 1 kHz.
+pub const BLOCK_CYCLES: u32 = 1000;
 /// Fewest blocks of an interval.
-pub(crate) const FEWEST_BLOCKS: u32 = 4;
+pub const FEWEST_BLOCKS: u32 = 4;
 
 /// The delay of one rig, block by block.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -58,10 +57,10 @@ pub struct Sensitivity {
 
 impl DelayBlocks {
     /// Takes the wanted displacement that leaves in a cycle and the measured one that has arrived
-    /// in it, m; one that is no number is left out.
-    pub fn take(&mut self, wanted_m: f64, measured_m: f64) {
+    /// in it, m; one that is no number is left out. A cycle takes `cycle_s`.
+    pub fn take(&mut self, wanted_m: f64, measured_m: f64, cycle_s: f64) {
         let Some(before_m) = self.last_m.replace(wanted_m) else { return };
-        let (error, rate) = (measured_m - wanted_m, (wanted_m - before_m) / CYCLE_S);
+        let (error, rate) = (measured_m - wanted_m, (wanted_m - before_m) / cycle_s);
         if error.is_finite() {
             self.with_rate += error * rate;
             self.rate2 += rate * rate;
@@ -86,15 +85,15 @@ impl DelayBlocks {
         debug_assert!(self.squares_s2 >= 0.0, "a sum of squares of {} s2", self.squares_s2);
     }
 
-    /// The delay of the force; none of fewer than four blocks.
-    pub fn residual(&self) -> Option<ResidualDelay> {
+    /// The delay of the force in cycles of `cycle_s`; none of fewer than four blocks.
+    pub fn residual(&self, cycle_s: f64) -> Option<ResidualDelay> {
         if self.blocks < FEWEST_BLOCKS {
             return None;
         }
         let freedom = f64::from(self.blocks - 1);
-        let deviation_s = (self.squares_s2 / freedom / f64::from(self.blocks)).sqrt();
+        let deviation_s = libm::sqrt(self.squares_s2 / freedom / f64::from(self.blocks));
         Some(ResidualDelay {
-            mean_s: self.mean_s + KNOWN_DELAY_CYCLES * CYCLE_S,
+            mean_s: self.mean_s + KNOWN_DELAY_CYCLES * cycle_s,
             half_width_s: student(self.blocks - 1) * deviation_s,
             blocks: self.blocks,
         })
@@ -150,32 +149,34 @@ fn student(freedom: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::TAU;
+    use core::f64::consts::TAU;
+
+    const CYCLE_S: f64 = 1e-3;
 
     /// A motion of 3.5 Hz and 3.46 mm, measured so many cycles late.
     fn late(cycles: f64, seconds: u32, jitter: impl Fn(u32) -> f64) -> DelayBlocks {
         let at = |n: f64| 3.46e-3 * libm::sin(TAU * 3.5 * n * CYCLE_S);
         let mut blocks = DelayBlocks::default();
         for n in 0..=seconds * BLOCK_CYCLES {
-            blocks.take(at(f64::from(n)), at(f64::from(n) - cycles - jitter(n)));
+            blocks.take(at(f64::from(n)), at(f64::from(n) - cycles - jitter(n)), CYCLE_S);
         }
         blocks
     }
 
     #[test]
     fn two_cycles_late_is_a_delay_of_one_and_a_half() {
-        let found = late(2.0, 5, |_| 0.0).residual().unwrap();
+        let found = late(2.0, 5, |_| 0.0).residual(CYCLE_S).unwrap();
         assert_eq!(found.blocks, 5);
         assert!((found.mean_s - 1.5e-3).abs() < 2e-6, "{found:?}");
         assert!(found.half_width_s < 2e-6, "{found:?}");
-        assert_eq!(late(2.0, 3, |_| 0.0).residual(), None);
+        assert_eq!(late(2.0, 3, |_| 0.0).residual(CYCLE_S), None);
     }
 
     #[test]
     fn the_interval_is_that_of_student() {
         // Blocks late by 1, 2, 1, 2 cycles: mean 1.5, deviation 0.577, three degrees of freedom.
         let found = late(1.0, 4, |n| f64::from((n.saturating_sub(1) / BLOCK_CYCLES) % 2));
-        let found = found.residual().unwrap();
+        let found = found.residual(CYCLE_S).unwrap();
         assert!((found.mean_s - 1e-3).abs() < 5e-6, "{found:?}");
         let expected_s = 3.182 * 0.577_35e-3 / 2.0;
         assert!((found.half_width_s - expected_s).abs() < 0.01 * expected_s, "{found:?}");
@@ -200,7 +201,7 @@ mod tests {
     #[test]
     fn a_motion_that_rests_says_nothing() {
         let mut blocks = DelayBlocks::default();
-        (0..10 * BLOCK_CYCLES).for_each(|_| blocks.take(1e-3, 1e-3));
-        assert_eq!(blocks.residual(), None);
+        (0..10 * BLOCK_CYCLES).for_each(|_| blocks.take(1e-3, 1e-3, CYCLE_S));
+        assert_eq!(blocks.residual(CYCLE_S), None);
     }
 }

@@ -1,0 +1,101 @@
+//! `yawbench rehearse`: how far every limit of a run is away, on emulated rigs, before anything is
+//! armed.
+
+use crate::error::CommandError;
+use crate::exit::{FAILED, INTERRUPTED};
+use crate::linear_vehicle::linear_vehicle;
+use crate::output::{print, stem, warn};
+use crate::stop;
+use crate::value::number;
+use clap::Args;
+use files::ResultFolder;
+use hil_host::{MeasuredRam, rehearse};
+use scenario::rig::DELAY_MAX_S;
+use scenario::run::{Overrides, Run};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// The file in the folder of `--out`.
+const REHEARSAL: &str = "rehearsal.json";
+
+#[derive(Debug, Args)]
+pub(crate) struct RehearseArgs {
+    /// The scenario file.
+    scenario: PathBuf,
+    /// How late the ram is (ms): measured displacement against the command of the cycle in which it
+    /// arrives. The emulated rig is then an ideal one that is late by this
+    /// [default: the scenario's].
+    #[arg(long, value_name = "MS", conflicts_with = "measured",
+        value_parser = number("a delay from 0 to 64 ms", |ms| (0.0..=64.0).contains(&ms)))]
+    delay_ms: Option<f64>,
+    /// The same from the folder in which it was measured: of an open loop, or of a run.
+    #[arg(long, value_name = "DIR")]
+    measured: Option<PathBuf>,
+    /// Another duration (s).
+    #[arg(long, value_name = "S",
+        value_parser = number("a duration from 0.001 to 86400 s", |s| (1e-3..=86_400.0).contains(&s)))]
+    duration: Option<f64>,
+    /// Another speed (km/h).
+    #[arg(long, value_name = "KMH",
+        value_parser = number("a speed over 0 and up to 600 km/h", |kmh| kmh > 0.0 && kmh <= 600.0))]
+    speed_kmh: Option<f64>,
+    /// Folder for rehearsal.json [default: nothing is written].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace an earlier rehearsal in that folder.
+    #[arg(long, requires = "out")]
+    overwrite: bool,
+    /// Print the result as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command. Exit code 1 means that a limit was passed.
+///
+/// # Errors
+/// Bad input, before anything is written; a disk that fails.
+pub(crate) fn command(args: &RehearseArgs) -> Result<ExitCode, CommandError> {
+    let overrides = Overrides { duration_s: args.duration, speed_kmh: args.speed_kmh };
+    let mut run = Run::load(&args.scenario, overrides)?;
+    let ram = match (args.delay_ms, &args.measured) {
+        (Some(ms), _) => Some(MeasuredRam { delay_s: 1e-3 * ms, source: "--delay-ms".to_owned() }),
+        (None, Some(folder)) => Some(MeasuredRam::read(folder)?),
+        (None, None) => None,
+    };
+    if let Some(ram) = &ram {
+        run.rig = run.rig.late_by(ram.delay_s).ok_or_else(|| {
+            let found = format!("a ram that is {:.3} ms late", 1e3 * ram.delay_s);
+            let expected = format!("0 to {:.0} ms", 1e3 * DELAY_MAX_S);
+            CommandError::Input {
+                file: ram.source.as_str().into(),
+                found,
+                expected: expected.into(),
+            }
+        })?;
+    }
+    let mut folder = match &args.out {
+        Some(out) => {
+            let name = stem(&args.scenario);
+            let folder = ResultFolder::fresh(Some(out), &name, "rehearse", args.overwrite)?;
+            folder.check(&[REHEARSAL])?;
+            folder.refuse_inputs([args.scenario.as_path()])?;
+            Some(folder)
+        }
+        None => None,
+    };
+    warn(&run.warnings);
+    // A run would write there, unless it is told otherwise.
+    let free_bytes = ResultFolder::fresh(None, &stem(&args.scenario), "run", false)?.free_bytes();
+    let linear = linear_vehicle(&run)?;
+    let Some(found) = rehearse(&run, ram, linear.as_ref(), free_bytes, stop::flag())? else {
+        files::say!("interrupted: nothing is written");
+        return Ok(ExitCode::from(INTERRUPTED));
+    };
+    let json = serde_json::to_string_pretty(&found)?;
+    if let Some(folder) = &mut folder {
+        folder.create()?;
+        folder.write(REHEARSAL, &format!("{json}\n"))?;
+    }
+    print(&if args.json { json } else { found.to_string() })?;
+    Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
+}

@@ -1,0 +1,139 @@
+//! Dampers behind emulated rigs: the loop of a run in virtual time, without a bus.
+//!
+//! ```text
+//! cycle k    vehicle step, forces held -> command -> rig -> displacement and force
+//! cycle k+1  vehicle step with this force
+//! ```
+//! The order is that of a run on the memory bus. The rig is ideal: its ram is late by a set time
+//! and nothing else, its fixture is that of the scenario's rig. The force of a rig whose ram is
+//! half a cycle late has no delay in the mean ([`firmware_core::line`]). A force that is early is
+//! that of a compensator that extrapolates too far, on a ram half a cycle late.
+//!
+//! Limits: values are not rounded to the steps of frames, sensors have no noise, and commands have
+//! no limits.
+
+use super::TripState;
+use firmware_core::compensation::{Answer, Compensator, Feedforward, VirtualWear};
+use firmware_core::damper::Damper;
+use firmware_core::guard::ForceInput;
+use firmware_core::line::{DelayBlocks, KNOWN_DELAY_CYCLES, Line, LineState, RigSlot};
+use firmware_core::supervision::{CommandLimits, Event};
+use firmware_core::vehicle::DAMPER_SLOTS;
+use rig_emulator::{Emulator, EmulatorState, Reading, Reference, Target};
+use scenario::rig::RigSetup;
+use scenario::run::CYCLE_S;
+
+/// How late a ram is whose force has no delay (s).
+const RAM_DELAY_S: f64 = -KNOWN_DELAY_CYCLES * CYCLE_S;
+/// Order of the polynomial of a compensator.
+const ORDER: u8 = 2;
+
+/// Rigs that are all late by the same time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rigs {
+    /// Delay of the force (s); negative where it is early.
+    delay_s: f64,
+    rig: RigSetup,
+    compensator: Compensator,
+    slots: [bool; DAMPER_SLOTS],
+}
+
+impl Rigs {
+    /// Rigs in some slots whose force is late by `delay_s`, otherwise like `rig`; none for a delay
+    /// that a rig does not keep.
+    pub fn late_by(rig: &RigSetup, delay_s: f64, slots: [bool; DAMPER_SLOTS]) -> Option<Self> {
+        let rig = rig.late_by(RAM_DELAY_S + delay_s.max(0.0))?;
+        let compensator = if delay_s < 0.0 {
+            let polynomial = Feedforward::polynomial(ORDER, RAM_DELAY_S - delay_s);
+            Compensator::Feedforward(polynomial).with_known_delay(KNOWN_DELAY_CYCLES * CYCLE_S)
+        } else {
+            Compensator::None
+        };
+        let rig = RigSetup { force_noise_n: 0.0, displacement_noise_m: 0.0, ..rig };
+        Some(Self { delay_s, rig, compensator, slots })
+    }
+
+    /// Whether the damper of a slot is behind a rig.
+    pub fn has(&self, slot: usize) -> bool {
+        self.slots.get(slot).copied().unwrap_or(false)
+    }
+
+    /// Delay of the force (s); negative where it is early.
+    pub fn delay_s(&self) -> f64 {
+        self.delay_s
+    }
+
+    /// The slot of a line whose damper is behind a rig.
+    pub(super) fn slot(&self, model: Damper) -> RigSlot {
+        RigSlot {
+            model,
+            wear: VirtualWear::default(),
+            compensator: self.compensator,
+            limits: CommandLimits::default(),
+        }
+    }
+
+    /// The rig of a slot with its damper.
+    pub(super) fn emulated(&self, slot: usize, damper: &Damper) -> Emulated {
+        let rig = RigSetup { damper: damper.clone(), ..self.rig.clone() };
+        Emulated { slot, emulator: Emulator::new(&rig, CYCLE_S, slot as u64) }
+    }
+}
+
+/// The rig of a slot.
+#[derive(Debug, Clone)]
+pub(super) struct Emulated {
+    slot: usize,
+    emulator: Emulator,
+}
+
+/// What the rig of a slot remembers.
+#[derive(Debug, Clone)]
+pub(super) struct RigState {
+    emulator: EmulatorState,
+    /// What it has measured in the last cycle.
+    reading: Option<Reading>,
+    /// The delay of its force.
+    pub(super) delay: DelayBlocks,
+}
+
+impl Emulated {
+    /// Its ram in the middle.
+    pub(super) fn start(&self) -> RigState {
+        let emulator = self.emulator.start();
+        RigState { emulator, reading: None, delay: DelayBlocks::default() }
+    }
+}
+
+/// Couples the rigs of a line at once: in the middle of its stroke nothing has to be faded.
+pub(super) fn couple(line: &Line<'_>, state: &mut LineState) {
+    for event in [Event::Agreed, Event::Arm] {
+        state.on(event);
+    }
+    let coupled = line.couple(state, [0.0; DAMPER_SLOTS]);
+    debug_assert!(coupled.is_ok(), "a ram stands where its vehicle is: {coupled:?}");
+}
+
+/// One cycle of a line and its rigs.
+pub(super) fn step(line: &Line<'_>, rigs: &[Emulated], state: &mut TripState) {
+    debug_assert_eq!(rigs.len(), state.rigs.len(), "the state of another trip");
+    let mut inputs = [ForceInput::Missing; DAMPER_SLOTS];
+    let mut answers = [None; DAMPER_SLOTS];
+    for (rig, memory) in rigs.iter().zip(&state.rigs) {
+        let Some(Reading { force_n, displacement_m, .. }) = memory.reading else { continue };
+        inputs[rig.slot] = ForceInput::Fresh(force_n);
+        answers[rig.slot] = Some(Answer { displacement_m, age_cycles: 0 });
+    }
+    line.step_on(line.track, &mut state.line, &inputs, &answers);
+    for (rig, memory) in rigs.iter().zip(&mut state.rigs) {
+        let slot = &state.line.slots[rig.slot];
+        let measured_m = memory.reading.map_or(f64::NAN, |reading| reading.displacement_m);
+        memory.delay.take(slot.wanted.displacement_m, measured_m, CYCLE_S);
+        let command = Reference {
+            displacement_m: slot.command.displacement_m,
+            velocity_m_per_s: slot.command.velocity_m_per_s,
+        };
+        let reading = rig.emulator.cycle(&mut memory.emulator, Target::Follow(command));
+        memory.reading = Some(reading);
+    }
+}
