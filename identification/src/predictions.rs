@@ -59,8 +59,8 @@ impl Prediction<'_> {
         let record = &self.test.record;
         let known = record.direction_declared;
         let extension = if known { Extension::Positive } else { Extension::Unknown };
-        Companion { specimen: record.specimen.clone(), extension, temperature: false }
-            .to_toml(csv_name)
+        let (specimen, notes) = (record.specimen.clone(), Vec::new());
+        Companion { specimen, notes, extension, temperature: false }.to_toml(csv_name)
     }
 
     fn columns(&self) -> Vec<(&'static str, Option<&[f64]>)> {

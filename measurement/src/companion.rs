@@ -20,7 +20,8 @@ pub(crate) const MARKER: &str = "mapping_for";
 ///
 /// ```
 /// use measurement::mapping::{Companion, Extension};
-/// let companion = Companion { specimen: None, extension: Extension::Positive, temperature: true };
+/// let extension = Extension::Positive;
+/// let companion = Companion { specimen: None, notes: Vec::new(), extension, temperature: true };
 /// assert!(companion.to_toml("sine.csv").contains("\nmapping_for = \"sine.csv\"\n"));
 /// assert_eq!(Companion::name_for("sine.csv"), "sine.toml");
 /// ```
@@ -28,6 +29,8 @@ pub(crate) const MARKER: &str = "mapping_for";
 pub struct Companion {
     /// What was tested.
     pub specimen: Option<String>,
+    /// What else is known of the test; for people.
+    pub notes: Vec<String>,
     /// Which sign means extension.
     pub extension: Extension,
     /// There is a column `temperature_degc`.
@@ -48,6 +51,13 @@ impl Companion {
         let _ = writeln!(toml, "{MARKER} = {}", text(file));
         if let Some(specimen) = &self.specimen {
             let _ = writeln!(toml, "specimen = {}", text(specimen));
+        }
+        if !self.notes.is_empty() {
+            toml.push_str("notes = [\n");
+            for note in &self.notes {
+                let _ = writeln!(toml, "    {},", text(note));
+            }
+            toml.push_str("]\n");
         }
         let _ = writeln!(toml, "extension = \"{}\"", self.extension.name());
         if self.temperature {
@@ -125,6 +135,7 @@ mod tests {
     fn any_name_and_specimen_survive_toml() {
         let companion = Companion {
             specimen: Some("a \"new\"\n\u{1b}[31m one".to_owned()),
+            notes: vec!["upright".to_owned(), "a \"b\"\nc".to_owned()],
             extension: Extension::Unknown,
             temperature: true,
         };
@@ -132,6 +143,7 @@ mod tests {
         assert_eq!(marked_for(&text).as_deref(), Some("odd \"name\".csv"));
         let table: toml::Table = toml::from_str(&text).unwrap();
         assert_eq!(table["specimen"].as_str(), companion.specimen.as_deref());
+        assert_eq!(table["notes"][1].as_str(), Some("a \"b\"\nc"));
         assert_eq!(table["extension"].as_str(), Some("unknown"));
     }
 }

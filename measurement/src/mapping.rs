@@ -75,6 +75,9 @@ pub(crate) struct Mapping {
     made_for: Option<String>,
     /// What was tested.
     specimen: Option<String>,
+    /// What people should know of the test; nothing depends on it.
+    #[serde(rename = "notes")]
+    _notes: Option<Vec<String>>,
     /// What separates two cells.
     separator: Option<Separator>,
     /// What precedes the decimals.
@@ -191,6 +194,7 @@ impl Mapping {
         Self {
             made_for: base.made_for,
             specimen: own.specimen.or(base.specimen),
+            _notes: None,
             separator: own.separator.or(base.separator),
             decimal: own.decimal.or(base.decimal),
             comment: own.comment.or(base.comment),

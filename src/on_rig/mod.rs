@@ -37,7 +37,7 @@ use hil_host::run::{
 };
 use hil_host::{PaceChoice, RunOptions};
 use play::PlayArgs;
-use records::Header;
+use records::About;
 use scenario::rig::{RigFile, RigSetup};
 use scenario::run::{CYCLE_S, Readiness};
 use std::num::NonZeroU8;
@@ -262,9 +262,9 @@ impl Bench<'_> {
         }
     }
 
-    /// What stands above the columns of every record.
-    fn header(&self) -> Header<'_> {
-        Header {
+    /// What the mappings of all records say.
+    fn about(&self) -> About<'_> {
+        About {
             specimen: self.args.specimen.as_deref(),
             orientation: self.args.orientation.as_deref(),
             calibration: self.calibration.as_ref(),

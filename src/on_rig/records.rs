@@ -18,9 +18,9 @@ use virtual_bench::characterisation::LaboratoryFile;
 /// The figures of a visit.
 pub(crate) const LABORATORY: &str = "laboratory.json";
 
-/// What stands above the columns of a record.
+/// What the mappings of the records say beside their columns.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Header<'a> {
+pub(super) struct About<'a> {
     pub(super) specimen: Option<&'a str>,
     pub(super) orientation: Option<&'a str>,
     pub(super) calibration: Option<&'a CalibrationFile>,
@@ -97,14 +97,19 @@ pub(super) fn write_records(
     folder: &ResultFolder,
     tests: &[MeasuredTest],
 ) -> Result<Vec<PathBuf>, CommandError> {
-    let header = bench.header();
-    let specimen = header.specimen.unwrap_or("specimen");
+    let about = bench.about();
+    let specimen = about.specimen.unwrap_or("specimen");
+    let orientation = about.orientation.map(|text| format!("orientation: {text}"));
+    let calibration = about.calibration.map(CalibrationFile::lines).unwrap_or_default();
+    let calibration = calibration.iter().map(|line| format!("calibration: {line}"));
+    let notes: Vec<String> = orientation.into_iter().chain(calibration).collect();
     let mut paths = Vec::new();
     for test in tests {
         let name = csv_name(&test.name);
-        folder.write(&name, &csv(test, header))?;
+        folder.write(&name, &csv(test))?;
         let companion = Companion {
             specimen: Some(specimen.to_owned()),
+            notes: notes.clone(),
             extension: Extension::Positive,
             temperature: test.temperature_degc.is_some(),
         };
@@ -147,19 +152,9 @@ pub(super) fn counted(found: &OpenLoopRecord) -> String {
     line
 }
 
-/// The record of a test. What is mounted, how it stands and how the rig was calibrated stand above
-/// its columns.
-fn csv(test: &MeasuredTest, header: Header<'_>) -> String {
+/// The record of a test.
+fn csv(test: &MeasuredTest) -> String {
     let mut text = String::new();
-    let about = [("specimen", header.specimen), ("orientation", header.orientation)];
-    for (what, value) in about {
-        if let Some(value) = value {
-            let _ = writeln!(text, "# {what}: {}", files::quoted(value));
-        }
-    }
-    for line in header.calibration.map(CalibrationFile::lines).unwrap_or_default() {
-        let _ = writeln!(text, "# calibration: {}", files::quoted(&line));
-    }
     let degc = test.temperature_degc.as_deref();
     let temperature = if degc.is_some() { ",temperature_degc" } else { "" };
     let _ = writeln!(text, "time_s,displacement_m,force_n{temperature},cycle");

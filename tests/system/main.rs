@@ -8,6 +8,7 @@ mod support;
 
 mod architecture;
 mod bad_input;
+mod bench_day;
 mod bench_states;
 mod blow_up;
 mod campaign;

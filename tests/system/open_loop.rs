@@ -31,8 +31,12 @@ fn a_visit_on_a_rig_measures_its_damper_and_its_delay() {
         assert_eq!(line.split_whitespace().nth(1), Some("0.50"), "{line}");
     }
     let csv = read(&out.join("sine-1hz-1.5mm.csv"));
-    assert!(csv.starts_with("# specimen: seven\n# orientation: upright\ntime_s,"), "{csv:.80}");
-    assert_eq!(csv.lines().count(), 3 + 7501);
+    // The columns are named in line 1, as in every CSV file of the program.
+    assert!(csv.starts_with("time_s,displacement_m,force_n"), "{csv:.80}");
+    assert_eq!(csv.lines().count(), 1 + 7501);
+    let mapping = read(&out.join("sine-1hz-1.5mm.toml"));
+    assert!(mapping.contains("specimen = \"seven\""), "{mapping}");
+    assert!(mapping.contains("\"orientation: upright\""), "{mapping}");
     // Record, log and events are there too, and the rig was never coupled.
     for file in [
         "record.npy",

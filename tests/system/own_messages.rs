@@ -24,7 +24,8 @@ fn losses_are_explained_where_they_are_what_stops_a_run() {
         let folder = "scenarios/rigs/own-messages";
         refused(name, &format!("{folder}/servo.dbc"), &format!("{folder}/servo-map.toml"), accept)
     };
-    let other = servo("other", &format!("{ALL},no-echo"));
+    let more = format!("{ALL},no-echo");
+    let other = servo("other", &more);
     assert_eq!(other.len(), 1, "{other:?}");
     assert!(other[0].contains("found 1 rig(s) on --bus memory"), "{other:?}");
 

@@ -106,9 +106,10 @@ fn parts_add_up_to_one_file_and_stand_above_later_records() {
     let options = ["--tests", &list, "--calibration", &runs, "--out", &shown, "--overwrite"];
     let found = characterise(&options);
     assert!(found.status.success(), "{}", said(&found));
-    let csv = read(&visit.join("sine.csv"));
-    assert!(csv.contains("# calibration: end mass of ") && csv.contains("K-7"), "{csv:.300}");
-    assert!(csv.contains("# calibration: load cell of "), "{csv:.300}");
+    let mapping = read(&visit.join("sine.toml"));
+    assert!(mapping.contains("\"calibration: end mass of "), "{mapping}");
+    assert!(mapping.contains("\"calibration: load cell of "), "{mapping}");
+    assert!(mapping.contains("K-7"), "{mapping}");
     assert_eq!(read(&visit.join("calibration.toml")), read(Path::new(&runs)));
     // What is old is said, and what belongs to another rig is refused.
     let text = read(Path::new(&runs)).replace("date = \"20", "date = \"19");

@@ -79,6 +79,7 @@ impl RawRecord {
     pub fn companion(&self, specimen: &str) -> Companion {
         Companion {
             specimen: Some(specimen.to_owned()),
+            notes: Vec::new(),
             extension: Extension::Positive,
             temperature: self.temperature_degc.is_some(),
         }
