@@ -18,8 +18,8 @@
 //! ```
 //!
 //! Read in this order: `field` (bits), `signal` (values), `multiplex` (signals that are there only
-//! sometimes), `overlap` (signals on the same bits), `database` (the file), `lines` (where a message
-//! or a signal stands in it).
+//! sometimes), `overlap` (signals on the same bits), `database` (the file), `lines` (where a
+//! message or a signal stands in it).
 
 mod database;
 mod error;

@@ -332,11 +332,9 @@ impl fmt::Display for BenchError {
             Self::Scenario(why) => why.fmt(f),
             Self::SlotBus { place, why } => write!(f, "slot \"{}\": bus: {why}", quoted(place)),
             Self::Protocol(why) => why.fmt(f),
-            Self::NoRig { title } => write!(
-                f,
-                "{}: found no slot with on = \"rig\", expected one: no rig would be armed",
-                quoted(title)
-            ),
+            Self::NoRig { title } => {
+                write!(f, "{}: found no slot on a rig, expected on = \"rig\"", quoted(title))
+            }
             Self::FastOnBus { bus } => write!(
                 f,
                 "--pace: found pace fast on {}, expected lockstep or realtime: pace fast runs on \
@@ -402,15 +400,7 @@ impl fmt::Display for BenchError {
                 )
             }
             Self::NoRoom { node, bus, ram_m, reach_m, stroke_m } => {
-                write!(
-                    f,
-                    "the ram of rig node {node} on {} stands at {:.2} mm and would be sent to {:.2} \
-                     mm from mid-stroke, beyond the agreed stroke of {:.2} mm: jog it first",
-                    quoted(bus),
-                    ram_m * 1e3,
-                    reach_m * 1e3,
-                    stroke_m * 1e3
-                )
+                no_room(f, *node, bus, [*ram_m, *reach_m, *stroke_m])
             }
             Self::ForeignVersion { .. }
             | Self::RefusedSync { .. }
@@ -442,6 +432,18 @@ impl fmt::Display for BenchError {
             Self::Thread { name } => write!(f, "the thread that {name} failed"),
         }
     }
+}
+
+/// Where a ram stands, where it would be sent, and the agreed stroke (m).
+fn no_room(f: &mut fmt::Formatter<'_>, node: u8, bus: &str, places_m: [f64; 3]) -> fmt::Result {
+    let [ram_mm, reach_mm, stroke_mm] = places_m.map(|place_m| 1e3 * place_m);
+    write!(
+        f,
+        "the ram of rig node {node} on {} stands at {ram_mm:.2} mm and would be sent to \
+         {reach_mm:.2} mm from mid-stroke, beyond the agreed stroke of {stroke_mm:.2} mm: jog it \
+         first",
+        quoted(bus)
+    )
 }
 
 // No source: the message holds that of the wrapped error already.

@@ -11,9 +11,9 @@
 //! 1.16 ms on the default rig.
 //!
 //! Displacement is kept at the ram and across the eyes: their difference is the fixture. Noise is
-//! added by the sensors and counted in cycles ([`Noise`]). The load cell has gain and offset, and its
-//! channel may be late: between two cycles the force is interpolated, which is exact for what changes
-//! slowly in a cycle. The sensors have no other dynamics.
+//! added by the sensors and counted in cycles ([`Noise`]). The load cell has gain and offset, and
+//! its channel may be late: between two cycles the force is interpolated, which suits what
+//! changes little in a cycle. The sensors have no other dynamics.
 
 use crate::actuator::{RamState, Reference};
 use crate::benchmark::{Benchmark, BenchmarkState};

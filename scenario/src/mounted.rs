@@ -12,8 +12,8 @@
 //! force_offset_n = 0.0
 //! ```
 //! The bar is a spring without mass and damping: `F = k (x - x_0)`, unloaded where the ram stood
-//! when the rig was started. Steel of 60 mm and 0.6 m, `E A / L`, is the default. The skew is a pure
-//! delay; between two cycles the force is interpolated.
+//! when the rig was started. Steel of 60 mm and 0.6 m, `E A / L`, is the default. The skew is a
+//! pure delay; between two cycles the force is interpolated.
 
 use crate::error::ScenarioError;
 use crate::quantity::Quantity;

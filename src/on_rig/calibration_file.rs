@@ -78,16 +78,7 @@ struct LoadCell {
     /// None where a single reading leaves the offset open.
     offset_n: Option<f64>,
     offset_error_n: Option<f64>,
-    reading: Vec<KnownForce>,
-}
-
-/// A reading under a known force.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-struct KnownForce {
-    reference_n: f64,
-    reading_n: f64,
-    error_n: f64,
+    reading: Vec<Reading>,
 }
 
 impl CalibrationFile {
@@ -160,14 +151,7 @@ impl CalibrationFile {
 
     /// The readings of the load cell so far.
     pub(super) fn readings(&self) -> Vec<Reading> {
-        let known = self.load_cell.iter().flat_map(|cell| &cell.reading);
-        known
-            .map(|KnownForce { reference_n, reading_n, error_n }| Reading {
-                reference_n: *reference_n,
-                reading_n: *reading_n,
-                error_n: *error_n,
-            })
-            .collect()
+        self.load_cell.iter().flat_map(|cell| &cell.reading).copied().collect()
     }
 
     /// With the load cell as these readings show it today, as far as they do.
@@ -178,11 +162,6 @@ impl CalibrationFile {
         certificate: Option<&str>,
     ) -> Self {
         let (date, certificate) = (Date::today().to_string(), certificate.map(str::to_owned));
-        let known = |reading: &Reading| KnownForce {
-            reference_n: reading.reference_n,
-            reading_n: reading.reading_n,
-            error_n: reading.error_n,
-        };
         let load_cell = LoadCell {
             date,
             certificate,
@@ -190,7 +169,7 @@ impl CalibrationFile {
             gain_error: fit.map(|fit| fit.gain_error),
             offset_n: fit.and_then(|fit| fit.offset_error_n.map(|_| fit.offset_n)),
             offset_error_n: fit.and_then(|fit| fit.offset_error_n),
-            reading: readings.iter().map(known).collect(),
+            reading: readings.to_vec(),
         };
         Self { load_cell: Some(load_cell), ..self }
     }

@@ -102,8 +102,8 @@ fn resampled(record: &Measurement) -> Vec<Command> {
     (0..=cycles).map(command).collect()
 }
 
-/// Checks that motions stay within a stroke; what was found and what was expected. A real rig states
-/// its stroke when it is armed.
+/// Checks that motions stay within a stroke; what was found and what was expected. A real rig
+/// states its stroke when it is armed.
 fn check_stroke(tests: &[PlannedTest], stroke_m: f64) -> Result<(), (String, String)> {
     for test in tests {
         let is_beyond = |command: &Command| command.displacement_m.abs() > stroke_m;

@@ -1,8 +1,8 @@
 //! How well the ram has followed: the last table, and `tracking.json`.
 //!
-//! The file keeps the delay of this rig for later runs: per test and over all of them, with standard
-//! errors, the date and the node. The delay is that of the displacement against the command of the
-//! cycle in which it arrives ([`hil_host::run::Delay`]).
+//! The file keeps the delay of this rig for later runs: per test and over all of them, with
+//! standard errors, the date and the node. The delay is that of the displacement against the
+//! command of the cycle in which it arrives ([`hil_host::run::Delay`]).
 
 use crate::date::Date;
 use can_protocol::Node;

@@ -80,9 +80,9 @@ pub struct Varied {
 }
 
 impl Varied {
-    /// The scenario at a point, with one second of its random track, since studies lay their own. A
-    /// measured track has to reach as far as the study goes (s). An axis of `own_key` is none of the
-    /// scenario's.
+    /// The scenario at a point, with one second of its random track, since studies lay their own.
+    /// A measured track has to reach as far as the study goes (s). The axis of `own_key` is not one
+    /// of the scenario.
     ///
     /// # Errors
     /// A scenario that cannot be read or does not hold at the point.

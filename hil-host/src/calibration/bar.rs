@@ -8,10 +8,11 @@
 //! Standard errors are those of the line and of the mean over the frequencies. The residual is the
 //! rms of `H - K exp(-i w tau)` over `K`.
 //!
-//! Limits: `K` is in series what stands between both ends of the displacement sensor and the ground:
-//! fixture and bar where it measures at the ram, the bar alone where it measures across the eyes.
-//! The end mass on the fixture takes `m w^2 / K` off it, 0.04 % of 100 MN/m at 10 Hz with 10 kg. The
-//! damping of the fixture acts as a skew of the other sign, `d / K`, hundredths of a millisecond.
+//! Limits: `K` is in series what stands between both ends of the displacement sensor and the
+//! ground: fixture and bar where it measures at the ram, the bar alone where it measures across the
+//! eyes. The end mass on the fixture takes `m w^2 / K` off it, 0.04 % of 100 MN/m at 10 Hz with 10
+//! kg. The damping of the fixture acts as a skew of the other sign, `d / K`, hundredths of a
+//! millisecond.
 
 use super::SinePair;
 use num_complex::Complex;

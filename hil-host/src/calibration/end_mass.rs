@@ -1,12 +1,13 @@
 //! A dry run: the mass that the load cell feels with nothing mounted.
 //!
 //! ```text
-//! F = m x''          A = -w^2 X          m = sum Re(F conj(A)) / sum |A|^2     over the frequencies
+//! F = m x''          A = -w^2 X          m = sum Re(F conj(A)) / sum |A|^2   over all frequencies
 //! ```
 //! The standard error is that of the line through the origin over the frequencies, in phase; the
-//! residual is the rms of `F - m A` over that of `F`, in phase and out of it. Limits: a skew `tau` of
-//! the force leaves a residual of `w tau` and takes `(w tau)^2 / 2` off the mass; hoses and guides
-//! behind the load cell are springs in parallel, which make the mass depend on the frequency.
+//! residual is the rms of `F - m A` over that of `F`, in phase and out of it. Limits: a skew `tau`
+//! of the force leaves a residual of `w tau` and takes `(w tau)^2 / 2` off the mass; hoses and
+//! guides behind the load cell are springs in parallel, which make the mass depend on the
+//! frequency.
 
 use super::SinePair;
 

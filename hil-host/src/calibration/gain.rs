@@ -4,17 +4,19 @@
 //! F = g (R - o)          F: known force, R: what the load cell shows
 //! ```
 //! A straight line by least squares. Its error is the larger one of two: that of the readings, each
-//! of which has a standard error of its own, and from three readings on that of the points about the
-//! line. One reading gives the gain alone, with an offset of zero. Limit: a dead weight hangs at
-//! rest, so that nothing dynamic of the load cell shows.
+//! of which has a standard error of its own, and from three readings on that of the points about
+//! the line. One reading gives the gain alone, with an offset of zero. Limit: a dead weight hangs
+//! at rest, so that nothing dynamic of the load cell shows.
 
 use crate::run::MeasuredTest;
+use serde::{Deserialize, Serialize};
 
 /// Samples of a block: a tenth of a second.
 const BLOCK: usize = 100;
 
-/// A reading of the load cell under a known force.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A reading of the load cell under a known force, as a calibration keeps it.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct Reading {
     /// The known force (N).
     pub reference_n: f64,
@@ -140,7 +142,7 @@ mod tests {
     #[test]
     fn the_error_of_a_reading_is_that_of_its_blocks() {
         let samples: Vec<f64> =
-            (0..400).map(|n| if (n / BLOCK) % 2 == 0 { 9.0 } else { 11.0 }).collect();
+            (0..400).map(|n| if (n / BLOCK).is_multiple_of(2) { 9.0 } else { 11.0 }).collect();
         let found = Reading::of_samples(&samples, 10.0).unwrap();
         assert_eq!(found.reading_n, 10.0);
         assert!((found.error_n - (4.0_f64 / 3.0).sqrt() / 2.0).abs() < 1e-12, "{found:?}");

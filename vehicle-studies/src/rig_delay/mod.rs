@@ -15,8 +15,9 @@
 
 mod answer;
 mod page;
+mod procedure;
 mod study;
 mod text;
 
 pub use answer::{OnRigs, RigDelay, Speeds};
-pub use study::{OWN_KEY, Question};
+pub use procedure::{OWN_KEY, Question};

@@ -1,10 +1,11 @@
 //! The report of a study of the delay of rigs.
 
 use super::answer::{Point, Speeds};
-use super::study::Question;
+use super::procedure::Question;
 use super::text::{cases, conditions, hunts_from, table};
 use crate::point_table;
 use report::{Plot, Report, Section};
+use scenario::setting::Setting;
 
 /// The report, behind its title and facts.
 pub(super) fn page(points: &[Point], question: &Question, report: Report) -> Report {
@@ -18,7 +19,7 @@ pub(super) fn page(points: &[Point], question: &Question, report: Report) -> Rep
 fn over_delay(points: &[Point]) -> Option<Section> {
     let [_only] = points.first()?.at.as_slice() else { return None };
     let mut sorted: Vec<&Point> = points.iter().collect();
-    let delay_ms = |point: &Point| point.at.first().map_or(f64::NAN, |own| own.number());
+    let delay_ms = |point: &Point| point.at.first().map_or(f64::NAN, Setting::number);
     sorted.sort_by(|one, other| delay_ms(one).total_cmp(&delay_ms(other)));
     let x: Vec<f64> = sorted.iter().map(|point| delay_ms(point)).collect();
     let mut plot = Plot::new("Error of the critical speed that is measured with rigs")

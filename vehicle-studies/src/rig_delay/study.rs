@@ -2,8 +2,9 @@
 
 use super::answer::{OnRigs, Point, RigDelay, Speeds};
 use super::page::page;
+use super::procedure::{OWN_KEY, Question};
 use super::text::text;
-use crate::critical_speed::{Ascent, Fold, LinearSpeed, Procedure, set_off};
+use crate::critical_speed::{Ascent, Fold, LinearSpeed, set_off};
 use crate::error::StudyError;
 use crate::study::Study;
 use crate::trip::track::rough_start;
@@ -12,27 +13,9 @@ use firmware_core::line::Sensitivity;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use report::Report;
 use scenario::run::{CYCLE_S, Run, SlotForce};
-use serde::Serialize;
-
-/// Key of the axis of delays of the force (ms).
-pub const OWN_KEY: &str = "rig_delay_ms";
 
 /// Seed of the track on which the delay is measured.
 const SEED: u64 = 1;
-
-/// What is asked; track and duration of the scenario do not matter.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Question {
-    /// How the critical speed is asked for.
-    #[serde(flatten)]
-    pub procedure: Procedure,
-    /// Whether the speed from which irregular track leads to hunting is asked for too.
-    pub hunts_from: bool,
-    /// Stroke of the dampers for eigenvalues, half the travel (m).
-    pub stroke_m: f64,
-    /// Time over which the delay is measured (s).
-    pub measured_s: f64,
-}
 
 impl Study for Question {
     const NAME: &'static str = "rig-delay";

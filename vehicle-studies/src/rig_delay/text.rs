@@ -1,7 +1,7 @@
 //! Critical speeds over the delay as a table, with the conditions for which they hold.
 
 use super::answer::{OnRigs, Point};
-use super::study::Question;
+use super::procedure::Question;
 use crate::over_seeds::seeds_in_words;
 use crate::point_table::{self, key_cells, keyed};
 use report::{Cell, Table};
