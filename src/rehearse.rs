@@ -66,11 +66,7 @@ pub(crate) fn command(args: &RehearseArgs) -> Result<ExitCode, CommandError> {
         run.rig = run.rig.late_by(ram.delay_s).ok_or_else(|| {
             let found = format!("a ram that is {:.3} ms late", 1e3 * ram.delay_s);
             let expected = format!("0 to {:.0} ms", 1e3 * DELAY_MAX_S);
-            CommandError::Input {
-                file: ram.source.as_str().into(),
-                found,
-                expected: expected.into(),
-            }
+            CommandError::Input { file: ram.source.as_str().into(), found, expected }
         })?;
     }
     let mut folder = match &args.out {
