@@ -22,7 +22,8 @@ pub(crate) struct ReportArgs {
 /// A folder without a run, a file of it that cannot be read, a disk that fails.
 pub(crate) fn command(args: &ReportArgs) -> Result<ExitCode, CommandError> {
     let report = run::report(&args.run)?;
-    let (summary, path) = (&report.summary, report.path.display());
+    let (summary, path) = (&report.summary, report.path.display().to_string());
+    let path = files::quoted(&path);
     let steps = summary.steps;
     let (ending, code) = match report.ending {
         Ending::Known => (summary.state.name().to_owned(), ExitCode::SUCCESS),

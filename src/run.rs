@@ -138,7 +138,8 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
             lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
             files += ", record-compared.npy";
         }
-        lines.push(format!("files in {}: {files}", finished.folder.display()));
+        let folder = finished.folder.display().to_string();
+        lines.push(format!("files in {}: {files}", files::quoted(&folder)));
         lines.push(last_line(&finished.summary));
         print(&lines.join("\n"))?;
     }

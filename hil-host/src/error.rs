@@ -362,11 +362,11 @@ impl fmt::Display for BenchError {
             ),
             Self::Space { folder, free, needed, cycles } => write!(
                 f,
-                "{}: found {:.1} GB free on its disk, expected at least {:.1} GB for {cycles} \
-                 cycles: shorten the run or free space",
+                "{}: found {} free on its disk, expected at least {} for {cycles} cycles: shorten \
+                 the run or free space",
                 quoted(&folder.display().to_string()),
-                *free as f64 * 1e-9,
-                *needed as f64 * 1e-9
+                bytes(*free),
+                bytes(*needed)
             ),
             Self::Bus(why) => why.fmt(f),
             Self::Dbc(why) => why.fmt(f),
@@ -501,6 +501,12 @@ impl From<serde_json::Error> for BenchError {
     fn from(why: serde_json::Error) -> Self {
         Self::Summary(why)
     }
+}
+
+/// A size on a disk, as tools show it.
+fn bytes(count: u64) -> String {
+    let count = count as f64;
+    if count < 1e9 { format!("{:.1} MB", count * 1e-6) } else { format!("{:.1} GB", count * 1e-9) }
 }
 
 #[cfg(test)]

@@ -74,6 +74,7 @@ mod unit;
 pub use error::MeasurementError;
 pub use force_faults::is_flat_but_for_rounding;
 pub use measurement::Measurement;
+pub use plausibility::SAMPLES_LEAST;
 pub use proposal::propose_mapping;
 pub use read::{read_motions, read_tests, read_tests_with};
 pub use reader::RecordReader;

@@ -9,7 +9,7 @@ use signal::spectrum::Spectrum;
 use signal::statistics::{min_max, rms};
 
 /// Fewest samples of a test.
-const SAMPLES_LEAST: usize = 50;
+pub const SAMPLES_LEAST: usize = 50;
 /// Slowest sampling (Hz).
 const RATE_LEAST_HZ: f64 = 20.0;
 /// Sampling from which any motion of a damper is read (Hz).

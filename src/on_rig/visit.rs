@@ -9,6 +9,7 @@ use crate::error::CommandError;
 use firmware_core::command::Command;
 use firmware_core::damper::{Damper, DamperState, HeatBalance, Motion};
 use hil_host::run::PlannedTest;
+use measurement::SAMPLES_LEAST;
 use report::{Cell, Table};
 use scenario::damper::DamperFile;
 use scenario::run::CYCLE_S;
@@ -20,6 +21,12 @@ use virtual_bench::bench_visit::protocol::Test;
 /// Runs the tests of a list.
 pub(super) fn visit(bench: &Bench<'_>) -> Result<ExitCode, CommandError> {
     let planned: Vec<PlannedTest> = bench.common.tests.iter().map(planned).collect();
+    // Its record would be refused when the ram has moved.
+    if let Some(test) = planned.iter().find(|test| test.commands.len() < SAMPLES_LEAST) {
+        let found =
+            format!("test {} of {} samples", files::quoted(&test.name), test.commands.len());
+        return Err(CommandError::option(found, format!("at least {SAMPLES_LEAST}, at 1 kHz")));
+    }
     let frequencies = bench.common.tests.iter().map(|test| test.excitation.frequency_hz());
     let frequencies: Vec<f64> = frequencies.collect();
     let names = names(&planned);

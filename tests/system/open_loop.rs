@@ -83,3 +83,20 @@ fn a_rig_that_cannot_make_a_test_is_not_moved() {
     }
     std::fs::remove_dir_all(out).unwrap();
 }
+
+#[test]
+fn a_test_too_short_for_a_record_was_refused_when_the_ram_had_moved() {
+    let out = folder("open-loop-short");
+    let list = out.join("short.toml");
+    let tests = "[[test]]\nname = \"tiny\"\nduration_s = 0.01\n\
+                 sine = { amplitude_m = 1e-3, frequency_hz = 2.0 }\n";
+    std::fs::write(&list, tests).unwrap();
+    let visit = out.join("visit");
+    let mut command = yawbench();
+    command.args(["characterise", "--bus", "memory", "--tests"]).arg(&list);
+    let refused = output(command.arg("--out").arg(&visit));
+    assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+    assert!(said(&refused).contains("test tiny of 11 samples"), "{}", said(&refused));
+    assert!(!visit.exists());
+    std::fs::remove_dir_all(out).unwrap();
+}

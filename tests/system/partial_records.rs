@@ -113,3 +113,21 @@ fn a_closed_standard_error_hid_the_exit_code() {
     assert!(out.join("summary.json").is_file());
     std::fs::remove_dir_all(out).unwrap();
 }
+
+#[test]
+fn a_format_that_nobody_knows_was_read_as_the_usual_one() {
+    let out = run("later-format");
+    for file in ["summary.json", "run.json"] {
+        let path = out.join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.replacen("\"format\": 1", "\"format\": 99", 1)).unwrap();
+        for command in ["report", "replay"] {
+            let refused = of(command, &out);
+            assert_eq!(refused.status.code(), Some(2), "{command}: {}", said(&refused));
+            let text = said(&refused);
+            assert!(text.contains(file) && text.contains("found format 99"), "{text}");
+        }
+        std::fs::write(&path, text).unwrap();
+    }
+    std::fs::remove_dir_all(out).unwrap();
+}

@@ -101,7 +101,22 @@ impl RunAbout {
 /// # Errors
 /// The file is not there, or holds something else.
 pub(crate) fn read_about(folder: &ResultFolder) -> Result<RunAbout, BenchError> {
-    read_json(&folder.file(ABOUT), "the run.json of a run")
+    let file = folder.file(ABOUT);
+    let about: RunAbout = read_json(&file, "the run.json of a run")?;
+    check_format(&file, about.format)?;
+    Ok(about)
+}
+
+/// Refuses a file of a format that this version does not know.
+///
+/// # Errors
+/// Another format than 1.
+pub(crate) fn check_format(file: &Path, format: u32) -> Result<(), BenchError> {
+    if format == 1 {
+        return Ok(());
+    }
+    let found = format!("format {format}");
+    Err(BenchError::Kept { file: file.to_owned(), found, expected: "format 1" })
 }
 
 /// A JSON file of a run.

@@ -1,6 +1,6 @@
 //! `yawbench report`: the report of a run from the files in its folder, also of a killed one.
 
-use super::about::{read_about, read_json};
+use super::about::{check_format, read_about, read_json};
 use super::{EVENTS, RECORD, REPORT, SCENARIO, SUMMARY, around_stop};
 use crate::BenchError;
 use crate::counts::Counts;
@@ -67,7 +67,11 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
 pub(crate) fn kept_summary(folder: &ResultFolder) -> Result<Option<KeptSummary>, BenchError> {
     let summary = folder.file(SUMMARY);
     match summary.symlink_metadata() {
-        Ok(_) => read_json(&summary, "the summary.json of a run").map(Some),
+        Ok(_) => {
+            let kept: KeptSummary = read_json(&summary, "the summary.json of a run")?;
+            check_format(&summary, kept.format)?;
+            Ok(Some(kept))
+        }
         Err(_) => Ok(None),
     }
 }

@@ -14,6 +14,7 @@ use serde::Deserialize;
 /// What only the program knew and `summary.json` holds.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub(crate) struct KeptSummary {
+    pub(crate) format: u32,
     /// All control cycles.
     pub(crate) cycles: u64,
     pub(crate) wall_s: f64,

@@ -90,14 +90,19 @@ impl TrackingSummary {
         if most <= warned {
             return None;
         }
-        let accepted = if most > refused && self.accept_delay_error {
-            "; accepted by accept_delay_error: the result is that of another damper"
-        } else {
-            ""
+        let follows = match (most > refused, self.accept_delay_error) {
+            (true, true) => {
+                "; accepted by accept_delay_error: the result is that of another damper"
+            }
+            (true, false) => {
+                "; [slot.compensation] takes a delay out. On a real bus, at the pace of the clock, \
+                 more than 5 % ramps a run out before the force acts"
+            }
+            (false, _) => "; [slot.compensation] takes a delay out",
         };
         Some(format!(
             "the delay of the force costs up to {most:.1} % of the damping at the hunting \
-             frequency, more than {warned:.0} %{accepted}"
+             frequency, more than {warned:.0} %{follows}"
         ))
     }
 }
@@ -108,7 +113,11 @@ impl MeasuredDelay {
         let (mean, half) = (1e3 * self.mean_s, 1e3 * self.half_width_s);
         let cost = self.damping_lost_percent.zip(self.damping_lost_at_most_percent);
         let cost = cost.map_or_else(String::new, |(lost, most)| {
-            format!(", {lost:.2} % of the damping lost, at most {most:.2} %")
+            if lost < 0.0 {
+                format!(", {:.2} % of damping added, at most {most:.2} % off", -lost)
+            } else {
+                format!(", {lost:.2} % of the damping lost, at most {most:.2} %")
+            }
         });
         format!("delay of the force {mean:.3} ± {half:.3} ms ({} s){cost}", self.blocks)
     }
