@@ -12,7 +12,7 @@ use files::{FolderError, InputError, quoted};
 use scenario::source::ScenarioError;
 use std::fmt;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why the bench did not run, or a run has no complete result.
 #[derive(Debug)]
@@ -360,14 +360,9 @@ impl fmt::Display for BenchError {
                 quoted(bus),
                 load * 100.0
             ),
-            Self::Space { folder, free, needed, cycles } => write!(
-                f,
-                "{}: found {} free on its disk, expected at least {} for {cycles} cycles: shorten \
-                 the run or free space",
-                quoted(&folder.display().to_string()),
-                bytes(*free),
-                bytes(*needed)
-            ),
+            Self::Space { folder, free, needed, cycles } => {
+                no_space(f, folder, [*free, *needed], *cycles)
+            }
             Self::Bus(why) => why.fmt(f),
             Self::Dbc(why) => why.fmt(f),
             Self::Gateway(why) => why.fmt(f),
@@ -501,6 +496,23 @@ impl From<serde_json::Error> for BenchError {
     fn from(why: serde_json::Error) -> Self {
         Self::Summary(why)
     }
+}
+
+/// A disk without room for a run.
+fn no_space(
+    f: &mut fmt::Formatter<'_>,
+    folder: &Path,
+    [free, needed]: [u64; 2],
+    cycles: u64,
+) -> fmt::Result {
+    write!(
+        f,
+        "{}: found {} free on its disk, expected at least {} for {cycles} cycles: shorten the run \
+         or free space",
+        quoted(&folder.display().to_string()),
+        bytes(free),
+        bytes(needed)
+    )
 }
 
 /// A size on a disk, as tools show it.

@@ -167,7 +167,7 @@ fn a_cause_that_asks_to_ramp_out_ends_at_rest_and_not_in_the_safe_state() {
     let stop = Cause { signal: Signal::BusQueue, value: 2.0, limit: 2.0, action: Action::RampOut };
     commands(&session, &mut state, &mut bus, 2000);
     state.line.on(Event::End);
-    state.stop = Some(Stop { cycle: 2000, time_s: 1.0, node: None, cause: stop });
+    state.stop = Some(Stop { cycle: 2000, time_s: 1.0, node: None, cause: stop, skipped: 0 });
     let end = run_through(&run, &session, &mut state, &mut bus, 20_000);
     assert_eq!((end, state.line.state, state.line.cycle), (End::RampedOut, State::Standby, 3000));
 }

@@ -11,8 +11,12 @@ fn read(path: &Path) -> Measurement {
     tests.remove(0)
 }
 
-const TURNED: Companion =
-    Companion { specimen: None, extension: Extension::Negative, temperature: true };
+const TURNED: Companion = Companion {
+    specimen: None,
+    notes: Vec::new(),
+    extension: Extension::Negative,
+    temperature: true,
+};
 
 #[test]
 fn what_a_file_cannot_say_comes_from_the_mapping_next_to_it() {
