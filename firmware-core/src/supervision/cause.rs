@@ -164,7 +164,7 @@ impl Signal {
             Self::WrongSeal => "measurements with a wrong CRC",
             Self::BusQueue => "commands without room on the bus",
             Self::BusDown => "bus down",
-            Self::Growth => "size of a motion that grows beyond the stroke within two cycles",
+            Self::Growth => "size of a motion that is growing beyond the stroke",
             Self::CommandLimit => "command beyond its limits",
             Self::SecondSender => "second sender on",
             Self::Delay => "residual delay",
