@@ -37,12 +37,12 @@ fn here(words: &[String], place: &Path, number: usize) -> Vec<String> {
     }
     let is_visit = words.iter().any(|word| word == "--tests");
     let out = if is_visit { shown(&visit) } else { shown(&place.join(number.to_string())) };
-    // Only this rig reports a temperature.
-    let warm = shown(&repository().join("scenarios/rigs/servo-hydraulic-rig.toml"));
-    let is_warm_up = words.iter().any(|word| word == "--warm-up");
+    // It reports a temperature and has a fixture; the default rig has neither.
+    let servo = shown(&repository().join("scenarios/rigs/servo-hydraulic-rig.toml"));
+    let takes_servo = words.iter().any(|word| word == "--warm-up" || word == "--calibrate");
     let more: Vec<&str> = match words[0].as_str() {
         "rtcheck" => vec!["--seconds", "1"],
-        "characterise" if is_warm_up => vec!["--bus", "memory", "--rig", &warm, "--out", &out],
+        "characterise" if takes_servo => vec!["--bus", "memory", "--rig", &servo, "--out", &out],
         "characterise" => vec!["--bus", "memory", "--out", &out],
         "identify" => vec!["--out", &out],
         "rehearse" => vec!["--duration", "4"],

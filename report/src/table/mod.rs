@@ -117,7 +117,7 @@ impl From<String> for Cell {
 
 impl From<f64> for Cell {
     fn from(value: f64) -> Self {
-        if value.is_finite() { Self::Number(value) } else { Self::Empty }
+        Self::Number(value)
     }
 }
 

@@ -121,7 +121,7 @@ fn a_file_that_is_not_regular_is_not_read() {
         "[compare.damper]\nfile = \"/dev/zero\"\n",
     ] {
         let said = scenario(&folder, more).unwrap_err().to_string();
-        assert_eq!(said, "/dev/zero: found a device, expected a file");
+        assert!(said.contains("/dev/zero: found a device, expected a file"), "{said}");
     }
     let said = load(std::path::Path::new("/dev/zero")).unwrap_err().to_string();
     assert_eq!(said, "/dev/zero: found a device, expected a file");
