@@ -1,10 +1,12 @@
-//! Options that the commands of the bench share: frames on the wire and real time.
+//! Options that the commands of the bench share: numbers of the scenario, frames on the wire, real
+//! time.
 
-use crate::value::ValueError;
+use crate::value::{ValueError, number};
 use can_protocol::Profile;
 use clap::{Args, ValueEnum};
 use files::quoted;
 use hil_host::realtime::RealtimeOptions;
+use scenario::run::Overrides;
 use std::fmt;
 use std::num::NonZeroU8;
 use std::path::Path;
@@ -16,6 +18,25 @@ pub(crate) enum ProfileChoice {
     Classical,
     /// CAN FD with bit-rate switch, 16 bytes.
     Fd,
+}
+
+/// Numbers in the place of the scenario's.
+#[derive(Debug, Args)]
+pub(crate) struct OverrideArgs {
+    /// Another duration (s).
+    #[arg(long, value_name = "S",
+        value_parser = number("a duration from 0.001 to 86400 s", |s| (1e-3..=86_400.0).contains(&s)))]
+    duration: Option<f64>,
+    /// Another speed (km/h).
+    #[arg(long, value_name = "KMH",
+        value_parser = number("a speed over 0 and up to 600 km/h", |kmh| kmh > 0.0 && kmh <= 600.0))]
+    speed_kmh: Option<f64>,
+}
+
+impl OverrideArgs {
+    pub(crate) fn overrides(&self) -> Overrides {
+        Overrides { duration_s: self.duration, speed_kmh: self.speed_kmh }
+    }
 }
 
 #[derive(Debug, Args)]

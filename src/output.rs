@@ -33,13 +33,13 @@ pub(crate) fn file_name(path: &Path) -> String {
 /// Prints what is unusual about an input on standard error.
 pub(crate) fn warn(warnings: &[String]) {
     for warning in warnings {
-        let _ = writeln!(io::stderr(), "warning: {warning}");
+        files::say!("warning: {warning}");
     }
 }
 
 /// Prints an error on standard error. Where nothing takes it, the exit code still says it.
 pub(crate) fn complain(error: &str) {
-    let _ = writeln!(io::stderr(), "error: {error}");
+    files::say!("error: {error}");
 }
 
 /// Reports that the file of a study or campaign ended in an incomplete line.

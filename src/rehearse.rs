@@ -1,6 +1,7 @@
 //! `yawbench rehearse`: how far every limit of a run is away, on emulated rigs, before anything is
 //! armed.
 
+use crate::bench_options::OverrideArgs;
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::linear_vehicle::linear_vehicle;
@@ -11,7 +12,7 @@ use clap::Args;
 use files::ResultFolder;
 use hil_host::{MeasuredRam, rehearse};
 use scenario::rig::DELAY_MAX_S;
-use scenario::run::{Overrides, Run};
+use scenario::run::Run;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -31,14 +32,8 @@ pub(crate) struct RehearseArgs {
     /// The same from the folder in which it was measured: of an open loop, or of a run.
     #[arg(long, value_name = "DIR")]
     measured: Option<PathBuf>,
-    /// Another duration (s).
-    #[arg(long, value_name = "S",
-        value_parser = number("a duration from 0.001 to 86400 s", |s| (1e-3..=86_400.0).contains(&s)))]
-    duration: Option<f64>,
-    /// Another speed (km/h).
-    #[arg(long, value_name = "KMH",
-        value_parser = number("a speed over 0 and up to 600 km/h", |kmh| kmh > 0.0 && kmh <= 600.0))]
-    speed_kmh: Option<f64>,
+    #[command(flatten)]
+    overrides: OverrideArgs,
     /// Folder for rehearsal.json [default: nothing is written].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -55,8 +50,7 @@ pub(crate) struct RehearseArgs {
 /// # Errors
 /// Bad input, before anything is written; a disk that fails.
 pub(crate) fn command(args: &RehearseArgs) -> Result<ExitCode, CommandError> {
-    let overrides = Overrides { duration_s: args.duration, speed_kmh: args.speed_kmh };
-    let mut run = Run::load(&args.scenario, overrides)?;
+    let mut run = Run::load(&args.scenario, args.overrides.overrides())?;
     let ram = match (args.delay_ms, &args.measured) {
         (Some(ms), _) => Some(MeasuredRam { delay_s: 1e-3 * ms, source: "--delay-ms".to_owned() }),
         (None, Some(folder)) => Some(MeasuredRam::read(folder)?),

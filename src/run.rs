@@ -1,20 +1,19 @@
 //! `yawbench run`: a scenario, from its file to record, summary and report.
 
-use crate::bench_options::{RealtimeArgs, WireArgs, slow_down};
+use crate::bench_options::{OverrideArgs, RealtimeArgs, WireArgs, slow_down};
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED, SAFE_STATE};
 use crate::keys::Keys;
 use crate::linear_vehicle::linear_vehicle;
 use crate::output::{print, stem};
 use crate::stop;
-use crate::value::number;
 use clap::{Args, ValueEnum};
 use hil_host::bus::BusChoice;
 use hil_host::control::End;
 use hil_host::gateway::{GatewayError, GatewayPlan, Loss, loss_lines};
 use hil_host::{BenchError, DamperSummary, PaceChoice, RunOptions, Summary, run};
 use report::{Cell, Table};
-use scenario::run::{Overrides, Run, SlotForce};
+use scenario::run::{Run, SlotForce};
 use std::num::NonZeroU8;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -61,14 +60,8 @@ pub(crate) struct RunArgs {
     /// Who sets the pace.
     #[arg(long, value_enum, default_value_t = Pace::Realtime)]
     pace: Pace,
-    /// Another duration (s).
-    #[arg(long, value_name = "S",
-        value_parser = number("a duration from 0.001 to 86400 s", |s| (1e-3..=86_400.0).contains(&s)))]
-    duration: Option<f64>,
-    /// Another speed (km/h).
-    #[arg(long, value_name = "KMH",
-        value_parser = number("a speed over 0 and up to 600 km/h", |kmh| kmh > 0.0 && kmh <= 600.0))]
-    speed_kmh: Option<f64>,
+    #[command(flatten)]
+    overrides: OverrideArgs,
     /// Folder for the files of the run [default: runs/SCENARIO-N].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -93,8 +86,7 @@ pub(crate) struct RunArgs {
 /// # Errors
 /// Bad input, before anything is written; a bus or disk that fails; silent rigs.
 pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
-    let overrides = Overrides { duration_s: args.duration, speed_kmh: args.speed_kmh };
-    let scenario = Run::load(&args.scenario, overrides)?;
+    let scenario = Run::load(&args.scenario, args.overrides.overrides())?;
     let gateway = gateway(args)?;
     let mut inputs = vec![args.scenario.clone()];
     inputs.extend([&args.dbc, &args.dbc_map].into_iter().flatten().cloned());

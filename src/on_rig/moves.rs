@@ -11,7 +11,7 @@ use crate::exit::FAILED;
 use crate::output::{self, print};
 use firmware_core::command::Command;
 use firmware_core::supervision::CommandLimits;
-use hil_host::run::{OpenLoopPlan, OpenLoopRecord, Origin, PlannedTest};
+use hil_host::run::{OpenLoopPlan, OpenLoopRecord, Origin, PlannedTest, on_the_way};
 use scenario::run::CYCLE_S;
 use std::f64::consts::PI;
 use std::process::ExitCode;
@@ -77,17 +77,8 @@ fn conduct(bench: &Bench<'_>, plan: &OpenLoopPlan<'_>) -> Result<OpenLoopRecord,
 /// A way from rest to rest, and a short rest behind it.
 fn jog_commands(way_m: f64) -> Vec<Command> {
     let length_s = PI * way_m.abs() / (2.0 * JOG_M_PER_S);
-    let cycles = libm::ceil(length_s / CYCLE_S).max(1.0);
-    let command = |cycle: usize| {
-        let (sin, cos) = libm::sincos(PI * (cycle as f64 / cycles).min(1.0));
-        let rate_per_s = 0.5 * PI * sin / (cycles * CYCLE_S);
-        let is_there = cycle as f64 >= cycles;
-        Command {
-            displacement_m: 0.5 * (1.0 - cos) * way_m,
-            velocity_m_per_s: if is_there { 0.0 } else { rate_per_s * way_m },
-        }
-    };
-    (0..=cycles as usize + REST_CYCLES).map(command).collect()
+    let cycles = libm::ceil(length_s / CYCLE_S).max(1.0) as usize;
+    (0..=cycles + REST_CYCLES).map(|cycle| on_the_way(0.0, way_m, cycle, cycles)).collect()
 }
 
 #[cfg(test)]

@@ -7,9 +7,7 @@
 //! anything moves: the speed and the acceleration of every cycle, from displacements as from
 //! velocities, and a begin at rest. The displacement counts from mid-stroke, as it was recorded.
 
-use super::Bench;
-use super::records::{names, write};
-use super::visit::print_heat;
+use super::{Bench, visit};
 use crate::error::CommandError;
 use crate::value::number;
 use clap::Args;
@@ -53,13 +51,8 @@ pub(super) fn play(bench: &Bench<'_>) -> Result<ExitCode, CommandError> {
             CommandError::Input { file: file.clone(), found, expected }
         })?;
     }
-    let names = names(&tests);
-    let mut folder = bench.folder(Some(file), &names)?;
-    print_heat(bench, &tests, &vec![0.0; tests.len()])?;
-    let plan = bench.plan(tests);
-    let found = bench.conduct(&plan, &mut folder)?;
-    let names: Vec<&str> = plan.tests.iter().map(|test| test.name.as_str()).collect();
-    write(bench, &folder, &found, &names)
+    let frequencies_hz = vec![0.0; tests.len()];
+    visit::run(bench, Some(file), tests, &frequencies_hz)
 }
 
 /// The motions of a record, with or without a force.

@@ -43,13 +43,13 @@ fn csv_name(test: &str) -> String {
     format!("{test}.csv")
 }
 
-/// Writes records, mappings, figures and tracking of the tests that were asked for by name;
+/// Writes records, mappings, figures and tracking of the tests that were asked for;
 /// prints figures and tracking.
 pub(super) fn write(
     bench: &Bench<'_>,
     folder: &ResultFolder,
     found: &OpenLoopRecord,
-    planned: &[&str],
+    planned: &[PlannedTest],
 ) -> Result<ExitCode, CommandError> {
     let common = bench.common;
     let paths = write_records(bench, folder, &found.tests)?;
@@ -84,8 +84,9 @@ pub(super) fn write(
     if found.tests.len() == planned.len() {
         return Ok(ExitCode::SUCCESS);
     }
-    let is_run = |name: &&str| found.tests.iter().any(|test| test.name == **name);
-    let left_out: Vec<&str> = planned.iter().copied().filter(|name| !is_run(name)).collect();
+    let is_run = |name: &&str| found.tests.iter().any(|test| test.name == *name);
+    let names = planned.iter().map(|test| test.name.as_str());
+    let left_out: Vec<&str> = names.filter(|name| !is_run(name)).collect();
     let left_out = left_out.join(", ");
     output::complain(&format!("the oil did not reach its temperatures: without {left_out}"));
     Ok(ExitCode::from(FAILED))

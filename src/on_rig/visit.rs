@@ -14,9 +14,11 @@ use report::{Cell, Table};
 use scenario::damper::DamperFile;
 use scenario::run::CYCLE_S;
 use scenario::source::Source;
+use std::path::Path;
 use std::process::ExitCode;
 use virtual_bench::bench_visit::LABORATORY_DEGC;
 use virtual_bench::bench_visit::protocol::Test;
+use virtual_bench::excitation::Excitation;
 
 /// Runs the tests of a list.
 pub(super) fn visit(bench: &Bench<'_>) -> Result<ExitCode, CommandError> {
@@ -29,28 +31,42 @@ pub(super) fn visit(bench: &Bench<'_>) -> Result<ExitCode, CommandError> {
     }
     let frequencies = bench.common.tests.iter().map(|test| test.excitation.frequency_hz());
     let frequencies: Vec<f64> = frequencies.collect();
-    let names = names(&planned);
-    let mut folder = bench.folder(None, &names)?;
-    print_heat(bench, &planned, &frequencies)?;
-    let plan = bench.plan(planned);
+    run(bench, None, planned, &frequencies)
+}
+
+/// Runs motions, of `record` where they were read from one, and writes what was measured; a motion
+/// without a frequency has one of zero.
+pub(super) fn run(
+    bench: &Bench<'_>,
+    record: Option<&Path>,
+    motions: Vec<PlannedTest>,
+    frequencies_hz: &[f64],
+) -> Result<ExitCode, CommandError> {
+    let mut folder = bench.folder(record, &names(&motions))?;
+    print_heat(bench, &motions, frequencies_hz)?;
+    let plan = bench.plan(motions);
     let found = bench.conduct(&plan, &mut folder)?;
-    let names: Vec<&str> = plan.tests.iter().map(|test| test.name.as_str()).collect();
-    write(bench, &folder, &found, &names)
+    write(bench, &folder, &found, &plan.tests)
 }
 
 /// A test as commands.
 fn planned(test: &Test) -> PlannedTest {
     let cycles = libm::floor(test.duration_s / CYCLE_S + 1e-9) as usize;
-    let command = |cycle: usize| {
-        let (x_m, v_m_per_s) = test.excitation.at(cycle as f64 * CYCLE_S);
-        Command { displacement_m: test.mean_m + x_m, velocity_m_per_s: v_m_per_s }
-    };
-    PlannedTest { name: test.name.clone(), commands: (0..=cycles).map(command).collect() }
+    let commands = commands(&test.excitation, test.mean_m, cycles);
+    PlannedTest { name: test.name.clone(), commands }
 }
 
-/// Prints the heat of every test with the damper that is expected; a motion without a frequency has
-/// one of zero.
-pub(super) fn print_heat(
+/// A motion about a place, over so many cycles.
+pub(super) fn commands(motion: &Excitation, mean_m: f64, cycles: usize) -> Vec<Command> {
+    let command = |cycle: usize| {
+        let (x_m, velocity_m_per_s) = motion.at(cycle as f64 * CYCLE_S);
+        Command { displacement_m: mean_m + x_m, velocity_m_per_s }
+    };
+    (0..=cycles).map(command).collect()
+}
+
+/// Prints the heat of every test with the damper that is expected.
+fn print_heat(
     bench: &Bench<'_>,
     tests: &[PlannedTest],
     frequencies_hz: &[f64],

@@ -5,7 +5,7 @@ use super::error::GatewayError;
 use super::key::MapKey;
 use super::look_up::{Found, LookUp};
 use super::loss::Loss;
-use super::map::{CommandMap, MapFile};
+use super::map::{CommandMap, MapFile, Mapped};
 use super::placement;
 use super::plan::{Command, CommandPlan, Enable, GatewayPlan, MeasurementPlan, Placed, StatePlan};
 use super::unit::Dimension;
@@ -87,10 +87,7 @@ impl CommandSignals {
             let expected = "no such key: it is not supported";
             return Err(key("crc").refuse(source, "a CRC of the rig's own", expected));
         }
-        let quantity = |name, mapped, dimension| {
-            let found = look_up.quantity(key(name), mapped, dimension)?;
-            capacity::useful(source, &found, dimension).map(|()| found)
-        };
+        let quantity = |name, mapped, dimension| quantity(look_up, key(name), mapped, dimension);
         let displacement = quantity("displacement", &map.displacement, Dimension::Displacement)?;
         let velocity = map.velocity.as_ref();
         let velocity =
@@ -163,10 +160,7 @@ impl RigSignals {
     ) -> Result<Self, GatewayError> {
         let (source, map) = (look_up.map, &file.measurement);
         let key = |name| MapKey::new("measurement", name);
-        let quantity = |key, mapped, dimension| {
-            let found = look_up.quantity(key, mapped, dimension)?;
-            capacity::useful(source, &found, dimension).map(|()| found)
-        };
+        let quantity = |key, mapped, dimension| quantity(look_up, key, mapped, dimension);
         let force = quantity(key("force"), &map.force, Dimension::Force)?;
         let displacement =
             quantity(key("displacement"), &map.displacement, Dimension::Displacement)?;
@@ -219,6 +213,17 @@ impl RigSignals {
         let valid = self.valid.as_ref().map(|(found, raw)| (place(found), *raw));
         MeasurementPlan { force, displacement, counter, echo, valid, messages }
     }
+}
+
+/// A signal with a unit, and with a range that is of use.
+fn quantity(
+    look_up: LookUp<'_>,
+    key: MapKey,
+    mapped: &Mapped,
+    dimension: Dimension,
+) -> Result<Found, GatewayError> {
+    let found = look_up.quantity(key, mapped, dimension)?;
+    capacity::useful(look_up.map, &found, dimension).map(|()| found)
 }
 
 /// The signal that repeats the counter of the command.

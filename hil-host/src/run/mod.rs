@@ -26,7 +26,7 @@ pub use measured_test::{Delay, MeasuredTest};
 pub use open_loop::{OPEN_LOOP_FILES, OpenLoopPlan, OpenLoopRecord, PlannedTest, open_loop};
 pub(crate) use plan::Plan;
 pub use plan::is_on_a_bus;
-pub use sequence::Origin;
+pub use sequence::{Origin, on_the_way};
 pub(crate) use setup::{Terms, session};
 pub use setup::{line, watch_of};
 

@@ -224,8 +224,8 @@ impl Motion for Sequence {
     }
 }
 
-/// A cycle of a way.
-fn on_the_way(from_m: f64, to_m: f64, at: usize, of: usize) -> Command {
+/// A cycle of a way from rest to rest, of so many: a raised cosine.
+pub fn on_the_way(from_m: f64, to_m: f64, at: usize, of: usize) -> Command {
     let share = (at as f64 / of as f64).min(1.0);
     let (sin, cos) = libm::sincos(PI * share);
     let rate = if at < of { 0.5 * PI * sin / (of as f64 * CYCLE_S) } else { 0.0 };

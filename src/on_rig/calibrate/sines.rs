@@ -1,6 +1,6 @@
 //! Sines that rise from rest, and force over displacement in what was measured of them.
 
-use firmware_core::command::Command;
+use crate::on_rig::visit::commands;
 use hil_host::calibration::SinePair;
 use hil_host::run::{MeasuredTest, PlannedTest};
 use scenario::run::CYCLE_S;
@@ -16,12 +16,8 @@ pub(super) fn sine(name: &str, frequency_hz: f64, amplitude_m: f64) -> PlannedTe
     let periods = libm::ceil(MEASURED_S * frequency_hz);
     let motion = Excitation::sine(amplitude_m, frequency_hz);
     let cycles = ((periods + RISE_PERIODS) / frequency_hz / CYCLE_S) as usize;
-    let command = |cycle: usize| {
-        let (displacement_m, velocity_m_per_s) = motion.at(cycle as f64 * CYCLE_S);
-        Command { displacement_m, velocity_m_per_s }
-    };
     let name = format!("{name}-{frequency_hz}hz");
-    PlannedTest { name, commands: (0..=cycles).map(command).collect() }
+    PlannedTest { name, commands: commands(&motion, 0.0, cycles) }
 }
 
 /// Force and displacement of every sine, once it has risen.
