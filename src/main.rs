@@ -5,6 +5,7 @@
 //! [`usage`] the answer to a wrong command line, [`value`] the ranges of options.
 
 mod bench_options;
+mod calibration_file;
 mod campaign;
 mod characterise;
 mod critical_speed;
@@ -40,6 +41,7 @@ mod study;
 mod usage;
 mod validation;
 mod value;
+mod wear_map;
 
 use clap::error::ErrorKind;
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -65,6 +67,10 @@ enum Command {
     #[command(after_help = "Examples: yawbench rehearse scenarios/ss9-160kmh.toml --delay-ms 1.5
           yawbench rehearse scenarios/ss9-160kmh.toml --measured runs/rig-1")]
     Rehearse(rehearse::RehearseArgs),
+    /// Map where wear in software stands for wear in the joint of the damper: clearance, stiffness,
+    /// rig and damper, on emulated rigs.
+    #[command(after_help = "Example: yawbench wear-map scenarios/ss9-one-worn-of-four.toml")]
+    WearMap(wear_map::WearMapArgs),
     /// Make the report of a run from the files in its folder, also of a run that was killed.
     #[command(after_help = "Example: yawbench report runs/ss9-160kmh-1")]
     Report(report::ReportArgs),
@@ -206,6 +212,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
     Ok(match command {
         Command::Run(args) => run::command(args)?,
         Command::Rehearse(args) => rehearse::command(args)?,
+        Command::WearMap(args) => wear_map::command(args)?,
         Command::Report(args) => report::command(args)?,
         Command::Replay(args) => replay::command(args)?,
         Command::Rig(args) => rig::command(args)?,

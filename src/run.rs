@@ -1,17 +1,19 @@
 //! `yawbench run`: a scenario, from its file to record, summary and report.
 
 use crate::bench_options::{OverrideArgs, RealtimeArgs, WireArgs, slow_down};
+use crate::calibration_file::CalibrationFile;
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED, SAFE_STATE};
 use crate::keys::Keys;
 use crate::linear_vehicle::linear_vehicle;
-use crate::output::{print, stem};
+use crate::output::{print, stem, warn};
 use crate::stop;
+use crate::value::number;
 use clap::{Args, ValueEnum};
 use hil_host::bus::BusChoice;
 use hil_host::control::End;
 use hil_host::gateway::{GatewayError, GatewayPlan, Loss, loss_lines};
-use hil_host::{BenchError, DamperSummary, PaceChoice, RunOptions, Summary, run};
+use hil_host::{BenchError, DamperSummary, MeasuredRam, PaceChoice, RunOptions, Summary, run};
 use report::{Cell, Table};
 use scenario::run::{Run, SlotForce};
 use std::num::NonZeroU8;
@@ -60,6 +62,18 @@ pub(crate) struct RunArgs {
     /// Who sets the pace.
     #[arg(long, value_enum, default_value_t = Pace::Realtime)]
     pace: Pace,
+    /// Calibration of a rig, its calibration.toml; once for each rig. Date, certificate and figures
+    /// stand in run.json, summary.json and the report.
+    #[arg(long, value_name = "FILE")]
+    calibration: Vec<PathBuf>,
+    /// Folder of the open loop, or of an earlier run, in which the delay of the rig was measured. A
+    /// delay that the scenario does not compensate is refused before anything is armed.
+    #[arg(long, value_name = "DIR")]
+    measured: Option<PathBuf>,
+    /// Age at which a calibration is called old (days).
+    #[arg(long, value_name = "DAYS", default_value_t = 365.0, requires = "calibration",
+        value_parser = number("an age from 0 days on", |days| days >= 0.0))]
+    calibration_days: f64,
     #[command(flatten)]
     overrides: OverrideArgs,
     /// Folder for the files of the run [default: runs/SCENARIO-N].
@@ -88,8 +102,10 @@ pub(crate) struct RunArgs {
 pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     let scenario = Run::load(&args.scenario, args.overrides.overrides())?;
     let gateway = gateway(args)?;
+    let calibrations = calibrations(args, &scenario)?;
     let mut inputs = vec![args.scenario.clone()];
     inputs.extend([&args.dbc, &args.dbc_map].into_iter().flatten().cloned());
+    inputs.extend(args.calibration.iter().cloned());
     let options = RunOptions {
         bus: args.bus.clone(),
         gateway,
@@ -101,6 +117,8 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         overwrite: args.overwrite,
         inputs,
         name: stem(&args.scenario),
+        calibrations,
+        measured: args.measured.as_deref().map(MeasuredRam::read).transpose()?,
         linear: if on_rigs(&scenario) { linear_vehicle(&scenario)? } else { None },
         realtime: args.realtime.options(),
     };
@@ -304,4 +322,25 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
         }
     }
     lines
+}
+
+/// What is known of the rigs by calibration, one line for each part; one that is old is warned of.
+fn calibrations(args: &RunArgs, scenario: &Run) -> Result<Vec<String>, CommandError> {
+    let nodes = scenario.slots.iter().filter_map(|slot| match slot.force {
+        SlotForce::Rig { node, .. } => Some(node),
+        SlotForce::Modelled(_) => None,
+    });
+    let nodes: Vec<u8> = nodes.collect();
+    if let (Some(file), true) = (args.calibration.first(), nodes.is_empty()) {
+        let found = format!("--calibration {}", files::quoted(&file.display().to_string()));
+        return Err(CommandError::option(found, "none: no damper is on a rig"));
+    }
+    let mut lines = Vec::new();
+    for path in &args.calibration {
+        let file = CalibrationFile::load(path, &nodes)?;
+        warn(&file.old(args.calibration_days));
+        let node = file.node();
+        lines.extend(file.lines().into_iter().map(|line| format!("node {node}: {line}")));
+    }
+    Ok(lines)
 }

@@ -14,7 +14,7 @@
 //! 5. [`wheel_rail`]: contact tables, Hertz, Kalker, the creep laws, one file each.
 //! 6. [`track`]: curvature, cant, irregularity.
 //! 7. [`supervision`]: the states of a bench, what is believed, and how motion ends.
-//! 8. [`compensation`]: what is done to the displacement on its way to a rig.
+//! 8. [`virtual_wear`] and [`compensation`]: what is done to the displacement on its way to a rig.
 //! 9. [`lanes`] and [`fnv`], on which the rest stands: one number per vehicle of a batch, and a
 //!    hash.
 //!
@@ -23,6 +23,7 @@
 //! ```text
 //! line -> vehicle -> wheel_rail, track -> lanes
 //!      -> supervision -> guard, command
+//!      -> virtual_wear -> compensation, damper, supervision
 //!      -> compensation -> command
 //!      -> damper
 //! ```
@@ -47,6 +48,7 @@ pub mod line;
 pub mod supervision;
 pub mod track;
 pub mod vehicle;
+pub mod virtual_wear;
 pub mod wheel_rail;
 
 pub use error::Error;

@@ -19,10 +19,11 @@ use firmware_core::damper::{
 };
 use firmware_core::guard::{ForceInput, Guard};
 use firmware_core::lanes::Lanes;
-use firmware_core::line::{Fade, Line, Slot};
-use firmware_core::supervision::{Event, Growth};
+use firmware_core::line::{Fade, Line, RigSlot, Slot, SlotState};
+use firmware_core::supervision::{CommandLimits, Event, Growth};
 use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, Running, Vehicle, VehicleState};
+use firmware_core::virtual_wear::loop_gain;
 use firmware_core::wheel_rail::creep::{ConicalPrescribed, CreepLaw, Creepage, Fastsim, Patch};
 use firmware_core::wheel_rail::geometry::{ContactGeometry, ContactZones, TABLE_ROWS};
 use firmware_core::wheel_rail::hertz::Material;
@@ -56,6 +57,7 @@ pub(crate) fn run() {
     damper();
     laws();
     compensation();
+    wear();
 }
 
 /// The control cycle with every kind of slot and of input.
@@ -186,6 +188,26 @@ fn compensation() {
     black_box(black_box(Compensator::None).with_known_delay(black_box(0.0)));
     black_box(damping_energy_lost(black_box(0.0), black_box(1.0), black_box(0.0)));
     black_box(delay_that_costs(black_box(0.0), black_box(1.0), black_box(0.0)));
+}
+
+/// Wear before a damper on a rig, with what decides whether it is accepted.
+#[inline(never)]
+fn wear() {
+    let Ok(damper) = Damper::new(black_box(Nominal::NEW), &[]) else { return };
+    let limits = black_box(CommandLimits::default());
+    let rig = RigSlot::new(damper.clone(), black_box(Compensator::None), limits, black_box(1e-3));
+    let rig = rig.behind_wear(black_box(0.0), black_box(0.0), &damper, black_box(1e-3));
+    let mut memory = SlotState::coupled(&rig);
+    black_box(&mut memory);
+    let arrived = black_box((ForceInput::Missing, None));
+    black_box(memory.follow(&rig, black_box(Command::default()), arrived, black_box(1e-3)));
+    black_box(memory.wear.mismatch_ratio());
+    if let Some(wear) = &rig.wear {
+        black_box(memory.wear.force_error(wear));
+        black_box(wear.rounding_m(black_box(0.0), black_box(1e-3)));
+    }
+    memory.wear.clear();
+    black_box(loop_gain(black_box(0.0), black_box(1.0), black_box(0.0)));
 }
 
 /// Look-ups on a track with a curve.

@@ -9,6 +9,7 @@ use can_protocol::arming::Refusal;
 use can_protocol::{ArmItem, PROTOCOL_VERSION, RunState, Sync};
 use dbc::DbcError;
 use files::{FolderError, InputError, quoted};
+use firmware_core::damper::DamperError;
 use scenario::source::ScenarioError;
 use std::fmt;
 use std::io;
@@ -33,6 +34,8 @@ pub enum BenchError {
         /// Its title.
         title: String,
     },
+    /// A damper that takes no wear in software.
+    Damper(DamperError),
     /// Pace fast with a rig on a real bus.
     FastOnBus {
         /// The bus.
@@ -62,6 +65,13 @@ pub enum BenchError {
         found: String,
         /// The least gain margin.
         margin: f64,
+    },
+    /// A rig whose measured delay is not compensated.
+    MeasuredDelay {
+        /// The slot.
+        place: String,
+        /// What was found.
+        found: String,
     },
     /// A disk without room for the run.
     Space {
@@ -218,10 +228,12 @@ impl BenchError {
             | Self::SlotBus { .. }
             | Self::Protocol(_)
             | Self::NoRig { .. }
+            | Self::Damper(_)
             | Self::FastOnBus { .. }
             | Self::OtherHost { .. }
             | Self::BusLoad { .. }
             | Self::Unstable { .. }
+            | Self::MeasuredDelay { .. }
             | Self::Space { .. }
             | Self::Kept { .. }
             | Self::RealtimeRefused => true,
@@ -335,6 +347,7 @@ impl fmt::Display for BenchError {
             Self::NoRig { title } => {
                 write!(f, "{}: found no slot on a rig, expected on = \"rig\"", quoted(title))
             }
+            Self::Damper(why) => write!(f, "the damper on the rig: {why}"),
             Self::FastOnBus { bus } => write!(
                 f,
                 "--pace: found pace fast on {}, expected lockstep or realtime: pace fast runs on \
@@ -352,6 +365,11 @@ impl fmt::Display for BenchError {
                 "{place} on {}: found {found}, expected a gain margin of {margin:.0} at every \
                  delay: compensate less, or use a faster rig",
                 quoted(bus)
+            ),
+            Self::MeasuredDelay { place, found } => write!(
+                f,
+                "{place}: found {found}, expected at most 5 %: set delay_s of its compensation, or \
+                 accept_delay_error = true"
             ),
             Self::BusLoad { bus, load } => write!(
                 f,
@@ -552,6 +570,13 @@ mod tests {
             ),
             (
                 BenchError::Space { folder: path.clone(), free: 1, needed: 2, cycles: 3 },
+                [true, false, false],
+            ),
+            (
+                BenchError::MeasuredDelay {
+                    place: "front left".to_owned(),
+                    found: "tracking.json: a ram that is 9 ms late".to_owned(),
+                },
                 [true, false, false],
             ),
             (BenchError::Bus(BusError::NoCan), [true, false, false]),

@@ -56,6 +56,7 @@ pub mod run;
 pub mod stability;
 mod statistics;
 mod summary;
+mod wear_map;
 mod wire_state;
 
 pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};
@@ -67,5 +68,6 @@ pub use rehearsal::{CheckMargin, LimitOf, MeasuredRam, Rehearsal, TRACKING, Verd
 pub use reset::{reset_over, reset_rig};
 pub use summary::{
     Acceleration, Accelerations, ArmedSession, BusCount, DamperSummary, ForceRange, Frames,
-    MeasuredDelay, Percentiles, StepPercentiles, Stroke, Summary, TrackingSummary,
+    MeasuredDelay, Percentiles, StepPercentiles, Stroke, Summary, TrackingSummary, WearSummary,
 };
+pub use wear_map::{Cell as WearCell, Question as WearQuestion, Sine, WearMap, wear_map};

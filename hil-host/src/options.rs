@@ -4,6 +4,7 @@ use crate::bus::BusChoice;
 use crate::gateway::GatewayPlan;
 use crate::linear_vehicle::LinearVehicle;
 use crate::realtime::RealtimeOptions;
+use crate::rehearsal::MeasuredRam;
 use can_protocol::Profile;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU8;
@@ -55,6 +56,10 @@ pub struct RunOptions {
     pub inputs: Vec<PathBuf>,
     /// Name for the default folder.
     pub name: String,
+    /// What is known of the rigs by calibration, one line for each part.
+    pub calibrations: Vec<String>,
+    /// How late the rams were in an open loop or an earlier run; none where that is not known.
+    pub measured: Option<MeasuredRam>,
     /// The vehicle about steady running; without it no delay is judged.
     pub linear: Option<LinearVehicle>,
     /// Real-time set-up.

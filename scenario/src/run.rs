@@ -202,7 +202,7 @@ impl Run {
         let rig = rig_file.build(source)?;
         let compare = file.compare.as_ref().map(|compare| compare.build(source, &vehicle));
         let compare = compare.transpose()?;
-        let mut slots = slots(&file, &vehicle_file, source, rig.damper.nominal().ke_n_per_m)?;
+        let mut slots = slots(&file, &vehicle_file, source)?;
         debug_assert_eq!(slots.len(), vehicle.dampers.len(), "one slot for each damper");
         for (number, slot) in slots.iter_mut().enumerate() {
             if let SlotForce::Modelled(damper) = &mut slot.force {

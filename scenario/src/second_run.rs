@@ -28,12 +28,14 @@ impl Run {
                 SlotForce::Rig { node, bus, compensator, accept_delay_error, .. }
                     if emulated(number) =>
                 {
+                    let damper = damper_mass::without(damper.clone()).map_err(refused)?;
                     SlotForce::Rig {
                         node: *node,
                         bus: bus.clone(),
                         virtual_clearance_2a_m: 0.0,
                         virtual_compliance_m_per_n: 0.0,
-                        model: Box::new(damper_mass::without(damper.clone()).map_err(refused)?),
+                        specimen: Box::new(damper.clone()),
+                        model: Box::new(damper),
                         watch: None,
                         compensator: *compensator,
                         accept_delay_error: *accept_delay_error,

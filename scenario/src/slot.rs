@@ -7,7 +7,7 @@ use crate::run_file::{On, RunFile, SlotFile};
 use crate::source::Source;
 use crate::vehicle::VehicleFile;
 use crate::watch::WatchSetup;
-use files::{did_you_mean, number, quoted};
+use files::{did_you_mean, quoted};
 use firmware_core::compensation::Compensator;
 use firmware_core::damper::{Damper, DamperError, Nominal};
 use firmware_core::vehicle::DAMPER_SLOTS;
@@ -37,6 +37,8 @@ pub enum SlotForce {
         virtual_clearance_2a_m: f64,
         /// Extra series compliance in software (m/N).
         virtual_compliance_m_per_n: f64,
+        /// The damper on the rig, as the host knows it: the model without wear in software.
+        specimen: Box<Damper>,
         /// The damper that acts on the vehicle while the measured force is faded in and out.
         model: Box<Damper>,
         /// The model that its force is compared with.
@@ -53,7 +55,6 @@ pub(crate) fn slots(
     file: &RunFile,
     vehicle: &VehicleFile,
     source: &Source,
-    rig_ke_n_per_m: f64,
 ) -> Result<Vec<Slot>, ScenarioError> {
     let places: Vec<&str> = vehicle.damper_slot.iter().map(|slot| slot.place.as_str()).collect();
     debug_assert!(places.len() <= DAMPER_SLOTS);
@@ -87,9 +88,7 @@ pub(crate) fn slots(
     for place in places {
         let given = file.slot.iter().find(|slot| slot.place == place);
         let force = match given {
-            Some(slot) if slot.on == On::Rig => {
-                slot.rig(file, source, &mut nodes, rig_ke_n_per_m)?
-            }
+            Some(slot) if slot.on == On::Rig => slot.rig(file, source, &mut nodes)?,
             given => {
                 let own = given.map(|slot| slot.damper.clone()).unwrap_or_default();
                 SlotForce::Modelled(own.over(&file.damper).build(source)?)
@@ -106,7 +105,6 @@ impl SlotFile {
         file: &RunFile,
         source: &Source,
         nodes: &mut Vec<(Option<String>, u8)>,
-        rig_ke_n_per_m: f64,
     ) -> Result<SlotForce, ScenarioError> {
         let node = self.node.unwrap_or(1);
         let place = quoted(&self.place);
@@ -133,25 +131,14 @@ impl SlotFile {
             }
             if let Some(given) = &wear.stiffness_n_per_m {
                 let stiffness = given.positive(source, "stiffness_n_per_m")?;
-                // Feedback over one cycle of lag: unstable from the damper's own stiffness down.
-                if stiffness < 2.0 * rig_ke_n_per_m {
-                    return Err(given.error(
-                        source,
-                        format!(
-                            "stiffness_n_per_m = {}, expected at least twice the ke_n_per_m of the \
-                             rig's damper ({}): softer wear needs a softer damper",
-                            number(stiffness),
-                            number(rig_ke_n_per_m)
-                        ),
-                    ));
-                }
                 compliance = 1.0 / stiffness;
             }
         }
         let model = self.model.clone().unwrap_or_default().over(&file.damper).build(source)?;
-        let model = damper_mass::without(model)
-            .and_then(|model| worn(&model, clearance, compliance))
-            .map_err(|error| source.whole_error(format!("slot \"{place}\": model: {error}")))?;
+        let refused =
+            |error: DamperError| source.whole_error(format!("slot \"{place}\": model: {error}"));
+        let specimen = damper_mass::without(model).map_err(refused)?;
+        let model = worn(&specimen, clearance, compliance).map_err(refused)?;
         let watch = match &self.watch {
             Some(watch) => Some(Box::new(watch.build(source, &file.damper)?)),
             None => None,
@@ -161,6 +148,7 @@ impl SlotFile {
             bus: self.bus.clone(),
             virtual_clearance_2a_m: clearance,
             virtual_compliance_m_per_n: compliance,
+            specimen: Box::new(specimen),
             model: Box::new(model),
             watch,
             compensator: match &self.compensation {

@@ -11,7 +11,6 @@
 //! | `--calibrate` | a rigid bar, a dry run, or the gain of the load cell ([`calibrate`]) |
 
 mod calibrate;
-mod calibration_file;
 mod moves;
 mod play;
 mod records;
@@ -19,13 +18,13 @@ mod tracking;
 mod visit;
 
 use crate::bench_options::{RealtimeArgs, WireArgs, slow_down};
+use crate::calibration_file::CalibrationFile;
 use crate::error::CommandError;
 use crate::exit::{INTERRUPTED, SAFE_STATE};
 use crate::keys::Keys;
 use crate::value::number;
 use crate::{output, stop};
 use calibrate::CalibrateArgs;
-use calibration_file::CalibrationFile;
 use can_protocol::Node;
 use clap::Args;
 use files::ResultFolder;
@@ -161,7 +160,7 @@ pub(crate) fn command(
         None => RigFile::default_setup()?,
     };
     let node = common.node.unwrap_or(Node::ALL[0]);
-    let load = |path| CalibrationFile::load(path, node);
+    let load = |path| CalibrationFile::load(path, &[node.number()]);
     let calibration = args.calibration.as_deref().map(load).transpose()?;
     if let Some(calibration) = &calibration {
         output::warn(&calibration.old(args.calibration_days));
@@ -242,6 +241,8 @@ impl Bench<'_> {
             overwrite: self.common.overwrite,
             inputs: Vec::new(),
             name: "rig".to_owned(),
+            calibrations: Vec::new(),
+            measured: None,
             linear: None,
             gateway: None,
             realtime: args.realtime.options(),

@@ -1,8 +1,8 @@
 //! Records, figures and tracking of the tests that were run: files, and what is printed.
 
-use super::calibration_file::{CALIBRATION, CalibrationFile};
 use super::tracking::{self, TRACKING, TrackingFile};
 use super::{Bench, ended_early};
+use crate::calibration_file::{CALIBRATION, CalibrationFile};
 use crate::error::CommandError;
 use crate::exit::FAILED;
 use crate::output::{self, print};

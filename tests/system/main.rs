@@ -27,6 +27,7 @@ mod identify_empirical;
 mod identify_page;
 mod interrupted_study;
 mod killed_run;
+mod known_rig;
 mod layout;
 mod measured_run;
 mod on_mass;

@@ -54,6 +54,8 @@ pub struct Adaptive {
     pub start: Series,
     /// Further delay of the loop that is known, s.
     pub known_delay_s: f64,
+    /// Whether the third derivative counts.
+    pub takes_jerk: bool,
     /// Most difference of each coefficient from its start value.
     pub reach: [f64; 3],
     /// Most change of each coefficient per second.
@@ -100,6 +102,7 @@ impl Adaptive {
         Self {
             start,
             known_delay_s: 0.0,
+            takes_jerk: true,
             reach: [0.1 * a0, delay, 0.5 * (a2 + a1 * delay)],
             rate_per_s: [0.2 * a0, 5e-3, a2 + 0.1 * a1 * a1],
             gain_check_hz,

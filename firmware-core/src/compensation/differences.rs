@@ -4,18 +4,26 @@ use crate::command::Command;
 
 /// A motion with its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Kinematics {
+pub(crate) struct Kinematics {
     /// Displacement and velocity, which the vehicle knows exactly.
-    pub(super) wanted: Command,
+    pub(crate) wanted: Command,
     /// Acceleration, m/s2.
-    pub(super) acceleration_m_per_s2: f64,
+    pub(crate) acceleration_m_per_s2: f64,
     /// Jerk, m/s3.
-    pub(super) jerk_m_per_s3: f64,
+    pub(crate) jerk_m_per_s3: f64,
+}
+
+impl Kinematics {
+    /// The same without its jerk, unless that counts.
+    pub(crate) fn jerked(self, takes_jerk: bool) -> Self {
+        let jerk_m_per_s3 = if takes_jerk { self.jerk_m_per_s3 } else { 0.0 };
+        Self { jerk_m_per_s3, ..self }
+    }
 }
 
 /// The velocities of the last two cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Differences {
+pub(crate) struct Differences {
     last_m_per_s: [f64; 2],
     /// How many of them are known.
     known: u8,
@@ -24,7 +32,7 @@ pub(super) struct Differences {
 impl Differences {
     /// Takes the motion of this cycle. A derivative is zero until its difference has all its
     /// samples. From then on both are exact for a velocity of second degree.
-    pub(super) fn take(&mut self, wanted: Command, period_s: f64) -> Kinematics {
+    pub(crate) fn take(&mut self, wanted: Command, period_s: f64) -> Kinematics {
         debug_assert!(period_s > 0.0, "period of {period_s} s");
         let v = wanted.velocity_m_per_s;
         let [v1, v2] = self.last_m_per_s;

@@ -9,6 +9,8 @@ pub struct Feedforward {
     pub series: Series,
     /// Further delay of the loop that is known, such as that of the force on its way back, s.
     pub known_delay_s: f64,
+    /// Whether the third derivative counts.
+    pub takes_jerk: bool,
 }
 
 impl Feedforward {
@@ -27,12 +29,12 @@ impl Feedforward {
         debug_assert!((1..=3).contains(&order), "polynomial of order {order}");
         let square = if order >= 2 { delay_s * delay_s / 2.0 } else { 0.0 };
         let cube = if order >= 3 { delay_s * delay_s * delay_s / 6.0 } else { 0.0 };
-        Self { series: Series([1.0, delay_s, square, cube]), known_delay_s: 0.0 }
+        Self { series: Series([1.0, delay_s, square, cube]), known_delay_s: 0.0, takes_jerk: true }
     }
 
     /// The inverse of a model of the rig, `1 / (a0 + a1 s + a2 s^2 + a3 s^3)`.
     pub const fn inverse(coefficients: [f64; 4]) -> Self {
-        Self { series: Series(coefficients), known_delay_s: 0.0 }
+        Self { series: Series(coefficients), known_delay_s: 0.0, takes_jerk: true }
     }
 
     /// Compensates a known delay outside of the rig too.

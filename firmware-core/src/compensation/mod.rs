@@ -1,9 +1,9 @@
 //! What happens to the displacement on its way from the vehicle to a rig.
 //!
-//! [`VirtualWear`] injects wear in software. A [`Compensator`] gives the rig a command that it
-//! answers, after its delay, with the wanted motion: [`Feedforward`] with fixed coefficients, or
-//! [`Adaptive`], which follows a rig that changes. [`damping_energy_lost`] states what a residual
-//! delay costs. `docs/rths-benchmark.md` compares the compensators.
+//! A [`Compensator`] gives the rig a command that it answers, after its delay, with the wanted
+//! motion: [`Feedforward`] with fixed coefficients, or [`Adaptive`], which follows a rig that
+//! changes. [`damping_energy_lost`] states what a residual delay costs. `docs/rths-benchmark.md`
+//! compares the compensators.
 //!
 //! A cycle costs 120 instructions with fixed coefficients and 1130 with adaptive ones (callgrind on
 //! x86-64, rustc 1.95): less than 2 % of a step of the vehicle.
@@ -15,16 +15,14 @@ mod feedforward;
 mod filter;
 mod regression;
 mod series;
-mod virtual_wear;
 
 pub use adaptive::{Adaptive, AdaptiveState, Answer, RUNAWAY_S};
 pub use delay_cost::{damping_energy_lost, delay_that_costs};
+pub(crate) use differences::Differences;
 pub use feedforward::Feedforward;
 pub use series::Series;
-pub use virtual_wear::{VirtualWear, VirtualWearState};
 
 use crate::command::Command;
-use differences::Differences;
 
 /// How the delay of a rig is compensated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,11 +78,11 @@ impl Compensator {
         match (self, &mut state.adaptive) {
             (Self::None, _) => wanted,
             (Self::Feedforward(fixed), _) => {
-                let motion = state.differences.take(wanted, period_s);
+                let motion = state.differences.take(wanted, period_s).jerked(fixed.takes_jerk);
                 fixed.series.with_delay(fixed.known_delay_s).command(&motion)
             }
             (Self::Adaptive(adaptive), Some(remembered)) => {
-                let motion = state.differences.take(wanted, period_s);
+                let motion = state.differences.take(wanted, period_s).jerked(adaptive.takes_jerk);
                 adaptive.step(remembered, &motion, answer, period_s)
             }
             (Self::Adaptive(_), None) => {
@@ -101,6 +99,18 @@ impl Compensator {
             Self::None => Self::None,
             Self::Feedforward(fixed) => Self::Feedforward(fixed.with_known_delay(known_delay_s)),
             Self::Adaptive(adaptive) => Self::Adaptive(adaptive.with_known_delay(known_delay_s)),
+        }
+    }
+
+    /// The same that leaves the third derivative out: behind a contact it is an impulse.
+    #[must_use]
+    pub fn without_jerk(self) -> Self {
+        match self {
+            Self::None => Self::None,
+            Self::Feedforward(fixed) => {
+                Self::Feedforward(Feedforward { takes_jerk: false, ..fixed })
+            }
+            Self::Adaptive(adaptive) => Self::Adaptive(Adaptive { takes_jerk: false, ..adaptive }),
         }
     }
 

@@ -50,7 +50,7 @@ impl Series {
     }
 
     /// The command for a motion. Its velocity lacks the term of the fourth derivative.
-    pub(super) fn command(&self, motion: &Kinematics) -> Command {
+    pub(crate) fn command(&self, motion: &Kinematics) -> Command {
         let [a0, a1, a2, a3] = self.0;
         let Kinematics { wanted, acceleration_m_per_s2: acceleration, jerk_m_per_s3: jerk } =
             *motion;

@@ -12,6 +12,7 @@
 //! begins and ends where it stands. A ram is never brought back along a displacement that is not
 //! believed: that is SAFE.
 
+use super::ahead::Ahead;
 use super::slot::SlotState;
 use super::{Line, LineState, Slot};
 use crate::command::Command;
@@ -172,22 +173,23 @@ impl SlotState {
         self.ram_start_m = ram_m;
         self.command = Command { displacement_m: ram_m, velocity_m_per_s: 0.0 };
         self.wanted = self.command;
+        self.ahead = Ahead::resting(self.command);
         (self.motion, self.coupling) = (Ramp::default(), Ramp::default());
         self.is_force_believed = true;
     }
 
-    /// The command that a rig answers with the wanted motion.
+    /// The command that a rig answers with a wanted motion.
     ///
     /// A compensator gives a ram at rest away from mid-stroke another place, where its gain is not
     /// one; so its share grows with the motion.
     pub(super) fn compensated(
         &mut self,
         compensator: &Compensator,
+        wanted: Command,
         answer: Option<Answer>,
         (fade, phase): (Fade, State),
         cycle_s: f64,
     ) -> Command {
-        let wanted = self.wanted;
         let whole = compensator.step(&mut self.compensator, wanted, answer, cycle_s);
         if self.motion.is_full() {
             return whole;

@@ -27,17 +27,20 @@
 //! [`KNOWN_DELAY_CYCLES`] is the part that a compensator knows without a measurement, and an answer
 //! is paired with the command of the cycle in which it arrives.
 
+mod ahead;
 mod fade;
+mod motion;
 mod open_loop;
 mod residual_delay;
 mod slot;
 
+pub use ahead::Ahead;
 pub use fade::{Fade, TooFar, URGENT_S};
 pub use residual_delay::{BLOCK_CYCLES, DelayBlocks, FEWEST_BLOCKS, ResidualDelay, Sensitivity};
 pub use slot::{RigSlot, Slot, SlotState};
 
 use crate::command::Command;
-use crate::compensation::{Answer, Compensator};
+use crate::compensation::Answer;
 use crate::damper::DamperState;
 use crate::guard::ForceInput;
 use crate::lanes::Lanes;
@@ -235,28 +238,16 @@ impl Line<'_> {
             return;
         }
         let (fade, phase) = (state.fade, state.state);
-        for (((slot, memory), (extension, rate)), answer) in
-            self.slots.iter().zip(&mut state.slots).zip(motions).zip(answers)
+        let arrived = inputs.iter().zip(answers);
+        for (((slot, memory), (extension, rate)), (input, answer)) in
+            self.slots.iter().zip(&mut state.slots).zip(motions).zip(arrived)
         {
             let Slot::Rig(rig) = slot else { continue };
-            let (displacement_m, moves) = rig.wear.displacement_m(
-                &mut memory.wear,
-                extension.lane(0) - memory.mid_stroke_m,
-                memory.guard.force_n,
-            );
-            let velocity_m_per_s = if moves { rate.lane(0) } else { 0.0 };
-            let vehicle = Command { displacement_m, velocity_m_per_s };
-            memory.wanted = memory.faded(vehicle, (fade, phase), self.cycle_s);
-            let compensated = if rig.compensator == Compensator::None {
-                memory.wanted
-            } else {
-                memory.compensated(&rig.compensator, *answer, (fade, phase), self.cycle_s)
+            let vehicle = Command {
+                displacement_m: extension.lane(0) - memory.mid_stroke_m,
+                velocity_m_per_s: rate.lane(0),
             };
-            let limited = memory.limits.limited(memory.command, compensated, self.cycle_s);
-            memory.limited += u64::from(limited.is_saturated);
-            memory.demand = memory.demand.larger(limited.demand);
-            memory.command = limited.command;
-            memory.compensator.sent(memory.command);
+            memory.take_motion(rig, vehicle, (*input, *answer), (fade, phase), self.cycle_s);
             debug_assert!(memory.command.is_finite(), "a plausible state gives a finite command");
         }
         debug_assert!(!state.is_safe(), "a line in its safe state moves nothing");
@@ -290,7 +281,7 @@ impl Line<'_> {
 #[cfg(all(test, debug_assertions))]
 mod tests {
     use super::*;
-    use crate::compensation::VirtualWear;
+    use crate::compensation::Compensator;
     use crate::damper::{Damper, Nominal};
     use crate::supervision::CommandLimits;
     use crate::track::Track;
@@ -300,7 +291,7 @@ mod tests {
         let Ok(model) = Damper::new(Nominal::NEW, &[]) else { panic!("a new damper") };
         RigSlot {
             model,
-            wear: VirtualWear::default(),
+            wear: None,
             compensator: Compensator::None,
             limits: CommandLimits {
                 stroke_m: 0.05,

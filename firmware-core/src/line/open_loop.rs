@@ -47,7 +47,7 @@ impl Line<'_> {
 mod tests {
     use super::super::RigSlot;
     use super::*;
-    use crate::compensation::{Compensator, VirtualWear};
+    use crate::compensation::Compensator;
     use crate::damper::{Damper, Nominal};
     use crate::line::Fade;
     use crate::supervision::CommandLimits;
@@ -61,8 +61,7 @@ mod tests {
         let limits =
             CommandLimits { stroke_m: 0.05, velocity_m_per_s: 0.1, acceleration_m_per_s2: 5.0 };
         let model = Damper::new(Nominal::NEW, &[]).unwrap();
-        let (wear, compensator) = (VirtualWear::default(), Compensator::None);
-        let rig = RigSlot { model, wear, compensator, limits };
+        let rig = RigSlot { model, wear: None, compensator: Compensator::None, limits };
         let mut slots = core::array::from_fn(|_| Slot::Empty);
         slots[0] = Slot::Rig(rig);
         let line = Line {

@@ -1,12 +1,18 @@
 //! A damper slot of the line: where its force comes from, and what it remembers.
 
-use super::Line;
+use super::ahead::Ahead;
+use super::{KNOWN_DELAY_CYCLES, Line};
 use crate::command::Command;
-use crate::compensation::{Compensator, CompensatorState, VirtualWear, VirtualWearState};
+use crate::compensation::{Compensator, CompensatorState};
 use crate::damper::{Damper, DamperState, Motion};
 use crate::guard::Guard;
 use crate::supervision::{CommandLimits, Demand, Ramp};
 use crate::vehicle::{DAMPER_SLOTS, DamperForces};
+use crate::virtual_wear::{VirtualWear, VirtualWearState, ahead_cycles};
+
+/// Share of the acceleration of a rig in which contacts are rounded; the rest is for what the
+/// compensator adds.
+const ROUNDING_SHARE: f64 = 0.8;
 
 /// Where the force of a slot comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,11 +31,49 @@ pub struct RigSlot {
     /// The damper that acts while the measured force is faded in and out.
     pub model: Damper,
     /// Wear in software.
-    pub wear: VirtualWear,
+    pub wear: Option<VirtualWear>,
     /// How the delay of the rig is compensated.
     pub compensator: Compensator,
     /// Limits of the commands that the bench asks for.
     pub limits: CommandLimits,
+}
+
+impl RigSlot {
+    /// A rig whose compensator also takes out what is known of the delay outside of it.
+    pub fn new(
+        model: Damper,
+        compensator: Compensator,
+        limits: CommandLimits,
+        cycle_s: f64,
+    ) -> Self {
+        let compensator = compensator.with_known_delay(KNOWN_DELAY_CYCLES * cycle_s);
+        Self { model, wear: None, compensator, limits }
+    }
+
+    /// The same rig with clearance and compliance put before its damper. The motion is computed
+    /// ahead by the delay of the rig, in whole cycles, and the compensator is left with the rest.
+    #[must_use]
+    pub fn behind_wear(
+        self,
+        clearance_2a_m: f64,
+        compliance_m_per_n: f64,
+        specimen: &Damper,
+        cycle_s: f64,
+    ) -> Self {
+        let known_delay_s = KNOWN_DELAY_CYCLES * cycle_s;
+        let ahead_cycles = ahead_cycles(&self.compensator, known_delay_s, cycle_s);
+        let wear = VirtualWear {
+            clearance_2a_m,
+            compliance_m_per_n,
+            specimen: specimen.clone().prepared(cycle_s),
+            ahead_cycles,
+            rounding_cycles: 0,
+        };
+        let wear = wear.rounded(ROUNDING_SHARE * self.limits.acceleration_m_per_s2, cycle_s);
+        let rest_s = known_delay_s - f64::from(ahead_cycles) * cycle_s;
+        let compensator = self.compensator.with_known_delay(rest_s).without_jerk();
+        Self { wear: Some(wear), compensator, ..self }
+    }
 }
 
 /// What a slot remembers.
@@ -39,7 +83,7 @@ pub struct SlotState {
     pub damper: DamperState,
     /// The last believed force.
     pub guard: Guard,
-    /// Where the injected play stands.
+    /// What the wear remembers.
     pub wear: VirtualWearState,
     /// Extension at which the vehicle stands still: mid-stroke (m).
     pub mid_stroke_m: f64,
@@ -47,6 +91,8 @@ pub struct SlotState {
     pub limits: CommandLimits,
     /// Where the ram is wanted: the vehicle's motion with wear and fades.
     pub wanted: Command,
+    /// Where it will be wanted, as far as the wear looks ahead.
+    pub ahead: Ahead,
     /// What the compensator remembers.
     pub compensator: CompensatorState,
     /// Last command to a rig.

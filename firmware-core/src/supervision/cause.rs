@@ -59,6 +59,10 @@ pub enum Signal {
     SecondSender,
     /// The residual delay, measured before the force acts.
     Delay,
+    /// The gain of the loop over wear in software, measured before the force acts.
+    WearLoopGain,
+    /// The error that wear in software makes, measured before the force acts.
+    WearForceError,
     /// An estimate of an adaptive compensator that stays beyond its bounds.
     Compensation,
     /// The vehicle has left its track, or its numbers.
@@ -69,7 +73,7 @@ pub enum Signal {
 
 impl Signal {
     /// All signals.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 32] = [
         Self::LostMeasurements,
         Self::LostCommands,
         Self::OldMeasurements,
@@ -97,6 +101,8 @@ impl Signal {
         Self::CommandLimit,
         Self::SecondSender,
         Self::Delay,
+        Self::WearLoopGain,
+        Self::WearForceError,
         Self::Compensation,
         Self::Vehicle,
         Self::Operator,
@@ -132,6 +138,8 @@ impl Signal {
             Self::CommandLimit => "command_limit",
             Self::SecondSender => "second_sender",
             Self::Delay => "delay",
+            Self::WearLoopGain => "wear_loop_gain",
+            Self::WearForceError => "wear_force_error",
             Self::Compensation => "compensation",
             Self::Vehicle => "vehicle",
             Self::Operator => "operator",
@@ -168,6 +176,8 @@ impl Signal {
             Self::CommandLimit => "command beyond its limits",
             Self::SecondSender => "second sender on",
             Self::Delay => "residual delay",
+            Self::WearLoopGain => "gain of the loop over wear in software",
+            Self::WearForceError => "error of the wear in software",
             Self::Compensation => "estimate of the compensator beyond its bounds",
             Self::Vehicle => "vehicle off its track",
             Self::Operator => "stopped by the operator",
@@ -214,6 +224,8 @@ impl Signal {
             | Self::CommandLimit
             | Self::BusDown
             | Self::SecondSender
+            | Self::WearLoopGain
+            | Self::WearForceError
             | Self::Compensation
             | Self::Vehicle
             | Self::Operator => None,

@@ -34,11 +34,22 @@ pub struct DelayGate {
     pub accepted: [bool; DAMPER_SLOTS],
 }
 
+/// What was found of wear in software before its force acts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WearFound {
+    /// Gain of the loop over the mismatch.
+    pub loop_gain: f64,
+    /// Error of the force, over that of the healthy damper.
+    pub force_error: f64,
+}
+
 /// What the gate has measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DelayGateState {
     /// The delays by slot.
     pub delays: [DelayBlocks; DAMPER_SLOTS],
+    /// What was found of wear in software, by slot, once it is judged.
+    pub wear: [Option<WearFound>; DAMPER_SLOTS],
     /// Whether they are judged.
     pub(super) is_judged: bool,
 }

@@ -1,11 +1,13 @@
-//! The delay of every rig, measured between the fades and judged once, as the gate before RUN asks.
+//! What is measured between the fades and judged once, before a force acts: the delay of every rig,
+//! as the gate asks, and how far its damper is off the model that wear in software relies on.
 
 use super::cycle::Inputs;
-use super::delay_gate::{COST_REFUSED, DelayGate, SETTLING_CYCLES};
+use super::delay_gate::{COST_REFUSED, DelayGate, SETTLING_CYCLES, WearFound};
 use super::session::{Session, SessionState};
 use firmware_core::compensation::delay_that_costs;
 use firmware_core::line::{Sensitivity, Slot};
 use firmware_core::supervision::{Action, Cause, Signal, State};
+use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX, loop_gain};
 
 impl Session<'_> {
     /// Measures the delay of every rig between the fades, and judges it once.
@@ -18,6 +20,9 @@ impl Session<'_> {
         if state.line.state != State::RampIn || state.gate.is_judged || cycle <= begin {
             return;
         }
+        if cycle == begin + u64::from(SETTLING_CYCLES) {
+            state.line.slots.iter_mut().for_each(|slot| slot.wear.clear());
+        }
         if cycle > begin + u64::from(SETTLING_CYCLES) {
             for port in &self.ports {
                 let answer = inputs.answer[port.slot];
@@ -29,6 +34,7 @@ impl Session<'_> {
         if cycle >= end {
             state.gate.is_judged = true;
             self.judge_delay(state, gate);
+            self.judge_wear(state);
         }
     }
 
@@ -50,6 +56,34 @@ impl Session<'_> {
             let cause = Cause { signal: Signal::Delay, value, limit, action };
             self.stop(state, Some(port.node.number()), cause, action);
         }
+    }
+
+    fn judge_wear(&self, state: &mut SessionState) {
+        for port in &self.ports {
+            let Some(found) = self.wear_found(state, port.slot) else { continue };
+            state.gate.wear[port.slot] = Some(found);
+            let causes = [
+                (Signal::WearLoopGain, found.loop_gain, LOOP_GAIN_MAX),
+                (Signal::WearForceError, found.force_error, FORCE_ERROR_MAX),
+            ];
+            let beyond = causes.into_iter().find(|(_, value, limit)| value > limit);
+            if let Some((signal, value, limit)) = beyond {
+                let cause = Cause { signal, value, limit, action: Action::RampOut };
+                self.stop(state, Some(port.node.number()), cause, Action::RampOut);
+            }
+        }
+    }
+
+    /// What the damper of a slot with wear in software has shown since it was cleared.
+    fn wear_found(&self, state: &SessionState, slot: usize) -> Option<WearFound> {
+        let Slot::Rig(rig) = self.line.slots.get(slot)? else { return None };
+        let (wear, memory) = (rig.wear.as_ref()?, &state.line.slots.get(slot)?.wear);
+        let stiffness = wear.specimen.nominal().ke_n_per_m;
+        let share = memory.mismatch_ratio()?;
+        Some(WearFound {
+            loop_gain: loop_gain(wear.compliance_m_per_n, stiffness, share),
+            force_error: memory.force_error(wear)?,
+        })
     }
 
     /// What the damper of a slot makes of a delay, by the slot's model.

@@ -152,6 +152,7 @@ impl Stop {
             Signal::Velocity => (FaultCode::VelocityLimit, per_mille),
             Signal::Tracking | Signal::Delay => (FaultCode::Tracking, value * 1e6),
             Signal::Compensation => (FaultCode::Tracking, 0.0),
+            Signal::WearLoopGain | Signal::WearForceError => (FaultCode::Internal, per_mille),
             Signal::Work => (FaultCode::Energy, value),
             Signal::RigState => (FaultCode::StateMismatch, value),
             Signal::RigFault => (FaultCode::from_code(value as u16), 0.0),

@@ -43,6 +43,9 @@ pub(super) fn rigs(run: &Run, summary: &Summary, statistics: &Statistics) -> Opt
         let force = line(force.x("time", "s").y("force", "kN"), "measured", measured_n, 1e-3);
         section = section.plot(stroke).plot(line(force, "model", model_n, 1e-3));
     }
+    let calibrated =
+        |section: Section, line: &String| section.note(&format!("Calibration, {line}."));
+    let section = summary.calibrations.iter().fold(section, calibrated);
     any.then(|| section.table(table).table(delay_table(summary)))
 }
 

@@ -1,12 +1,13 @@
 //! One check of a rehearsal: what was reached, the limit, and what is left of it.
 
-use crate::control::COST_REFUSED;
+use crate::control::{COST_REFUSED, WearFound};
 use crate::linear_vehicle::LinearVehicle;
 use crate::run::StabilityCheck;
 use crate::stability::{LEAST_MARGIN, Stability};
 use crate::summary::is_worn;
 use firmware_core::line::{DelayBlocks, Sensitivity, SlotState};
 use firmware_core::supervision::Reached;
+use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX};
 use scenario::run::{CYCLE_S, Slot, SlotForce};
 use serde::Serialize;
 
@@ -168,6 +169,17 @@ pub(super) fn of_stability(found: &StabilityCheck) -> Vec<CheckMargin> {
         CheckMargin::new(Some(place), LimitOf::Stability, &reached)
     };
     found.rigs().map(of).collect()
+}
+
+/// What the gate before RUN judges of wear in software.
+pub(super) fn of_wear(slot: &Slot, found: Option<WearFound>) -> Vec<CheckMargin> {
+    let Some(WearFound { loop_gain, force_error }) = found else { return Vec::new() };
+    let checks = [
+        value("wear_loop_gain", None, Some(loop_gain), LOOP_GAIN_MAX),
+        value("wear_force_error", None, Some(force_error), FORCE_ERROR_MAX),
+    ];
+    let margin = |reached| CheckMargin::new(Some(&slot.place), LimitOf::Stability, reached);
+    checks.iter().map(margin).collect()
 }
 
 /// The room that a run needs, of what is free on the disk (MB).

@@ -5,13 +5,13 @@
 //! (`summary.json`). The largest one counts: a servo rig is late by its load.
 
 use crate::BenchError;
-use crate::run::{SUMMARY, read_json};
+use crate::run::{SUMMARY, check_format, read_json};
 use files::quoted;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A delay with its source.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredRam {
     /// The delay (s).
     pub delay_s: f64,
@@ -25,6 +25,7 @@ pub const TRACKING: &str = "tracking.json";
 /// What is read of it.
 #[derive(Debug, Deserialize)]
 struct KeptOpenLoop {
+    format: u32,
     tests: Vec<KeptTest>,
 }
 
@@ -37,6 +38,7 @@ struct KeptTest {
 /// What is read of `summary.json`.
 #[derive(Debug, Deserialize)]
 struct KeptSummary {
+    format: u32,
     damper: Vec<KeptDamper>,
 }
 
@@ -62,11 +64,13 @@ impl MeasuredRam {
         let (file, delays) = if folder.join(TRACKING).is_file() {
             let file = folder.join(TRACKING);
             let kept: KeptOpenLoop = read_json(&file, "the tracking.json of an open loop")?;
+            check_format(&file, kept.format)?;
             let delays = kept.tests.into_iter().map(|test| (test.name, test.delay_s));
             (file, delays.collect::<Vec<_>>())
         } else if folder.join(SUMMARY).is_file() {
             let file = folder.join(SUMMARY);
             let kept: KeptSummary = read_json(&file, "the summary.json of a run")?;
+            check_format(&file, kept.format)?;
             let delay = |damper: KeptDamper| Some((damper.name, damper.tracking?.ram_delay_s));
             (file, kept.damper.into_iter().filter_map(delay).collect())
         } else {

@@ -27,7 +27,7 @@ use crate::progress_bar::LateBar;
 use crate::record::Row;
 use crate::run::{Plan, StabilityCheck, Terms, in_memory, needed_bytes};
 use can_protocol::{Profile, RunState};
-use checks::{of_delay, of_disk, of_motion, of_plausibility, of_stability};
+use checks::{of_delay, of_disk, of_motion, of_plausibility, of_stability, of_wear};
 use scenario::run::{CYCLE_S, Run};
 use serde::Serialize;
 use std::ops::ControlFlow;
@@ -102,6 +102,7 @@ pub fn rehearse(
             let Some(slot) = run.slots.get(port.slot) else { continue };
             checks.extend(of_motion(slot, &state.line.slots[port.slot]));
             checks.extend(of_plausibility(slot, &port.reached(memory)));
+            checks.extend(of_wear(slot, state.gate.wear[port.slot]));
             checks.extend(of_delay(slot, &state.gate.delays[port.slot], linear));
         }
         checks.extend(of_stability(&StabilityCheck::of(session, run, linear)));

@@ -7,6 +7,7 @@ use crate::gateway::GatewayPlan;
 use crate::linear_vehicle::Hunting;
 use crate::options::{PaceChoice, RunOptions};
 use crate::record::ABOUT;
+use crate::rehearsal::MeasuredRam;
 use files::{Limit, ResultFolder, input};
 use scenario::run::Run;
 use serde::de::DeserializeOwned;
@@ -36,6 +37,12 @@ pub(crate) struct RunAbout {
     /// What was accepted to be missing in a rig's own messages; empty where the rigs speak ours.
     #[serde(default)]
     pub(crate) accepted_losses: Vec<String>,
+    /// What is known of the rigs by calibration, one line for each part.
+    #[serde(default)]
+    pub(crate) calibrations: Vec<String>,
+    /// How late the rams were before the run, and where the figure is from.
+    #[serde(default)]
+    pub(crate) measured: Option<MeasuredRam>,
     /// Control cycles that were asked for.
     pub(crate) cycles: u64,
     /// Places of the damper slots on the vehicle; none in a file of an earlier version.
@@ -80,6 +87,8 @@ impl RunAbout {
                 .flat_map(GatewayPlan::losses)
                 .map(|loss| loss.name().to_owned())
                 .collect(),
+            calibrations: options.calibrations.clone(),
+            measured: options.measured.clone(),
             cycles: run.cycles(),
             places: run.slots.iter().map(|slot| slot.place.clone()).collect(),
             rig_slots: plan.rigs.iter().map(|rig| rig.slot + 1).collect(),

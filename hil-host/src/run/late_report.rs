@@ -51,6 +51,7 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
         watched: about.watched,
         hunting: about.hunting,
         rigs: about.rig_slots.len(),
+        calibrations: about.calibrations,
         events: read_events(&folder.file(EVENTS)),
     };
     let summary = Summary::of_record(&run, &asked, (&counts, &statistics), kept.as_ref());

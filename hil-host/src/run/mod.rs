@@ -7,6 +7,7 @@ mod about;
 mod handshake;
 mod in_memory;
 mod late_report;
+mod measured_delay;
 mod measured_test;
 mod model_peak;
 mod open_loop;
@@ -27,7 +28,7 @@ pub use open_loop::{OPEN_LOOP_FILES, OpenLoopPlan, OpenLoopRecord, PlannedTest, 
 pub(crate) use plan::Plan;
 pub use plan::is_on_a_bus;
 pub use sequence::{Origin, on_the_way};
-pub(crate) use setup::{Terms, session};
+pub(crate) use setup::{Terms, limits, session};
 pub use setup::{line, watch_of};
 
 use crate::BenchError;
@@ -44,7 +45,7 @@ use crate::record::{
 };
 use crate::statistics::Statistics;
 use crate::summary::{Outcome, Summary};
-pub(crate) use about::{RunAbout, read_about, read_json};
+pub(crate) use about::{RunAbout, check_format, read_about, read_json};
 use files::{FolderError, ResultFolder};
 use handshake::{Epoch, Heard};
 pub(crate) use in_memory::in_memory;
@@ -125,6 +126,11 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
     };
     let session = session(run, &track, &plan.rigs, terms)?;
     StabilityCheck::of(&session, run, options.linear.as_ref()).pass(plan.real_bus())?;
+    if let (Some(ram), Some(linear)) = (&options.measured, &options.linear) {
+        for line in measured_delay::judge(run, ram, linear)? {
+            files::say!("{line}");
+        }
+    }
     let mut state = session.start(session.line.start(run.start.state.clone()));
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;
@@ -331,6 +337,7 @@ fn summary(
         pace: options.pace,
         end: recording.end,
         state,
+        line: &session.line,
         ports: &session.ports,
         counters: buses
             .iter()
@@ -343,6 +350,7 @@ fn summary(
         bus_load: load.most,
         watched: session.watched,
         noted: session.noted(state),
+        calibrations: options.calibrations.clone(),
         hunting: options.linear.as_ref().map(|linear| linear.hunting),
     };
     Summary::of(&outcome, &recording.counts, statistics)

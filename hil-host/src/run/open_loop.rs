@@ -19,7 +19,7 @@ use crate::rig::RigNode;
 use can_protocol::{MessageId, Node, Profile};
 use files::ResultFolder;
 use firmware_core::command::Command;
-use firmware_core::compensation::{Compensator, VirtualWear};
+use firmware_core::compensation::Compensator;
 use firmware_core::line::{Fade, Line, RigSlot, Slot};
 use firmware_core::supervision::{Checks, CommandLimits};
 use firmware_core::track::Track;
@@ -180,7 +180,7 @@ fn line<'a>(plan: &OpenLoopPlan<'_>, vehicle: &'a Vehicle, track: &'a Track<'a>)
     let model = plan.rig.damper.clone();
     slots[SLOT] = Slot::Rig(RigSlot {
         model,
-        wear: VirtualWear::default(),
+        wear: None,
         compensator: Compensator::None,
         limits: plan.limits,
     });

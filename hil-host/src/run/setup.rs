@@ -11,8 +11,7 @@ use crate::gateway::{Gateway, GatewayPlan};
 use crate::options::{PaceChoice, RunOptions};
 use crate::rig::RigNode;
 use can_protocol::{MessageId, Node, Pace as WirePace, Profile, Sender};
-use firmware_core::compensation::VirtualWear;
-use firmware_core::line::{Fade, KNOWN_DELAY_CYCLES, Line, RigSlot, Slot};
+use firmware_core::line::{Fade, Line, RigSlot, Slot};
 use firmware_core::supervision::CommandLimits;
 use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
@@ -97,19 +96,21 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
             SlotForce::Rig {
                 virtual_clearance_2a_m,
                 virtual_compliance_m_per_n,
+                specimen,
                 model,
                 compensator,
                 ..
-            } => Slot::Rig(RigSlot {
-                model: (**model).clone().prepared(substep_s),
-                wear: VirtualWear {
-                    clearance_2a_m: *virtual_clearance_2a_m,
-                    compliance_m_per_n: *virtual_compliance_m_per_n,
-                    ..VirtualWear::default()
-                },
-                compensator: compensator.with_known_delay(KNOWN_DELAY_CYCLES * CYCLE_S),
-                limits: limits(run),
-            }),
+            } => {
+                let model = (**model).clone().prepared(substep_s);
+                let rig = RigSlot::new(model, *compensator, limits(run), CYCLE_S);
+                let (clearance, compliance) =
+                    (*virtual_clearance_2a_m, *virtual_compliance_m_per_n);
+                Slot::Rig(if clearance == 0.0 && compliance == 0.0 {
+                    rig
+                } else {
+                    rig.behind_wear(clearance, compliance, specimen, CYCLE_S)
+                })
+            }
         };
     }
     Line {
@@ -138,7 +139,7 @@ fn accepted(run: &Run) -> [bool; DAMPER_SLOTS] {
 }
 
 /// The limits of the commands to a rig.
-fn limits(run: &Run) -> CommandLimits {
+pub(crate) fn limits(run: &Run) -> CommandLimits {
     CommandLimits {
         stroke_m: run.motion.stroke_m,
         velocity_m_per_s: run.motion.velocity_m_per_s,

@@ -1,6 +1,7 @@
 //! Force, stroke, work and residual of every damper slot.
 
 use super::tracking::TrackingSummary;
+use super::wear::WearSummary;
 use crate::counts::Counts;
 use crate::linear_vehicle::Hunting;
 use crate::statistics::{SlotSums, Sums};
@@ -38,6 +39,8 @@ pub struct DamperSummary {
     pub flagged_measurements: Option<u64>,
     /// Commands that the limits in `[motion]` changed; null without a rig.
     pub limited_commands: Option<u64>,
+    /// Wear in software before the damper on its rig; null without.
+    pub virtual_wear: Option<WearSummary>,
     /// Running rms of measured less modelled force at the end (N); null without a watch.
     pub residual_rms_n: Option<f64>,
     /// The same when the usual residual had been learnt (N); null before.
@@ -110,6 +113,7 @@ fn damper(name: &str, rig: bool, slot: usize, counts: &Counts, sums: &Sums) -> D
         saturated_commands: None,
         flagged_measurements: None,
         limited_commands: None,
+        virtual_wear: None,
         residual_rms_n: watch.last_rms_n(),
         residual_learnt_rms_n: watch.learnt_rms_n,
         drift: match watch.verdict {

@@ -50,6 +50,8 @@ pub(crate) struct Asked {
     pub(crate) events: Vec<RunEvent>,
     /// Damper slots on rigs.
     pub(crate) rigs: usize,
+    /// What is known of them by calibration.
+    pub(crate) calibrations: Vec<String>,
 }
 
 impl Summary {
@@ -111,6 +113,7 @@ impl Summary {
                 .map_or(cycles.saturating_sub(counts.rows()), |kept| kept.record_dropped),
             bus_load: asked.bus_load,
             sessions: kept.map_or_else(Vec::new, |kept| kept.sessions.clone()),
+            calibrations: asked.calibrations.clone(),
         }
     }
 }

@@ -10,6 +10,7 @@ mod outcome;
 mod sessions;
 mod times;
 mod tracking;
+mod wear;
 
 pub use accelerations::{Acceleration, Accelerations};
 pub use dampers::{DamperSummary, ForceRange, Stroke};
@@ -17,6 +18,7 @@ pub use frames::{BusCount, Frames};
 pub use sessions::ArmedSession;
 pub use times::{Percentiles, StepPercentiles};
 pub use tracking::{MeasuredDelay, TrackingSummary};
+pub use wear::WearSummary;
 
 pub(crate) use accelerations::accelerations;
 pub(crate) use dampers::dampers;
@@ -111,6 +113,8 @@ pub struct Summary {
     pub bus_load: f64,
     /// The armed sessions, one for each rig.
     pub sessions: Vec<ArmedSession>,
+    /// What is known of the rigs by calibration, one line for each part.
+    pub calibrations: Vec<String>,
 }
 
 impl Summary {
@@ -127,6 +131,7 @@ impl Summary {
                 damper.saturated_commands = Some(memory.saturated);
                 damper.flagged_measurements = Some(memory.flagged);
                 damper.limited_commands = Some(state.line.slots[port.slot].limited);
+                damper.virtual_wear = WearSummary::of(outcome.line, state, port.slot);
                 if let Some(tracking) = &mut damper.tracking {
                     let delay = state.gate.delays[port.slot].residual(CYCLE_S);
                     tracking.before_run = delay.map(|delay| tracking.measured(delay));
@@ -181,6 +186,7 @@ impl Summary {
             record_dropped: outcome.record_dropped,
             bus_load: outcome.bus_load,
             sessions: sessions(outcome.ports, &state.ports),
+            calibrations: outcome.calibrations.clone(),
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::control::{End, NotedSummary, Port, SessionState};
 use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
 use crate::record::RunEvent;
+use firmware_core::line::Line;
 use scenario::run::Run;
 
 /// What the summary needs in addition to the columns.
@@ -15,6 +16,7 @@ pub(crate) struct Outcome<'a> {
     pub(crate) pace: PaceChoice,
     pub(crate) end: End,
     pub(crate) state: &'a SessionState,
+    pub(crate) line: &'a Line<'a>,
     pub(crate) ports: &'a [Port],
     pub(crate) counters: BusCounters,
     pub(crate) record_dropped: u64,
@@ -26,6 +28,8 @@ pub(crate) struct Outcome<'a> {
     pub(crate) watched: [Option<usize>; 3],
     /// The vehicle's hunting.
     pub(crate) hunting: Option<Hunting>,
+    /// What is known of the rigs by calibration.
+    pub(crate) calibrations: Vec<String>,
     /// What was beyond a limit and ended nothing.
     pub(crate) noted: Vec<NotedSummary>,
 }

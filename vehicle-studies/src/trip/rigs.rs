@@ -13,7 +13,7 @@
 //! no limits.
 
 use super::TripState;
-use firmware_core::compensation::{Answer, Compensator, Feedforward, VirtualWear};
+use firmware_core::compensation::{Answer, Compensator, Feedforward};
 use firmware_core::damper::Damper;
 use firmware_core::guard::ForceInput;
 use firmware_core::line::{DelayBlocks, KNOWN_DELAY_CYCLES, Line, LineState, RigSlot};
@@ -67,7 +67,7 @@ impl Rigs {
     pub(super) fn slot(&self, model: Damper) -> RigSlot {
         RigSlot {
             model,
-            wear: VirtualWear::default(),
+            wear: None,
             compensator: self.compensator,
             limits: CommandLimits::default(),
         }

@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// The file of a calibration.
-pub(super) const CALIBRATION: &str = "calibration.toml";
+pub(crate) const CALIBRATION: &str = "calibration.toml";
 
 /// Version of the file.
 const FORMAT: u32 = 1;
@@ -37,7 +37,7 @@ const FORMAT: u32 = 1;
 /// What is known of a rig.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct CalibrationFile {
+pub(crate) struct CalibrationFile {
     format: u32,
     node: u8,
     fixture: Option<Fixture>,
@@ -83,16 +83,16 @@ struct LoadCell {
 
 impl CalibrationFile {
     /// Nothing yet of a rig.
-    pub(super) fn empty(node: Node) -> Self {
+    pub(crate) fn empty(node: Node) -> Self {
         let node = node.number();
         Self { format: FORMAT, node, fixture: None, end_mass: None, load_cell: None }
     }
 
-    /// Reads the calibration of the rig with this node.
+    /// Reads the calibration of a rig with one of these nodes.
     ///
     /// # Errors
     /// A file that is none, or that of another rig.
-    pub(super) fn load(path: &Path, node: Node) -> Result<Self, CommandError> {
+    pub(crate) fn load(path: &Path, nodes: &[u8]) -> Result<Self, CommandError> {
         let source = Source::read(path)?;
         let file: Self = source.parse()?;
         let refused = |found: String, expected: String| {
@@ -101,10 +101,11 @@ impl CalibrationFile {
         if file.format != FORMAT {
             return refused(format!("format = {}", file.format), FORMAT.to_string());
         }
-        if file.node != node.number() {
+        if !nodes.contains(&file.node) {
+            let known: Vec<String> = nodes.iter().map(u8::to_string).collect();
             return refused(
                 format!("the calibration of node {}", file.node),
-                format!("node {node}"),
+                format!("node {}", known.join(" or ")),
             );
         }
         if let Some(date) =
@@ -119,7 +120,7 @@ impl CalibrationFile {
     }
 
     /// With the fixture as a bar has shown it today.
-    pub(super) fn with_bar(self, fit: &BarFit, certificate: Option<&str>) -> Self {
+    pub(crate) fn with_bar(self, fit: &BarFit, certificate: Option<&str>) -> Self {
         let (date, certificate) = (Date::today().to_string(), certificate.map(str::to_owned));
         let BarFit {
             stiffness_n_per_m,
@@ -142,7 +143,7 @@ impl CalibrationFile {
     }
 
     /// With the end mass as a dry run has shown it today.
-    pub(super) fn with_end_mass(self, fit: EndMassFit, certificate: Option<&str>) -> Self {
+    pub(crate) fn with_end_mass(self, fit: EndMassFit, certificate: Option<&str>) -> Self {
         let (date, certificate) = (Date::today().to_string(), certificate.map(str::to_owned));
         let EndMassFit { mass_kg, mass_error_kg, residual } = fit;
         let end_mass = EndMass { date, certificate, mass_kg, mass_error_kg, residual };
@@ -150,12 +151,12 @@ impl CalibrationFile {
     }
 
     /// The readings of the load cell so far.
-    pub(super) fn readings(&self) -> Vec<Reading> {
+    pub(crate) fn readings(&self) -> Vec<Reading> {
         self.load_cell.iter().flat_map(|cell| &cell.reading).copied().collect()
     }
 
     /// With the load cell as these readings show it today, as far as they do.
-    pub(super) fn with_readings(
+    pub(crate) fn with_readings(
         self,
         fit: Option<GainFit>,
         readings: &[Reading],
@@ -178,7 +179,7 @@ impl CalibrationFile {
     ///
     /// # Errors
     /// Never: every value has a form in TOML.
-    pub(super) fn to_toml(&self) -> Result<String, CommandError> {
+    pub(crate) fn to_toml(&self) -> Result<String, CommandError> {
         let text = toml::to_string(self)
             .map_err(|why| CommandError::File(CALIBRATION.into(), std::io::Error::other(why)))?;
         Ok(format!("# Written by yawbench characterise --calibrate.\n{text}"))
@@ -193,7 +194,7 @@ impl CalibrationFile {
     }
 
     /// One line for every part that is older than so many days.
-    pub(super) fn old(&self, days: f64) -> Vec<String> {
+    pub(crate) fn old(&self, days: f64) -> Vec<String> {
         let today = Date::today();
         let age = |(part, date): (&'static str, &str)| {
             let age_days = date.parse::<Date>().ok()?.days_until(today);
@@ -208,8 +209,13 @@ impl CalibrationFile {
         self.dates().filter_map(age).collect()
     }
 
+    /// The node of its rig.
+    pub(crate) fn node(&self) -> u8 {
+        self.node
+    }
+
     /// One line for every part, for records.
-    pub(super) fn lines(&self) -> Vec<String> {
+    pub(crate) fn lines(&self) -> Vec<String> {
         let of = |date: &str, certificate: &Option<String>| match certificate {
             Some(certificate) => format!("{date}, certificate {certificate}"),
             None => date.to_owned(),

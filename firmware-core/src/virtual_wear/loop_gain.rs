@@ -1,0 +1,54 @@
+//! Whether the loop over the mismatch is stable, and what its lateness costs.
+//!
+//! With the damper's stiffness `K` at short notice, that of its model `K_m` and the joint's `K_v`,
+//! a change of `dF` moves the eye by `-dF / (K_v + K_m)`, and the rig answers with
+//!
+//! ```text
+//! dF -> (K - K_m) * (-1 / (K_v + K_m)) dF        L = |K - K_m| / (K_v + K_m)
+//! ```
+//! The rig's own response and the low-pass make it less. So `L < 1` is stable whatever the delay
+//! (small-gain theorem); [`LOOP_GAIN_MAX`] leaves a gain margin of 2. A rigid joint moves the eye
+//! with the vehicle, and `L` is zero.
+//!
+//! Stable is not exact. What the difference is off from the one that was foreseen for its instant,
+//! `m`, moves the eye and comes back as a force; what the ram strays from the motion that was
+//! wanted, `s` as a force of the model, is felt as it is:
+//!
+//! ```text
+//! e^2 = ((rms(m) K_m / (K_v + K_m))^2 + rms(s)^2) / rms(F_healthy)^2
+//! ```
+//! over the force of the healthy damper under the vehicle's own motion. Beyond [`FORCE_ERROR_MAX`]
+//! a better model of the damper is needed, or a rig that follows better.
+
+use super::VirtualWear;
+
+/// Most loop gain that is accepted.
+pub const LOOP_GAIN_MAX: f64 = 0.5;
+
+/// The loop gain of a joint before a damper of a stiffness (N/m) whose model is off by a share.
+///
+/// ```
+/// use firmware_core::virtual_wear::loop_gain;
+/// // From 12.5 MN/m to 3 MN/m, with a damper that is 20 % stiffer than its model.
+/// let compliance = 1.0 / 3.0e6 - 1.0 / 12.5e6;
+/// assert!((loop_gain(compliance, 12.5e6, 0.2) - 0.152).abs() < 1e-3);
+/// ```
+pub fn loop_gain(compliance_m_per_n: f64, model_n_per_m: f64, share: f64) -> f64 {
+    debug_assert!(compliance_m_per_n >= 0.0 && model_n_per_m > 0.0 && share >= 0.0);
+    // Both numerator and denominator over K_v.
+    let softness = compliance_m_per_n * model_n_per_m;
+    share * softness / (1.0 + softness)
+}
+
+/// Most error of the force that is accepted, over the force of the healthy damper.
+pub const FORCE_ERROR_MAX: f64 = 0.03;
+
+impl VirtualWear {
+    /// The error that a missed difference and a stray ram make (N), over the force of the healthy
+    /// damper (N).
+    pub(super) fn force_error(&self, (missed_n, strayed_n): (f64, f64), healthy_n: f64) -> f64 {
+        debug_assert!(healthy_n > 0.0, "{healthy_n} N");
+        let softness = self.compliance_m_per_n * self.specimen.nominal().ke_n_per_m;
+        libm::hypot(missed_n * softness / (1.0 + softness), strayed_n) / healthy_n
+    }
+}

@@ -1,0 +1,211 @@
+//! Wear put before a damper on a rig: clearance and softness in software.
+//!
+//! A worn damper is a healthy one behind a joint with play and a soft spring. The rig carries the
+//! healthy one; the host computes how the joint would move it:
+//!
+//! ```text
+//! vehicle x --[ play 2a, spring K_v ]-- w --[ damper on the rig, F ]
+//!
+//! K_v dz(x - w, a) = F(w)          dz: dead zone of half width a
+//! ```
+//! `w` is needed before `F` is known, by the delay of rig and bus. So both sides are taken `h`
+//! cycles ahead, and the compensator is left with less than half a cycle:
+//!
+//! ```text
+//! x(t + h)   extrapolated from the vehicle's displacement, velocity, acceleration and jerk
+//! F(t + h) = M[w](t + h) + dF(t)        dF = low-pass(F_measured - M[x_measured])
+//! ```
+//! `M` is a model of the healthy damper, once driven by what the joint wants and once by what the
+//! rig measured (a predictor after O. J. M. Smith, 1957). The delay lies outside of the loop that
+//! is closed over `dF`, so it does not make it unstable; what does is a damper that is stiffer or
+//! softer than its model ([`loop_gain`]).
+//!
+//! Extrapolating `w` instead of `x` would carry every contact beyond its flank, and feeding the
+//! force straight back, `x - F / K_v`, has a gain of the damper's stiffness over `K_v`, which is
+//! above one for any wear that matters.
+//!
+//! A ram cannot follow the kink of a closing gap. It is rounded over some cycles on either side,
+//! which takes `v^2 / (2 a)` of travel ([`VirtualWear::rounding_m`]).
+//!
+//! Limits: softer than the damper on the rig only. Between contacts the damper rests where its own
+//! model is without force, so preload and the zero error of a load cell make it creep through the
+//! gap as preload would in the joint of a worn damper.
+
+mod joint;
+mod loop_gain;
+mod mismatch;
+mod rounding;
+
+pub use loop_gain::{FORCE_ERROR_MAX, LOOP_GAIN_MAX, loop_gain};
+pub use rounding::MOST_ROUNDING_CYCLES;
+
+use crate::command::Command;
+use crate::compensation::{Compensator, Differences, Feedforward};
+use crate::damper::{Damper, DamperState, Motion};
+use joint::Joint;
+use mismatch::{Kept, Mismatch};
+use rounding::{Rounding, rounding_cycles};
+
+/// The motion is computed by at most so many cycles ahead.
+pub const MOST_AHEAD_CYCLES: u8 = 63;
+/// Speed at which a gap closes at the working point of the SS9 study: 3.5 Hz with 3.46 mm (m/s).
+const CONTACT_SPEED_M_PER_S: f64 = 0.076;
+/// Share of the healthy damper's force below which a mismatch is small, whatever the model's is.
+const LEAST_SHARE: f64 = 0.1;
+/// Order of the extrapolation of the vehicle's motion.
+const ORDER: u8 = 3;
+
+/// Parameters of the wear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VirtualWear {
+    /// Extra total clearance (m).
+    pub clearance_2a_m: f64,
+    /// Extra series compliance (m/N).
+    pub compliance_m_per_n: f64,
+    /// The damper on the rig, as the host knows it.
+    pub specimen: Damper,
+    /// Cycles by which the motion is computed ahead.
+    pub ahead_cycles: u8,
+    /// Cycles on either side over which contacts are rounded.
+    pub rounding_cycles: u8,
+}
+
+/// What a rig measured at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Displacement of the damper (m).
+    pub displacement_m: f64,
+    /// Its force (N).
+    pub force_n: f64,
+}
+
+/// What the wear remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct VirtualWearState {
+    differences: Differences,
+    /// The model that is driven by what the joint wants.
+    wanted: DamperState,
+    /// The force of that model in the last cycles.
+    foreseen_n: Kept,
+    /// Where it was last, contacts not rounded.
+    targets: Rounding,
+    /// The model on the vehicle's own motion, as if there were no joint.
+    healthy: DamperState,
+    healthy_squares: f64,
+    healthy_cycles: u32,
+    /// What the specimen differs from its model.
+    mismatch: Mismatch,
+}
+
+/// Cycles by which a compensator's rig is late, to the nearest; the rest is left to it.
+///
+/// ```
+/// use firmware_core::compensation::{Compensator, Feedforward};
+/// use firmware_core::virtual_wear::ahead_cycles;
+/// let compensator = Compensator::Feedforward(Feedforward::polynomial(2, 4.7e-3));
+/// assert_eq!(ahead_cycles(&compensator, -0.5e-3, 1e-3), 4);
+/// assert_eq!(ahead_cycles(&Compensator::None, -0.5e-3, 1e-3), 0);
+/// ```
+pub fn ahead_cycles(compensator: &Compensator, known_delay_s: f64, cycle_s: f64) -> u8 {
+    debug_assert!(cycle_s > 0.0, "cycle of {cycle_s} s");
+    let [gain, delay_s, ..] = compensator.series(&compensator.start()).0;
+    let cycles = libm::round((delay_s / gain + known_delay_s) / cycle_s);
+    cycles.max(0.0).min(f64::from(MOST_AHEAD_CYCLES)) as u8
+}
+
+impl VirtualWear {
+    /// The same with contacts rounded to an acceleration (m/s2).
+    #[must_use]
+    pub fn rounded(self, acceleration_m_per_s2: f64, cycle_s: f64) -> Self {
+        let cycles = rounding_cycles(CONTACT_SPEED_M_PER_S, acceleration_m_per_s2, cycle_s);
+        Self { rounding_cycles: cycles, ..self }
+    }
+
+    /// Travel within which a contact at a relative speed is rounded (m).
+    pub fn rounding_m(&self, speed_m_per_s: f64, cycle_s: f64) -> f64 {
+        let cycles = 2.0 * f64::from(self.rounding_cycles) + 1.0;
+        0.5 * speed_m_per_s * cycles * cycle_s
+    }
+
+    /// Takes the vehicle's motion of a cycle, and what has arrived from the rig since the last one,
+    /// and returns the motion of the damper, [`VirtualWear::ahead_cycles`] ahead.
+    pub fn step(
+        &self,
+        state: &mut VirtualWearState,
+        vehicle: Command,
+        reading: Option<Reading>,
+        cycle_s: f64,
+    ) -> Command {
+        debug_assert!(self.clearance_2a_m >= 0.0, "clearance of {} m", self.clearance_2a_m);
+        debug_assert!(self.compliance_m_per_n >= 0.0, "{} m/N", self.compliance_m_per_n);
+        let ahead_cycles = self.ahead_cycles.saturating_add(self.rounding_cycles);
+        state.mismatch.take(&self.specimen, reading, ahead_cycles, cycle_s);
+        state.take_healthy(&self.specimen, vehicle, cycle_s);
+        let motion = state.differences.take(vehicle, cycle_s);
+        let ahead_s = f64::from(ahead_cycles) * cycle_s;
+        let ahead = Feedforward::polynomial(ORDER, ahead_s).series.command(&motion);
+        if !ahead.is_finite() {
+            // The state of a diverged model: the line stops by itself.
+            return ahead;
+        }
+        let joint = Joint {
+            half_clearance_m: 0.5 * self.clearance_2a_m,
+            compliance_m_per_n: self.compliance_m_per_n,
+        };
+        let before = state.wanted;
+        let mismatch = state.mismatch;
+        let force_n = |displacement_m: f64| {
+            let mut next = before;
+            let moved = Motion::new(displacement_m, 0.0);
+            mismatch.corrected_n(self.specimen.advance(&mut next, moved, cycle_s))
+        };
+        let stiffness = self.specimen.nominal().ke_n_per_m;
+        let from_m = before.motion().displacement_m;
+        let target_m = joint.balance(ahead.displacement_m, from_m, stiffness, force_n);
+        let moved = Motion::new(target_m, 0.0);
+        state.foreseen_n.keep(self.specimen.advance(&mut state.wanted, moved, cycle_s));
+        // A rig that follows is half a cycle behind what is wanted in the cycle of its answer.
+        let [now_n, before_n] =
+            [ahead_cycles, ahead_cycles + 1].map(|cycles| state.foreseen_n.ago_n(cycles));
+        state.mismatch.stray(0.5 * (now_n + before_n));
+        let (displacement_m, rate_m) = state.targets.take(target_m, self.rounding_cycles);
+        let command = Command { displacement_m, velocity_m_per_s: rate_m / cycle_s };
+        debug_assert!(command.is_finite(), "a finite motion gives a finite command");
+        command
+    }
+}
+
+impl VirtualWearState {
+    /// Begins what is judged anew.
+    pub fn clear(&mut self) {
+        self.mismatch.clear();
+        (self.healthy_squares, self.healthy_cycles) = (0.0, 0);
+    }
+
+    /// The force of the specimen less that of its model, over the latter or a tenth of the healthy
+    /// damper's, both rms since [`VirtualWearState::clear`]; nothing before it has moved.
+    pub fn mismatch_ratio(&self) -> Option<f64> {
+        let (difference_n, model_n) = self.mismatch.sizes_n()?;
+        let over_n = model_n.max(LEAST_SHARE * self.healthy_n());
+        (over_n > 0.0).then_some(difference_n / over_n)
+    }
+
+    /// The error of the force that the mismatch makes, over the force of the healthy damper;
+    /// nothing before it has moved.
+    pub fn force_error(&self, wear: &VirtualWear) -> Option<f64> {
+        let healthy_n = self.healthy_n();
+        let errors_n = self.mismatch.errors_n().filter(|_| healthy_n > 0.0)?;
+        Some(wear.force_error(errors_n, healthy_n))
+    }
+
+    fn healthy_n(&self) -> f64 {
+        libm::sqrt(self.healthy_squares / f64::from(self.healthy_cycles.max(1)))
+    }
+
+    fn take_healthy(&mut self, specimen: &Damper, vehicle: Command, cycle_s: f64) {
+        let motion = Motion::new(vehicle.displacement_m, vehicle.velocity_m_per_s);
+        let force_n = specimen.advance(&mut self.healthy, motion, cycle_s);
+        self.healthy_squares += force_n * force_n;
+        self.healthy_cycles = self.healthy_cycles.saturating_add(1);
+    }
+}

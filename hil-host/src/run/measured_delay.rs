@@ -1,0 +1,87 @@
+//! Before anything moves: what compensation leaves of the delay that an open loop has measured.
+//!
+//! ```text
+//! tau = tau_ram - a1 / a0        compensated for a1 / a0
+//! tau = tau_ram - T / 2          not compensated
+//! ```
+//! An adaptive compensator follows the rig as far as its reach. The gate before RUN measures again;
+//! this check says it before the rig is armed, and has the run keep where its delay is from.
+
+use crate::BenchError;
+use crate::control::{COST_REFUSED, COST_WARNED};
+use crate::linear_vehicle::LinearVehicle;
+use crate::rehearsal::MeasuredRam;
+use firmware_core::compensation::{Compensator, damping_energy_lost};
+use firmware_core::line::{KNOWN_DELAY_CYCLES, Sensitivity};
+use scenario::run::{CYCLE_S, Run, SlotForce};
+
+/// Judges every rig of a run by one measured delay; a line for each.
+///
+/// # Errors
+/// What is left costs more of the damping than the gate before RUN lets through.
+pub(super) fn judge(
+    run: &Run,
+    ram: &MeasuredRam,
+    linear: &LinearVehicle,
+) -> Result<Vec<String>, BenchError> {
+    let frequency_hz = linear.hunting.frequency_hz;
+    let mut lines = Vec::new();
+    for slot in &run.slots {
+        let SlotForce::Rig { model, compensator, accept_delay_error, .. } = &slot.force else {
+            continue;
+        };
+        let left_s = left_s(compensator, ram.delay_s);
+        let Sensitivity { relaxation_s, .. } = Sensitivity::of(model, frequency_hz);
+        let cost = damping_energy_lost(left_s, frequency_hz, relaxation_s);
+        let found = format!(
+            "{}: a ram that is {:.3} ms late; {:.3} ms are left, which cost {:.1} % of the damping",
+            ram.source,
+            1e3 * ram.delay_s,
+            1e3 * left_s,
+            100.0 * cost
+        );
+        if cost.abs() > COST_REFUSED && !accept_delay_error {
+            return Err(BenchError::MeasuredDelay { place: slot.place.clone(), found });
+        }
+        let warning = if cost.abs() > COST_WARNED { "warning: " } else { "" };
+        lines.push(format!("{warning}{}: {found}", slot.place));
+    }
+    Ok(lines)
+}
+
+/// What a compensator leaves of the delay of a ram (s).
+fn left_s(compensator: &Compensator, ram_s: f64) -> f64 {
+    let [gain, delay_s, ..] = compensator.series(&compensator.start()).0;
+    match compensator {
+        Compensator::None => ram_s + KNOWN_DELAY_CYCLES * CYCLE_S,
+        Compensator::Feedforward(_) => ram_s - delay_s / gain,
+        Compensator::Adaptive(adaptive) => {
+            let [_, reach, _] = adaptive.reach;
+            let off_s = ram_s - delay_s / gain;
+            (off_s.abs() - reach).max(0.0).copysign(off_s)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use firmware_core::compensation::{Adaptive, Feedforward, Series};
+
+    #[test]
+    fn what_is_left_is_the_delay_that_no_compensator_is_made_for() {
+        let made_for = |ms: f64| Compensator::Feedforward(Feedforward::polynomial(2, 1e-3 * ms));
+        for (compensator, ram_ms, expected_ms) in [
+            (Compensator::None, 0.5, 0.0),
+            (Compensator::None, 5.5, 5.0),
+            (made_for(5.4), 5.4, 0.0),
+            (made_for(5.4), 4.4, -1.0),
+            // Half of the delay and 2 ms are within reach.
+            (Compensator::Adaptive(Adaptive::new(Series([1.0, 6e-3, 0.0, 0.0]), 60.0)), 9.0, 0.0),
+            (Compensator::Adaptive(Adaptive::new(Series([1.0, 6e-3, 0.0, 0.0]), 60.0)), 12.0, 1.0),
+        ] {
+            let found_ms = 1e3 * left_s(&compensator, 1e-3 * ram_ms);
+            assert!((found_ms - expected_ms).abs() < 1e-9, "{ram_ms}: {found_ms}, {expected_ms}");
+        }
+    }
+}
