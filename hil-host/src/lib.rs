@@ -40,6 +40,7 @@ pub mod doctor;
 mod draw;
 mod error;
 pub mod faults;
+mod force_group;
 pub mod gateway;
 mod linear_vehicle;
 mod options;
@@ -67,5 +68,5 @@ pub use rehearsal::{CheckMargin, LimitOf, MeasuredRam, Rehearsal, TRACKING, Verd
 pub use reset::{reset_over, reset_rig};
 pub use summary::{
     Acceleration, Accelerations, ArmedSession, BusCount, DamperSummary, ForceRange, Frames,
-    MeasuredDelay, Percentiles, StepPercentiles, Stroke, Summary, TrackingSummary,
+    MeasuredDelay, Percentiles, StandInSummary, StepPercentiles, Stroke, Summary, TrackingSummary,
 };

@@ -40,6 +40,17 @@ pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: En
     if let Some(cause) = &summary.cause {
         section = section.warning(&format!("Stopped {}.", cause.message));
     }
+    for label in &summary.labels {
+        section = section.warning(&format!(
+            "In this run {label}. Its bogies do not move alike: it shows no critical speed and no \
+             ride."
+        ));
+    }
+    if summary.not_held.is_empty() {
+        for drop_out in &summary.drop_outs {
+            section = section.warning(&format!("{}.", drop_out.why.message));
+        }
+    }
     for reason in &summary.not_held {
         section = section.warning(&format!("Completed, not held: {reason}."));
     }
