@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn a_rig_is_needed_and_keys_of_one_are_not_for_what_it_stands_for() {
         let said = refused(&slot("front right", "partner", "of = \"front lef\""));
-        assert!(said.contains("expected a place on a rig: front left, did you mean"), "{said}");
+        assert!(said.contains("expected a place on a rig: front left; did you mean"), "{said}");
         // Nor does a chain of them stand for one.
         let chain = slot("front right", "partner", OF)
             + &slot("rear right", "other_bogie", "of = \"front right\"");

@@ -25,8 +25,9 @@ pub(crate) fn column_reference() -> String {
     }
     text.push_str(
         "\nCodes of `force_source`: 0 nothing is mounted, 1 the model of a slot without a rig, 2 a \
-         rig, 3 the rig\nof another slot, 4 the model of a slot whose rig has dropped out; \
-         `coupling` fades between them.\n\nCodes of `input`: 0 no rig, 1 a new measurement with a valid force, 2 nothing arrived, \
+         rig,\n3 the rig of another slot, 4 the model of a slot whose rig has dropped out; `coupling` \
+         fades between\nthem.\n\n\
+         Codes of `input`: 0 no rig, 1 a new measurement with a valid force, 2 nothing arrived, \
          3 a frame\nthat failed a check or a force that the rig reports as invalid. Codes of \
          `drift`: 0 no watch,\n1 learning, 2 steady, 3 drift.\n\n\
          Codes of `state` and `rig_state`: 0 INIT, 1 STANDBY, 2 ARMED, 3 RAMP_IN, 4 RUN, 5 \

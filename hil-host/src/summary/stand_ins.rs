@@ -59,17 +59,19 @@ impl StandInSummary {
 
 /// One line for each measured force that acted on several bogies.
 pub(super) fn labels(run: &Run) -> Vec<String> {
-    let stands = |slot: &usize| {
-        run.slots.iter().filter_map(move |other| match other.force {
-            SlotForce::StandIn { of, stands_for, .. } if of == *slot => Some(stands_for),
+    // For which dampers the rig of a slot stands.
+    let stands_for = |slot: usize| -> Vec<StandsFor> {
+        let of_slot = run.slots.iter().filter_map(|other| match other.force {
+            SlotForce::StandIn { of, stands_for, .. } if of == slot => Some(stands_for),
             _ => None,
-        })
+        });
+        of_slot.collect()
     };
-    let several = (0..run.slots.len())
-        .filter(|slot| stands(slot).any(|stands_for| stands_for == StandsFor::OtherBogie));
+    let several =
+        (0..run.slots.len()).filter(|slot| stands_for(*slot).contains(&StandsFor::OtherBogie));
     several
         .map(|slot| {
-            let times = match stands(&slot).count() + 1 {
+            let times = match stands_for(slot).len() + 1 {
                 2 => "twice",
                 3 => "three times",
                 _ => "four times",
