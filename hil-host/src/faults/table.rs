@@ -311,8 +311,7 @@ impl Expected {
             injected.found().is_some_and(|stop| signals.contains(&stop.cause.signal))
                 && injected.cycles_to_detect().is_some_and(|cycles| cycles <= within)
         };
-        // A rig that has dropped out follows nothing any more.
-        let is_out = injected.dropped_out.is_some() && !follows(injected.rig);
+        let is_out = injected.dropped_out.is_some();
         let is_as_expected = match (self, injected.stop, injected.end) {
             (GoesOn, None, None) => injected.dropped_out.is_none(),
             (Ends(signals, within), Some(stop), Some(end)) => {
@@ -321,7 +320,11 @@ impl Expected {
                     && injected.dropped_out.is_none()
                     && (end == End::Safe || (end == End::RampedOut && may_ramp_out))
             }
-            (Self::DropsOut(signals, within), None, None) => is_found(signals, within) && is_out,
+            // It follows nothing any more.
+            (Self::DropsOut(signals, within), None, None) => {
+                is_found(signals, within) && is_out && !follows(injected.rig)
+            }
+            // A rig in lock-step that hears nothing has no time to stop in.
             (Self::RampsOut(signals, within), Some(_), Some(End::RampedOut)) => {
                 is_found(signals, within) && is_out
             }
