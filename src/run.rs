@@ -267,12 +267,13 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
         lines.extend(damper_table(&summary.damper).lines());
     }
     lines.extend(tracking_lines(&summary.damper));
-    lines.extend(
-        summary
-            .damper
-            .iter()
-            .filter_map(|damper| Some(damper.stand_in.as_ref()?.in_words(&damper.name))),
-    );
+    for damper in &summary.damper {
+        let Some(stand_in) = &damper.stand_in else { continue };
+        lines.push(stand_in.in_words(&damper.name));
+        lines.extend(
+            stand_in.warning().map(|warning| format!("warning: {}: {warning}", damper.name)),
+        );
+    }
     let bodies = [
         ("carbody", summary.accelerations.carbody),
         ("bogie front", summary.accelerations.bogie_front),

@@ -3,7 +3,7 @@
 use super::Ending;
 use crate::control::End;
 use crate::counts::Counts;
-use crate::summary::{DamperSummary, Summary};
+use crate::summary::{DamperSummary, StandInSummary, Summary};
 use report::{Cell, Section, Table, Tile};
 use scenario::run::Run;
 
@@ -56,6 +56,9 @@ pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: En
     }
     for damper in &summary.damper {
         if let Some(warning) = damper.tracking.and_then(|tracking| tracking.warning()) {
+            section = section.warning(&format!("{}: {warning}.", damper.name));
+        }
+        if let Some(warning) = damper.stand_in.as_ref().and_then(StandInSummary::warning) {
             section = section.warning(&format!("{}: {warning}.", damper.name));
         }
     }

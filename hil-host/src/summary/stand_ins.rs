@@ -4,6 +4,9 @@ use crate::statistics::Sums;
 use scenario::run::{Run, SlotForce, StandsFor};
 use serde::Serialize;
 
+/// Share of the stroke of a rig from which on what it stood for is warned of, %.
+const APART_PERCENT: f64 = 10.0;
+
 /// What stood for a damper, and how exact that was.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StandInSummary {
@@ -35,6 +38,17 @@ impl StandInSummary {
             stroke_difference_percent: percent.is_finite().then_some(percent),
             force_less_model_rms_n: sums.slots.get(slot)?.residual.rms(),
         })
+    }
+
+    /// What to be warned of, where the damper did not move as the rig did.
+    pub fn warning(&self) -> Option<String> {
+        let percent = self.stroke_difference_percent.filter(|percent| *percent > APART_PERCENT)?;
+        Some(format!(
+            "its stroke was {} % rms away from that of the rig of {}: it did not feel the force of a \
+             rig of its own",
+            report::significant(percent, 2),
+            self.of
+        ))
     }
 
     /// In words, of the damper at a place.
