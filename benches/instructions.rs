@@ -34,11 +34,7 @@ fn main() {
 
 /// All four dampers modelled.
 fn modelled(run: &Run, mut line: Line<'_>, cycles: u32) {
-    for slot in &mut line.slots {
-        if let Slot::Rig(rig) = slot {
-            *slot = Slot::Modelled(rig.model.clone());
-        }
-    }
+    line.slots.iter_mut().for_each(Slot::use_model);
     let mut state = line.start(run.start.state.clone());
     for _ in 0..cycles {
         line.step(black_box(&mut state), &[ForceInput::Missing; 4]);

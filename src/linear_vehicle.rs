@@ -20,7 +20,11 @@ pub(crate) fn linear_vehicle(run: &Run) -> Result<Option<LinearVehicle>, StudyEr
     let Some(resonances) = found else { return Ok(None) };
     let Some(hunting) = receptance::hunting(&resonances) else { return Ok(None) };
     let frequency_hz = hunting.pole.norm() / TAU;
-    let mode = |one: &receptance::Resonance| LinearMode { pole: one.pole, residues: one.residues };
+    let mode = |one: &receptance::Resonance| LinearMode {
+        pole: one.pole,
+        residues: one.residues,
+        cross: one.cross,
+    };
     Ok(Some(LinearVehicle {
         hunting: Hunting { frequency_hz, damping_ratio: damping_ratio(hunting.pole) },
         hunting_pole: hunting.pole,

@@ -161,6 +161,8 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         );
     }
     let cause = cause.map_or("", |cause| cause.message.as_str());
+    // What is partly the result of a model must not look like one of the bench alone.
+    let has_lost_rigs = !finished.summary.drop_outs.is_empty();
     Ok(if finished.summary.state == End::Safe {
         files::say!("ended in the safe state {cause}; rigs were brought to rest");
         ExitCode::from(SAFE_STATE)
@@ -169,11 +171,11 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         ExitCode::from(SAFE_STATE)
     } else if finished.interrupted && is_ended_by_key {
         files::say!("ended by key: the files hold the run up to this point");
-        ExitCode::SUCCESS
+        if has_lost_rigs { ExitCode::from(FAILED) } else { ExitCode::SUCCESS }
     } else if finished.interrupted {
         files::say!("interrupted: the files hold the run up to this point");
         ExitCode::from(INTERRUPTED)
-    } else if !finished.summary.not_held.is_empty() && is_on_a_bus {
+    } else if has_lost_rigs || (!finished.summary.not_held.is_empty() && is_on_a_bus) {
         ExitCode::from(FAILED)
     } else {
         ExitCode::SUCCESS
@@ -240,13 +242,15 @@ fn damper_table(dampers: &[DamperSummary]) -> Table {
     }))
 }
 
-/// The last line: frames and trajectory, and every counter that is not zero.
+/// The last line: frames and trajectory, measured forces that acted on several bogies, and every
+/// counter that is not zero.
 fn last_line(summary: &Summary) -> String {
     let frames = &summary.frames;
     let mut parts = vec![
         format!("frames sent {} received {}", frames.sent, frames.received),
         format!("trajectory {}", summary.trajectory_hash),
     ];
+    parts.extend(summary.labels.iter().cloned());
     let counters = summary.counters();
     parts.push(if counters.is_empty() {
         "no faults counted".to_owned()
@@ -281,6 +285,13 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
         lines.extend(damper_table(&summary.damper).lines());
     }
     lines.extend(tracking_lines(&summary.damper));
+    for damper in &summary.damper {
+        let Some(stand_in) = &damper.stand_in else { continue };
+        lines.push(stand_in.in_words(&damper.name));
+        lines.extend(
+            stand_in.warning().map(|warning| format!("warning: {}: {warning}", damper.name)),
+        );
+    }
     let bodies = [
         ("carbody", summary.accelerations.carbody),
         ("bogie front", summary.accelerations.bogie_front),
@@ -293,6 +304,11 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
                 body.lateral_rms_m_per_s2, body.vertical_rms_m_per_s2
             ));
         }
+    }
+    lines.extend(summary.labels.iter().map(|label| format!("warning: {label}")));
+    if summary.not_held.is_empty() {
+        let lost = summary.drop_outs.iter();
+        lines.extend(lost.map(|drop_out| format!("warning: {}", drop_out.why.message)));
     }
     let not_held = summary.not_held.iter();
     lines.extend(not_held.map(|reason| format!("warning: not held: {reason}")));
@@ -328,7 +344,7 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
 fn calibrations(args: &RunArgs, scenario: &Run) -> Result<Vec<String>, CommandError> {
     let nodes = scenario.slots.iter().filter_map(|slot| match slot.force {
         SlotForce::Rig { node, .. } => Some(node),
-        SlotForce::Modelled(_) => None,
+        SlotForce::Modelled(_) | SlotForce::StandIn { .. } => None,
     });
     let nodes: Vec<u8> = nodes.collect();
     if let (Some(file), true) = (args.calibration.first(), nodes.is_empty()) {

@@ -76,11 +76,30 @@ fn what_the_loop_finds_leaves_it_without_touching_the_heap() {
     let found: Vec<Notice> = std::iter::from_fn(|| drain.notices.next()).collect();
     let noted = |notice: &&Notice| match notice {
         Notice::Noted(first) => first.cause.signal == Signal::Force,
-        Notice::Cause(_) => false,
+        Notice::Cause(_) | Notice::DroppedOut { .. } => false,
     };
     assert_eq!(found.iter().filter(noted).count(), session.ports.len());
     let cause = found.iter().filter(|notice| matches!(notice, Notice::Cause(_)));
     assert_eq!(cause.collect::<Vec<_>>(), [&Notice::Cause(state.stop.unwrap())]);
+}
+
+#[test]
+fn a_rig_that_drops_out_does_not_touch_the_heap() {
+    let run = scenario("ss9-two-rigs-partner.toml", 5.0);
+    let track = run.track.view();
+    let mut session = session(&run, &track);
+    let usual = Checks::usual(session.profile.counter_modulus(), session.line.cycle_s, 100e3);
+    let residual = Rule { limit: 10.0, action: Action::RampOut, ..usual.residual };
+    let first = session.ports[0].clone().dropping_out();
+    session.ports[0] = first.checked(Checks { residual, ..usual }, BeyondLimits::Saturate);
+    let (mut state, mut buses) = ready(&run, &session);
+    let mut queues = Queues::default();
+    let (mut recorder, drain) = queues.split();
+    assert_no_alloc(|| noticed(&session, &mut state, &mut buses, &mut recorder));
+    let found: Vec<Notice> = std::iter::from_fn(|| drain.notices.next()).collect();
+    let why = state.ports[0].dropped_out.unwrap();
+    assert_eq!(found, [Notice::DroppedOut { slot: 0, why }]);
+    assert!(state.stop.is_none() && !state.ports[1].has_dropped_out());
 }
 
 /// Runs 3000 cycles and hands over what they find.

@@ -1,6 +1,6 @@
 //! What is counted of a run while it goes on: nothing of it grows.
 
-use crate::record::{InputKind, Row};
+use crate::record::{ForceSource, InputKind, Row};
 use can_protocol::{RunState, Watch};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use hdrhistogram::Histogram;
@@ -24,6 +24,8 @@ pub(crate) struct Counts {
     pub(crate) stale: [u64; DAMPER_SLOTS],
     /// Cycles in which a new measurement with a valid force arrived.
     pub(crate) fresh: [u64; DAMPER_SLOTS],
+    /// Time from which a slot ran on its model, its rig or the one that stood for it being lost (s).
+    pub(crate) model_from_s: [Option<f64>; DAMPER_SLOTS],
     /// Ticks that were skipped.
     pub(crate) skipped: u64,
     /// Number of the last cycle, and the trajectory hash after it.
@@ -93,6 +95,7 @@ impl Default for Counts {
             lateness_ns: histogram(),
             stale: [0; DAMPER_SLOTS],
             fresh: [0; DAMPER_SLOTS],
+            model_from_s: [None; DAMPER_SLOTS],
             skipped: 0,
             last: (0, 0),
         }
@@ -107,7 +110,11 @@ impl Counts {
         self.lateness_ns.saturating_record(u64::from(row.lateness_ns));
         for (slot, input) in row.input.into_iter().enumerate() {
             // A rig that has been stopped has nothing to say.
-            let is_due = row.cycle > 1 && row.state != RunState::Safe;
+            let is_out = row.force_source[slot] == ForceSource::DroppedOut;
+            let is_due = row.cycle > 1 && row.state != RunState::Safe && !is_out;
+            if is_out {
+                self.model_from_s[slot].get_or_insert(row.time_s);
+            }
             self.stale[slot] += u64::from(is_due && input.is_stale());
             self.fresh[slot] += u64::from(input == InputKind::Fresh);
         }

@@ -131,6 +131,15 @@ pub enum BenchError {
         /// Its state.
         state: RunState,
     },
+    /// A rig that another host commands.
+    CommandedRig {
+        /// Its node.
+        node: u8,
+        /// The bus as it was given.
+        bus: String,
+        /// Its state.
+        state: RunState,
+    },
     /// A rig that was not armed.
     UnarmedRig {
         /// Its node.
@@ -249,6 +258,7 @@ impl BenchError {
             | Self::ForeignVersion { .. }
             | Self::RefusedSync { .. }
             | Self::LatchedRig { .. }
+            | Self::CommandedRig { .. }
             | Self::UnarmedRig { .. }
             | Self::UnresetRig { .. }
             | Self::NoRandom { .. }
@@ -273,6 +283,7 @@ impl BenchError {
                 | Self::ForeignVersion { .. }
                 | Self::RefusedSync { .. }
                 | Self::LatchedRig { .. }
+                | Self::CommandedRig { .. }
                 | Self::UnarmedRig { .. }
                 | Self::UnresetRig { .. }
         )
@@ -307,6 +318,12 @@ impl BenchError {
                 "rig node {node} on {} is latched in {state}: reset it by the key at the rig, or by \
                  `yawbench rig-reset --bus {} --node {node}`",
                 quoted(bus),
+                quoted(bus)
+            ),
+            Self::CommandedRig { node, bus, state } => write!(
+                f,
+                "rig node {node} on {} is not armed: it is in {state}, so another host commands it: \
+                 end that session, and start again when the rig is in STANDBY",
                 quoted(bus)
             ),
             Self::UnarmedRig { node, bus, refusal } => {
@@ -418,6 +435,7 @@ impl fmt::Display for BenchError {
             Self::ForeignVersion { .. }
             | Self::RefusedSync { .. }
             | Self::LatchedRig { .. }
+            | Self::CommandedRig { .. }
             | Self::UnarmedRig { .. }
             | Self::UnresetRig { .. } => self.fmt_of_rig(f),
             Self::NoRandom { why } => {
@@ -604,6 +622,7 @@ mod tests {
             ),
             (BenchError::ForeignVersion { node: 1, bus: bus(), version: Some(1) }, safe),
             (BenchError::LatchedRig { node: 1, bus: bus(), state: RunState::Safe }, safe),
+            (BenchError::CommandedRig { node: 1, bus: bus(), state: RunState::Run }, safe),
             (BenchError::UnarmedRig { node: 1, bus: bus(), refusal: by_rig }, safe),
             (BenchError::UnresetRig { node: 1, bus: bus(), refusal: by_rig }, safe),
             (BenchError::NoRandom { why: disk() }, [false, false, false]),

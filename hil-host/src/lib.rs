@@ -40,6 +40,7 @@ pub mod doctor;
 mod draw;
 mod error;
 pub mod faults;
+mod force_group;
 pub mod gateway;
 mod linear_vehicle;
 mod options;
@@ -68,6 +69,7 @@ pub use rehearsal::{CheckMargin, LimitOf, MeasuredRam, Rehearsal, TRACKING, Verd
 pub use reset::{reset_over, reset_rig};
 pub use summary::{
     Acceleration, Accelerations, ArmedSession, BusCount, DamperSummary, ForceRange, Frames,
-    MeasuredDelay, Percentiles, StepPercentiles, Stroke, Summary, TrackingSummary, WearSummary,
+    MeasuredDelay, Percentiles, StandInSummary, StepPercentiles, Stroke, Summary, TrackingSummary,
+    WearSummary,
 };
 pub use wear_map::{Cell as WearCell, Question as WearQuestion, Sine, WearMap, wear_map};

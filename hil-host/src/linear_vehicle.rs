@@ -33,4 +33,15 @@ pub struct LinearMode {
     pub pole: Complex64,
     /// Residues, m/(N s).
     pub residues: [Complex64; DAMPER_SLOTS],
+    /// The same between slots: the extension of the first index over a force of the second.
+    pub cross: [[Complex64; DAMPER_SLOTS]; DAMPER_SLOTS],
+}
+
+impl LinearMode {
+    /// What it has of a receptance with this residue at a frequency, 1/s.
+    pub(crate) fn of(&self, residue: Complex64, s: Complex64) -> Complex64 {
+        let own = residue / (s - self.pole);
+        let other = residue.conj() / (s - self.pole.conj());
+        if self.pole.im == 0.0 { own } else { own + other }
+    }
 }

@@ -16,7 +16,11 @@
 //! negative real axis: a gain margin of two. The hunting pair itself is followed by Newton steps
 //! from its pole without a residual delay; its damping is reported and never refused.
 //!
+//! Where a rig stands for other dampers too, `H` is that of the group (`crate::force_group`).
+//!
 //! Limits: linear, one rig at a time; the other rigs are dampers without delay.
+
+pub use crate::force_group::ForceGroup;
 
 use crate::linear_vehicle::{LinearMode, LinearVehicle};
 use firmware_core::compensation::Series;
@@ -45,8 +49,8 @@ const WIDTH: f64 = 1e-6;
 pub struct RigLoop<'a> {
     /// The vehicle's poles, all dampers in place.
     pub modes: &'a [LinearMode],
-    /// The slot of the rig.
-    pub slot: usize,
+    /// The slot of the rig, and those for which it stands.
+    pub group: ForceGroup,
     /// Damping of the slot's model, N s/m.
     pub ce_n_s_per_m: f64,
     /// Its compliance `1 / Ke`, m/N.
@@ -94,11 +98,16 @@ impl Stability {
 }
 
 impl<'a> RigLoop<'a> {
-    /// The loop of a slot with this damper and the compensator of this series.
-    pub fn new(vehicle: &'a LinearVehicle, slot: usize, model: &Nominal, series: Series) -> Self {
+    /// The loop of a rig with this damper and the compensator of this series.
+    pub fn new(
+        vehicle: &'a LinearVehicle,
+        group: ForceGroup,
+        model: &Nominal,
+        series: Series,
+    ) -> Self {
         Self {
             modes: &vehicle.modes,
-            slot,
+            group,
             ce_n_s_per_m: model.ce_n_s_per_m,
             compliance_m_per_n: 1.0 / model.ke_n_per_m,
             series,
@@ -146,18 +155,17 @@ impl<'a> RigLoop<'a> {
 
     /// The loop without a residual delay.
     fn gain(&self, s: Complex64) -> Complex64 {
-        let (with, damper) = (self.receptance(s), self.damper(s));
+        let damper = self.damper(s);
+        if !self.group.is_alone() {
+            return self.group.receptance(self.modes, s, damper) * damper * self.residual(s);
+        }
+        let with = self.receptance(s);
         with * damper * self.residual(s) / (Complex64::ONE - with * damper)
     }
 
     /// The vehicle with all its dampers.
     fn receptance(&self, s: Complex64) -> Complex64 {
-        let of = |mode: &LinearMode| {
-            let residue = mode.residues[self.slot];
-            let own = residue / (s - mode.pole);
-            let other = residue.conj() / (s - mode.pole.conj());
-            if mode.pole.im == 0.0 { own } else { own + other }
-        };
+        let of = |mode: &LinearMode| mode.of(mode.residues[self.group.rig], s);
         self.modes.iter().map(of).sum()
     }
 
@@ -178,6 +186,9 @@ impl<'a> RigLoop<'a> {
     fn pole_near(&self, start: Complex64, tau_s: f64) -> Complex64 {
         let characteristic = |s: Complex64| {
             let late = self.residual(s) * (-s * tau_s).exp();
+            if !self.group.is_alone() {
+                return self.group.characteristic(self.modes, s, self.damper(s), late);
+            }
             Complex64::ONE / self.receptance(s) - self.damper(s) * (Complex64::ONE - late)
         };
         // A pole of G itself is no number.
@@ -228,7 +239,7 @@ mod tests {
         let mode = |sign: f64| {
             let pole = root * sign - half;
             let residue = Complex64::ONE / (root * sign * 2.0 * mass);
-            LinearMode { pole, residues: [residue; 4] }
+            LinearMode { pole, residues: [residue; 4], cross: [[residue; 4]; 4] }
         };
         if root.im == 0.0 { vec![mode(1.0), mode(-1.0)] } else { vec![mode(1.0)] }
     }
@@ -237,7 +248,7 @@ mod tests {
     fn looped(modes: &[LinearMode], damping: f64) -> RigLoop<'_> {
         RigLoop {
             modes,
-            slot: 0,
+            group: ForceGroup::alone(0),
             ce_n_s_per_m: damping,
             compliance_m_per_n: 0.0,
             series: Series::IDENTITY,

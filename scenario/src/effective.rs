@@ -41,6 +41,7 @@ pub(crate) fn effective(
         slot.model = Some(slot.model.take().unwrap_or_default().over(&file.damper));
         slot.accept_delay_error = Some(slot.accept_delay_error.unwrap_or(false));
         slot.compensation = Some(slot.compensation.take().unwrap_or_default().with_defaults());
+        slot.if_rig_drops_out = Some(slot.if_rig_drops_out.unwrap_or_default());
     }
     for watch in file.slot.iter_mut().filter_map(|slot| slot.watch.as_mut()) {
         *watch = watch.with_defaults(&file.damper);

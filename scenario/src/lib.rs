@@ -9,7 +9,7 @@
 //! carry their provenance ([`quantity`]); [`damper`], the damper of each slot, and [`watch`], the
 //! model that a rig is compared with; [`track`] and [`irregularity`]; [`rig`] and
 //! [`plausibility`], what is believed of it, and `compensation`, how its delay is compensated;
-//! [`compare`].
+//! [`compare`]. `stand_in` has the dampers for which the rig of another one stands.
 //! [`setting`] changes single numbers by their key, as studies do. [`datasheet::Datasheet`]
 //! converts a maker's data into a nominal damper.
 //!
@@ -54,6 +54,7 @@ mod servo;
 pub mod setting;
 mod slot;
 pub mod source;
+mod stand_in;
 mod title;
 pub mod track;
 mod typical;

@@ -6,7 +6,7 @@ pub use crate::effective::Effective;
 pub use crate::motion::{BeyondLimits, MEASURING_CYCLES, Motion};
 pub use crate::plausibility::{BEYOND_STROKE_M, ForceLimit, Plausibility};
 pub use crate::readiness::Readiness;
-pub use crate::run_file::{On, RunFile, SlotFile, VirtualWearFile};
+pub use crate::run_file::{IfRigDropsOut, On, RunFile, SlotFile, StandsFor, VirtualWearFile};
 pub use crate::slot::{Slot, SlotForce, worn};
 
 use crate::compare::CompareSetup;
@@ -23,6 +23,7 @@ use crate::rig::{RigFile, RigSetup};
 use crate::setting::Setting;
 use crate::slot::slots;
 use crate::source::Source;
+use crate::stand_in;
 use crate::title;
 use crate::track::OwnedTrack;
 use crate::typical;
@@ -203,6 +204,7 @@ impl Run {
         let compare = file.compare.as_ref().map(|compare| compare.build(source, &vehicle));
         let compare = compare.transpose()?;
         let mut slots = slots(&file, &vehicle_file, source)?;
+        stand_in::place(&file, &vehicle, source, &mut slots)?;
         debug_assert_eq!(slots.len(), vehicle.dampers.len(), "one slot for each damper");
         for (number, slot) in slots.iter_mut().enumerate() {
             if let SlotForce::Modelled(damper) = &mut slot.force {
@@ -386,6 +388,9 @@ fn warnings(slots: &[Slot], on_rig: &Damper, compare: Option<&CompareSetup>) -> 
             SlotForce::Rig { virtual_clearance_2a_m, .. } => {
                 let wear = typical::wear_warning(*virtual_clearance_2a_m);
                 typical::damper_warnings(on_rig).into_iter().chain(wear).collect()
+            }
+            SlotForce::StandIn { model, is_reversed, .. } => {
+                stand_in::warnings(model, on_rig, *is_reversed)
             }
         };
         for line in lines {

@@ -64,8 +64,10 @@ pub struct RunFile {
 pub struct SlotFile {
     /// Its place on the vehicle.
     pub place: String,
-    /// `modelled` or `rig`.
+    /// `modelled` or `rig`; `partner` or `other_bogie` where a rig in another slot stands for it.
     pub on: On,
+    /// Place of the damper whose rig stands for this one.
+    pub of: Option<String>,
     /// Node number of the rig, 1 to 4.
     pub node: Option<u8>,
     /// Name of the rig's bus, for a vehicle with rigs on several; the run's `--bus` when absent.
@@ -84,16 +86,63 @@ pub struct SlotFile {
     pub accept_delay_error: Option<bool>,
     /// How the delay of the rig is compensated.
     pub compensation: Option<CompensationFile>,
+    /// What follows where the rig is lost in RUN.
+    pub if_rig_drops_out: Option<IfRigDropsOut>,
 }
 
 /// Where the force of a slot comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 pub enum On {
     /// The damper model, inside the vehicle step.
     Modelled,
     /// A rig on the bus.
     Rig,
+    /// The rig of the damper that stands opposite on the same bogie, its sign reversed.
+    Partner,
+    /// The rig of a damper of another bogie.
+    OtherBogie,
+}
+
+/// For which damper a rig in another slot stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StandsFor {
+    /// The one opposite on the same bogie.
+    Partner,
+    /// One of another bogie.
+    OtherBogie,
+}
+
+impl StandsFor {
+    /// Its name in a scenario and in results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Partner => "partner",
+            Self::OtherBogie => "other_bogie",
+        }
+    }
+}
+
+impl On {
+    /// For which damper a rig stands; none of a slot with a model or a rig of its own.
+    pub(crate) const fn stands_for(self) -> Option<StandsFor> {
+        match self {
+            Self::Partner => Some(StandsFor::Partner),
+            Self::OtherBogie => Some(StandsFor::OtherBogie),
+            Self::Modelled | Self::Rig => None,
+        }
+    }
+}
+
+/// What follows where a rig is lost in RUN.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum IfRigDropsOut {
+    /// The run ends, as its cause asks for.
+    #[default]
+    Stop,
+    /// The vehicle goes on with the model of that damper, as long as another rig is left.
+    Model,
 }
 
 /// Wear in software: play and softness in series with the real damper.

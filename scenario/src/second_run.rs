@@ -25,9 +25,9 @@ impl Run {
         let mut slots = self.slots.clone();
         for (number, slot) in slots.iter_mut().enumerate() {
             slot.force = match &slot.force {
-                SlotForce::Rig { node, bus, compensator, accept_delay_error, .. }
-                    if emulated(number) =>
-                {
+                SlotForce::Rig {
+                    node, bus, compensator, accept_delay_error, if_drops_out, ..
+                } if emulated(number) => {
                     let damper = damper_mass::without(damper.clone()).map_err(refused)?;
                     SlotForce::Rig {
                         node: *node,
@@ -39,6 +39,15 @@ impl Run {
                         watch: None,
                         compensator: *compensator,
                         accept_delay_error: *accept_delay_error,
+                        if_drops_out: *if_drops_out,
+                    }
+                }
+                SlotForce::StandIn { stands_for, of, is_reversed, .. } if emulated(*of) => {
+                    SlotForce::StandIn {
+                        stands_for: *stands_for,
+                        of: *of,
+                        is_reversed: *is_reversed,
+                        model: Box::new(damper_mass::without(damper.clone()).map_err(refused)?),
                     }
                 }
                 _ => damper_mass::give_to_bodies(&mut vehicle, number, damper.clone())
@@ -103,6 +112,7 @@ mod tests {
                     assert_eq!((slot.place.as_str(), watch), ("front left", &None));
                     assert_eq!(*virtual_clearance_2a_m, 0.0);
                 }
+                SlotForce::StandIn { .. } => panic!("{}", slot.place),
             }
         }
         assert_eq!((other.track, other.vehicle, other.compare), (main.track, main.vehicle, None));

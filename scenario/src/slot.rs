@@ -3,7 +3,7 @@
 use crate::damper::DamperFile;
 use crate::damper_mass;
 use crate::error::ScenarioError;
-use crate::run_file::{On, RunFile, SlotFile};
+use crate::run_file::{IfRigDropsOut, On, RunFile, SlotFile, StandsFor};
 use crate::source::Source;
 use crate::vehicle::VehicleFile;
 use crate::watch::WatchSetup;
@@ -47,6 +47,19 @@ pub enum SlotForce {
         compensator: Compensator,
         /// Whether a run goes on whose delay costs more than is allowed.
         accept_delay_error: bool,
+        /// What follows where it is lost in RUN.
+        if_drops_out: IfRigDropsOut,
+    },
+    /// The rig in another slot.
+    StandIn {
+        /// For which damper it stands.
+        stands_for: StandsFor,
+        /// Number of the rig's slot.
+        of: usize,
+        /// Whether the sign of its force is reversed.
+        is_reversed: bool,
+        /// The damper that acts on the vehicle while the measured force is faded in and out.
+        model: Box<Damper>,
     },
 }
 
@@ -156,6 +169,7 @@ impl SlotFile {
                 None => Compensator::None,
             },
             accept_delay_error: self.accept_delay_error.unwrap_or(false),
+            if_drops_out: self.if_rig_drops_out.unwrap_or_default(),
         })
     }
 }

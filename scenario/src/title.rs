@@ -18,7 +18,12 @@ pub(crate) fn title(vehicle: &str, speed_kmh: f64, slots: &[Slot], on_rig: &Damp
     // Places by the state of their damper, in the order of the slots.
     let mut states: Vec<(String, Vec<&str>)> = Vec::new();
     for slot in slots {
-        let state = slot.force.state(on_rig);
+        // Where a rig stands for a damper, it is the one on the rig.
+        let force = match &slot.force {
+            SlotForce::StandIn { of, .. } => slots.get(*of).map_or(&slot.force, |rig| &rig.force),
+            own => own,
+        };
+        let state = force.state(on_rig);
         match states.iter_mut().find(|(other, _)| *other == state) {
             Some((_, places)) => places.push(&slot.place),
             None => states.push((state, vec![&slot.place])),
@@ -45,6 +50,7 @@ impl SlotForce {
     fn state(&self, on_rig: &Damper) -> String {
         match self {
             Self::Modelled(damper) => state(damper),
+            Self::StandIn { .. } => state(on_rig),
             Self::Rig { virtual_clearance_2a_m, virtual_compliance_m_per_n, .. } => {
                 let mut wear = Vec::new();
                 if *virtual_clearance_2a_m > 0.0 {

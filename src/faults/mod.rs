@@ -60,7 +60,7 @@ pub(crate) fn command(args: &FaultsArgs) -> Result<ExitCode, CommandError> {
     } else {
         let overrides = Overrides { duration_s: Some(10.0), speed_kmh: None };
         let run = Run::load(&args.scenario, overrides)?;
-        let all_right = rows::inject(&run)?;
+        let all_right = rows::inject(&run)? & rows::drop_out(&run)?;
         let random = args.cycles == 0 || random::inject(&run, args)?;
         let losses = args.loss.map_or(Ok(true), |seconds| loss::inject(args, seconds))?;
         all_right && random && losses

@@ -46,5 +46,6 @@ mod rig_motions;
 mod rtcheck;
 mod rths_benchmark;
 mod run_command;
+mod several_rigs;
 mod stale_answers;
 mod watch;

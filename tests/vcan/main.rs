@@ -13,5 +13,6 @@ mod participants;
 mod peer;
 mod replay;
 mod rig;
+mod several_rigs;
 mod smoke;
 mod unstable;

@@ -88,8 +88,13 @@ pub(crate) fn out(interface: &str, name: &str) -> PathBuf {
 }
 
 pub(crate) fn host(bus: &str, seconds: &str, out: &Path, args: &[&str]) -> Command {
+    host_of("ss9-160kmh.toml", bus, seconds, out, args)
+}
+
+/// The same with another scenario.
+pub(crate) fn host_of(name: &str, bus: &str, seconds: &str, out: &Path, args: &[&str]) -> Command {
     let mut command = yawbench();
-    command.arg("run").arg(scenario("ss9-160kmh.toml"));
+    command.arg("run").arg(scenario(name));
     command.args(["--json", "--duration", seconds, "--bus", bus, "--out"]).arg(out).args(args);
     command.arg("--arm");
     command

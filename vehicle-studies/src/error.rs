@@ -27,6 +27,8 @@ pub enum StudyError {
     NoTrack,
     /// A vehicle without a damper.
     NoDamper,
+    /// The rig of one bogie stands for a damper of another: place of the damper, of the rig.
+    OtherBogie(String, String),
     /// A delay that no rig keeps (s).
     NoDelay(f64),
     /// A track without a curve.
@@ -82,6 +84,7 @@ impl StudyError {
             Self::Scenario(_)
             | Self::Damper(_)
             | Self::NoDamper
+            | Self::OtherBogie(..)
             | Self::NoDelay(_)
             | Self::NoCurve
             | Self::NoIrregularity
@@ -107,6 +110,12 @@ impl fmt::Display for StudyError {
             Self::OnTrack(number, why) => write!(f, "track {number}: {why}"),
             Self::NoTrack => write!(f, "found no track, expected at least one"),
             Self::NoDamper => write!(f, "found no damper slot, expected one that can be on a rig"),
+            Self::OtherBogie(place, of) => write!(
+                f,
+                "slot \"{place}\" is on = \"other_bogie\" of \"{of}\", expected a model, a rig or \
+                 its partner: a force that another bogie has made gives no critical speed and no \
+                 ride"
+            ),
             Self::NoDelay(delay_s) => {
                 let found_ms = files::number(1e3 * delay_s);
                 write!(f, "found a rig that is late by {found_ms} ms, expected at most 63.5 ms")

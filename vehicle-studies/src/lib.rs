@@ -11,6 +11,7 @@
 //! | [`critical_speed`], [`rig_delay`], [`ride`], [`curve`] | the questions, each with its text and its page |
 //! | [`modes`], `describing_function` | linear vibrations, with a damper as stiffness and damping |
 //! | [`receptance`] | poles and residues of the vehicle at the places of its dampers |
+//! | `one_force` | scenarios that no study of hunting or ride fits |
 //! | [`study`] | asking at every point; the identity of a study |
 //! | [`grid`], [`GridPoint`], [`OverSeeds`] | points, their answers, quantities over several tracks |
 //! | [`StudyError`] | what can go wrong in any of them |
@@ -25,6 +26,7 @@ mod describing_function;
 mod error;
 pub mod grid;
 pub mod modes;
+mod one_force;
 mod over_keys;
 mod over_seeds;
 mod point;

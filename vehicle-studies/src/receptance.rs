@@ -11,7 +11,8 @@
 //! `(s - p) G(s)` over a circle around its pole, `G` by back substitution with `T`; what lies
 //! outside of the circle falls out of the mean as `(r / d)^n` with its distance `d` and `n` points.
 //! `G` has all dampers in it; without that of its own slot it is
-//! `H = G / (1 - G K)` with `K = s Ce / (1 + s lambda)`.
+//! `H = G / (1 - G K)` with `K = s Ce / (1 + s lambda)`. Where one force acts in several slots, `G`
+//! is needed between them too.
 //!
 //! Limits: linear. Poles that are closer than a millionth of their size, such as those of two equal
 //! wheelsets, are one.
@@ -52,8 +53,10 @@ const SEEN: f64 = 0.5;
 pub struct Resonance {
     /// The pole (1/s), its imaginary part not negative.
     pub pole: Complex<f64>,
-    /// Residues of the extension over an extending force (m/(N s)).
+    /// Residues of the extension over an extending force of the same slot (m/(N s)).
     pub residues: [Complex<f64>; DAMPER_SLOTS],
+    /// The same between slots: the extension of the first index over a force of the second.
+    pub cross: [[Complex<f64>; DAMPER_SLOTS]; DAMPER_SLOTS],
 }
 
 /// A vehicle in which every damper is `Ce` and `Ke` in series.
@@ -205,20 +208,21 @@ impl System {
             let others = poles.iter().filter(|other| !near(other));
             let gap = others.map(|other| (other - centre).norm()).fold(f64::INFINITY, f64::min);
             let radius = RADIUS * gap.min(centre.norm());
-            let mut residues = [Complex::default(); DAMPER_SLOTS];
+            let mut cross = [[Complex::default(); DAMPER_SLOTS]; DAMPER_SLOTS];
             for point in 0..POINTS {
                 let angle = TAU * (point as f64 + 0.5) / POINTS as f64;
                 let way = Complex::from_polar(radius, angle);
-                for (residue, (shown, force)) in
-                    residues.iter_mut().zip(extension.iter().zip(&force))
-                {
+                for (of, force) in force.iter().enumerate() {
                     let state = solved(&triangle, centre + way, force);
-                    let seen: Complex<f64> =
-                        shown.iter().zip(&state).map(|(shown, state)| state * *shown).sum();
-                    *residue += seen * way / POINTS as f64;
+                    for (residues, shown) in cross.iter_mut().zip(&extension) {
+                        let seen: Complex<f64> =
+                            shown.iter().zip(&state).map(|(shown, state)| state * *shown).sum();
+                        residues[of] += seen * way / POINTS as f64;
+                    }
                 }
             }
-            resonances.push(Resonance { pole: centre, residues });
+            let residues = std::array::from_fn(|slot| cross[slot][slot]);
+            resonances.push(Resonance { pole: centre, residues, cross });
         }
         Some(resonances)
     }

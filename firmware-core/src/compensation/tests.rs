@@ -136,8 +136,7 @@ fn adaptive() -> Adaptive {
 #[test]
 fn an_adaptive_series_finds_a_lag_and_gain_it_was_not_started_with() {
     let (gain, lag_s, cycles) = (0.95, 0.008, 6);
-    let fixed =
-        Compensator::Feedforward(Feedforward { series: adaptive().start, known_delay_s: 0.0 });
+    let fixed = Compensator::Feedforward(Feedforward::inverse(adaptive().start.0));
     let (before, _) = track(&fixed, &mut Rig::new(gain, lag_s, cycles), 1, 8, |_| true);
     for late in [1, 3] {
         let compensator = Compensator::Adaptive(adaptive());

@@ -114,6 +114,10 @@ impl Line<'_> {
         let urgent_cycles = libm::ceil(URGENT_S / self.cycle_s) as u32;
         let slots = self.slots.iter().zip(&mut state.slots);
         for (_, memory) in slots.filter(|(slot, _)| matches!(slot, Slot::Rig(_))) {
+            if memory.has_dropped_out {
+                memory.coupling.down(urgent_cycles);
+                continue;
+            }
             match phase {
                 State::RampIn if !memory.motion.is_full() => memory.motion.up(fade.motion_cycles),
                 State::RampIn if is_measuring => {}
@@ -140,9 +144,7 @@ impl Line<'_> {
         let mut rigs = slots.filter(|(slot, _)| matches!(slot, Slot::Rig(_)));
         state.state == State::RampOut
             && rigs.all(|(_, memory)| {
-                memory.motion.is_empty()
-                    && memory.coupling.is_empty()
-                    && memory.command.velocity_m_per_s == 0.0
+                memory.is_out() && (memory.has_dropped_out || memory.motion.is_empty())
             })
     }
 }
@@ -175,7 +177,7 @@ impl SlotState {
         self.wanted = self.command;
         self.ahead = Ahead::resting(self.command);
         (self.motion, self.coupling) = (Ramp::default(), Ramp::default());
-        self.is_force_believed = true;
+        (self.is_force_believed, self.has_dropped_out) = (true, false);
     }
 
     /// The command that a rig answers with a wanted motion.

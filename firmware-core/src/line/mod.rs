@@ -7,7 +7,8 @@
 //! ```
 //! A rig is coupled gradually ([`Fade`]): its ram takes up the vehicle's motion from where it
 //! stands, then its measured force takes the place of a model's. At the end it is the other way
-//! round.
+//! round. One that is lost may drop out alone: its slot goes on with the model
+//! ([`LineState::drop_out`]). A rig may stand for the damper of another slot ([`StandIn`]).
 //!
 //! The step of a cycle takes the forces that were received since the last one and holds them over
 //! the cycle; modelled dampers act at every substep. Forces are applied in slot order. What goes
@@ -28,16 +29,21 @@
 //! is paired with the command of the cycle in which it arrives.
 
 mod ahead;
+mod drop_out;
 mod fade;
 mod motion;
 mod open_loop;
 mod residual_delay;
 mod slot;
+mod stand_in;
+#[cfg(test)]
+mod yawing_bogie;
 
 pub use ahead::Ahead;
 pub use fade::{Fade, TooFar, URGENT_S};
 pub use residual_delay::{BLOCK_CYCLES, DelayBlocks, FEWEST_BLOCKS, ResidualDelay, Sensitivity};
 pub use slot::{RigSlot, Slot, SlotState};
+pub use stand_in::StandIn;
 
 use crate::command::Command;
 use crate::compensation::Answer;
@@ -149,6 +155,13 @@ impl Line<'_> {
             self.slots.iter().skip(self.vehicle.dampers.len()).all(|slot| *slot == Slot::Empty),
             "a damper in a slot that the vehicle does not have"
         );
+        debug_assert!(
+            self.slots.iter().all(|slot| match slot {
+                Slot::StandIn(own) => matches!(self.slots.get(own.of), Some(Slot::Rig(_))),
+                Slot::Empty | Slot::Modelled(_) | Slot::Rig(_) => true,
+            }),
+            "only a rig stands for another damper"
+        );
     }
 
     /// The state at the start of a run, from a vehicle in steady motion: INIT, or RUN where no
@@ -243,6 +256,10 @@ impl Line<'_> {
             self.slots.iter().zip(&mut state.slots).zip(motions).zip(arrived)
         {
             let Slot::Rig(rig) = slot else { continue };
+            if memory.has_dropped_out {
+                memory.come_to_rest(self.cycle_s);
+                continue;
+            }
             let vehicle = Command {
                 displacement_m: extension.lane(0) - memory.mid_stroke_m,
                 velocity_m_per_s: rate.lane(0),

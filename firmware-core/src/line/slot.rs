@@ -1,6 +1,7 @@
 //! A damper slot of the line: where its force comes from, and what it remembers.
 
 use super::ahead::Ahead;
+use super::stand_in::StandIn;
 use super::{KNOWN_DELAY_CYCLES, Line};
 use crate::command::Command;
 use crate::compensation::{Compensator, CompensatorState};
@@ -23,6 +24,17 @@ pub enum Slot {
     Modelled(Damper),
     /// A rig.
     Rig(RigSlot),
+    /// The rig in another slot.
+    StandIn(StandIn),
+}
+
+impl Slot {
+    /// Puts the model of a rig, or of a damper for which one stands, in its place.
+    pub fn use_model(&mut self) {
+        if let Self::Rig(RigSlot { model, .. }) | Self::StandIn(StandIn { model, .. }) = self {
+            *self = Self::Modelled(model.clone());
+        }
+    }
 }
 
 /// A slot whose damper is on a rig.
@@ -109,6 +121,8 @@ pub struct SlotState {
     pub coupling: Ramp,
     /// Whether the measured force may be taken; a fade-out goes on without it.
     pub is_force_believed: bool,
+    /// Whether the rig is lost and the slot goes on with its model.
+    pub has_dropped_out: bool,
 }
 
 /// Forces of the four slots during one cycle.
@@ -141,12 +155,21 @@ impl DamperForces for SlotForces<'_> {
             Slot::Rig(rig) => {
                 let model_n = rig.model.advance(&mut state.damper, motion, substep_s);
                 let held_n = self.held_n.get(slot).copied().unwrap_or(0.0);
-                if state.coupling.is_full() {
-                    return held_n;
-                }
-                let gain = state.coupling.gain();
-                (1.0 - gain) * model_n + gain * held_n
+                state.coupling.between(model_n, held_n)
+            }
+            Slot::StandIn(own) => {
+                let measured = self.measured(own.of);
+                let Some(state) = self.slots.get_mut(slot) else { return 0.0 };
+                own.force_n(&mut state.damper, motion, measured, substep_s)
             }
         }
+    }
+}
+
+impl SlotForces<'_> {
+    /// The measured force of a rig (N), and how far it is coupled.
+    fn measured(&self, slot: usize) -> (f64, Ramp) {
+        let force_n = self.held_n.get(slot).copied().unwrap_or(0.0);
+        (force_n, self.slots.get(slot).map_or(Ramp::default(), |rig| rig.coupling))
     }
 }

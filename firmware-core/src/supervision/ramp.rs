@@ -50,6 +50,23 @@ impl Ramp {
         if self.progress >= 1.0 { 1.0 } else { 0.5 * (1.0 - libm::cos(PI * self.progress)) }
     }
 
+    /// What is faded from one value to another: `(1 - g) from + g to`, and at its upper end the other
+    /// one itself.
+    ///
+    /// ```
+    /// use firmware_core::supervision::Ramp;
+    /// assert_eq!(Ramp::default().between(2.0, 8.0), 2.0);
+    /// assert_eq!(Ramp::FULL.between(2.0, 8.0), 8.0);
+    /// ```
+    #[inline]
+    pub fn between(self, from: f64, to: f64) -> f64 {
+        if self.is_full() {
+            return to;
+        }
+        let gain = self.gain();
+        (1.0 - gain) * from + gain * to
+    }
+
     /// Change of the gain in a cycle on the way up, of so many.
     pub fn slope(self, cycles: u32) -> f64 {
         if self.is_full() || self.is_empty() {

@@ -44,7 +44,8 @@ pub(crate) fn compare(
         let change_percent = before.zip(after).and_then(|(b, a)| change_percent(b, a));
         Quantity { quantity, unit, before, after, change_percent }
     });
-    let on_a_rig = |force: &SlotForce| matches!(force, SlotForce::Rig { .. });
+    let on_a_rig =
+        |force: &SlotForce| matches!(force, SlotForce::Rig { .. } | SlotForce::StandIn { .. });
     let pairs = run.slots.iter().zip(&other.slots);
     let instead = pairs.filter(|(one, two)| on_a_rig(&one.force) && !on_a_rig(&two.force));
     Comparison {

@@ -9,9 +9,9 @@ use crate::bus::{Bus, WireFrame};
 use crate::clock::Pacer;
 use crate::rig::WATCHDOG_CYCLES;
 use can_protocol::arming::{
-    Agreement, Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience,
+    Agreement, Configuration, HostArming, HostOutcome, HostPlan, Limits, Patience, Refusal,
 };
-use can_protocol::{ArmMessage, Pace, RunState, SessionHistory};
+use can_protocol::{ArmItem, ArmMessage, Pace, RunState, SessionHistory};
 use firmware_core::command::Command;
 use firmware_core::line::Slot;
 use firmware_core::supervision::{CommandLimits, Event};
@@ -197,6 +197,7 @@ impl Session<'_> {
                 let ports = self.ports.iter().zip(&mut state.ports).zip(&mut *exchanges);
                 for ((port, memory), exchange) in ports.filter(|((port, _), _)| port.bus == number)
                 {
+                    port.hear_state(memory, &frame);
                     answered(exchange, port, &frame);
                     if memory.is_armed() {
                         port.take_frame(memory, &frame);
@@ -227,7 +228,8 @@ impl Session<'_> {
                     {
                         bus.send(&last.encode().0);
                     }
-                    return Err(NoAnswer::Refused { node: port.node.number(), refusal });
+                    let says = state.ports.get(number).and_then(|memory| memory.says);
+                    return Err(refused(port.node.number(), refusal, says));
                 }
                 HostOutcome::Armed(_) | HostOutcome::Pending(_) | HostOutcome::Reset => {}
             }
@@ -309,6 +311,24 @@ fn answered(exchange: &mut HostArming, port: &Port, frame: &WireFrame) {
         && answer.node == port.node
     {
         exchange.receive(&answer);
+    }
+}
+
+/// Why a rig was not armed that has said in which state it is.
+fn refused(node: u8, refusal: Refusal, says: Option<RunState>) -> NoAnswer {
+    let is_commanded = |state: &RunState| {
+        matches!(
+            state,
+            RunState::Armed
+                | RunState::OpenLoop
+                | RunState::RampIn
+                | RunState::Run
+                | RunState::RampOut
+        )
+    };
+    match (refusal, says.filter(is_commanded)) {
+        (Refusal::ByRig(ArmItem::State), Some(state)) => NoAnswer::Commanded { node, state },
+        _ => NoAnswer::Refused { node, refusal },
     }
 }
 

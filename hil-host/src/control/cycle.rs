@@ -2,6 +2,7 @@
 
 use super::buses::Buses;
 use super::hash;
+use super::port::PortState;
 use super::session::{Session, SessionState};
 use crate::bus::{Bus, Sent};
 use crate::clock::Tick;
@@ -147,6 +148,9 @@ impl Session<'_> {
     fn judge(&self, state: &mut SessionState, inputs: &Inputs) {
         if state.line.state == State::Run {
             for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+                if memory.has_dropped_out() {
+                    continue;
+                }
                 let model_n = state.line.slots[port.slot].damper.force_n();
                 port.judge_residual(memory, inputs.force[port.slot], model_n);
             }
@@ -170,7 +174,7 @@ impl Session<'_> {
             if cause.signal.is_of_force() {
                 state.line.slots[port.slot].is_force_believed = false;
             }
-            self.stop(state, Some(port.node.number()), cause, action);
+            self.on_cause_of_rig(state, number, cause, action);
         }
     }
 
@@ -209,6 +213,9 @@ impl Session<'_> {
             else {
                 continue;
             };
+            if memory.has_dropped_out() {
+                continue;
+            }
             let (limit, displacement_m) = (slot.limits.stroke_m, slot.command.displacement_m);
             if let Some(value) = memory.growth.take(displacement_m, limit) {
                 let action = Action::RampOut;
@@ -225,8 +232,9 @@ impl Session<'_> {
         let ports = self.ports.iter().zip(&mut state.ports);
         ports
             .map(|(port, memory)| {
-                memory.commands += 1;
-                port.command(memory, &slots[port.slot].command, run, time_us)
+                memory.commands += u64::from(!memory.has_dropped_out());
+                let told = memory.told(run);
+                port.command(memory, &slots[port.slot].command, told, time_us)
             })
             .collect()
     }
@@ -240,18 +248,17 @@ impl Session<'_> {
     ) {
         debug_assert_eq!(commands.len(), self.ports.len(), "a port without a command");
         let mut is_late = false;
-        for (port, command) in self.ports.iter().zip(commands) {
-            match buses.send(port.bus, command) {
-                Sent::Away => {}
-                Sent::Dropped => {
-                    state.late += 1;
-                    is_late = true;
-                }
-                Sent::Down => {
-                    state.late += 1;
-                    let node = Some(port.node.number());
-                    self.stop(state, node, Self::fact(Signal::BusDown), Action::Stop);
-                }
+        for (number, (port, command)) in self.ports.iter().zip(commands).enumerate() {
+            let sent = buses.send(port.bus, command);
+            // A bus that has lost its only rig has nobody who acknowledges.
+            if sent == Sent::Away || state.ports.get(number).is_some_and(PortState::has_dropped_out)
+            {
+                continue;
+            }
+            state.late += 1;
+            is_late |= sent == Sent::Dropped;
+            if sent == Sent::Down {
+                self.on_cause_of_rig(state, number, Self::fact(Signal::BusDown), Action::Stop);
             }
         }
         state.late_in_a_row = if is_late { state.late_in_a_row.saturating_add(1) } else { 0 };
@@ -265,7 +272,8 @@ impl Session<'_> {
 
     /// Compares every watched rig with its model. Nothing waits for this: the commands are sent.
     fn watch(&self, state: &mut SessionState, inputs: &Inputs) {
-        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+        let ports = self.ports.iter().zip(&mut state.ports);
+        for (port, memory) in ports.filter(|(_, memory)| !memory.has_dropped_out()) {
             port.watch(memory, inputs.force[port.slot]);
         }
     }
@@ -286,8 +294,10 @@ impl Session<'_> {
         if let Some(request) = state.pressure_off.as_mut().and_then(|request| request.next(run)) {
             buses.send_to_all(&request);
         }
+        self.announce_pressure_off(state, buses);
         if residuals {
-            for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+            let ports = self.ports.iter().zip(&mut state.ports);
+            for (port, memory) in ports.filter(|(_, memory)| !memory.has_dropped_out()) {
                 if let Some(frame) = port.residual(memory, run) {
                     buses.send(port.bus, &frame);
                 }

@@ -102,7 +102,9 @@ impl Session<'_> {
                     if let Some(quiet) = state.quiet.get_mut(number) {
                         quiet.hear(frame.id(), frame.data());
                     }
-                    for port in self.ports.iter().filter(|port| port.bus == number) {
+                    let ports = self.ports.iter().zip(&mut state.ports);
+                    for (port, memory) in ports.filter(|(port, _)| port.bus == number) {
+                        port.hear_state(memory, &frame);
                         if has_refused(port, &frame) {
                             *refusing = Some(port);
                         }

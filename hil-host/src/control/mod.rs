@@ -11,7 +11,7 @@
 //! [`Session::greet`] meets the rigs and arms them. A [`Port`] is the host's end of one rig: what
 //! is believed of it, what it says of itself, and a [`Watch`] over its damper. A [`DelayGate`]
 //! keeps a session from RUN whose delay costs too much of the damping. The first cause that ends a
-//! run is a [`Stop`]. [`Session::notify`] hands it to the events of the run, and what a
+//! run is a [`Stop`]; `drop_out` has the rigs without which one goes on. [`Session::notify`] hands it to the events of the run, and what a
 //! check has noted.
 
 mod arming;
@@ -19,6 +19,7 @@ mod buses;
 mod course;
 mod cycle;
 mod delay_gate;
+mod drop_out;
 mod greeting;
 mod hash;
 mod measuring;
@@ -49,7 +50,7 @@ pub(crate) use port::MOST_FORCE_N;
 pub use port::{Port, PortState};
 pub use requests::Requests;
 pub use session::{Session, SessionState};
-pub use stop::{NotedSummary, Notice, Stop, StopSummary};
+pub use stop::{DropOutSummary, NotedSummary, Notice, Stop, StopSummary};
 pub use terms::Arming;
 pub use watch::{View, Watch, WatchState};
 

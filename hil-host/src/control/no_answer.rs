@@ -38,6 +38,13 @@ pub enum NoAnswer {
         /// What stood against it.
         refusal: Refusal,
     },
+    /// A rig does not take part in an exchange, because another host commands it.
+    Commanded {
+        /// Its node.
+        node: u8,
+        /// Its state.
+        state: RunState,
+    },
     /// These nodes did not say where their ram stands.
     NoDisplacement(Vec<u8>),
     /// A ram stands too far from where the vehicle needs it.
@@ -72,6 +79,7 @@ impl NoAnswer {
             Self::RefusedSync { node, session } => BenchError::RefusedSync { node, bus, session },
             Self::Latched { node, state } => BenchError::LatchedRig { node, bus, state },
             Self::Refused { node, refusal } => BenchError::UnarmedRig { node, bus, refusal },
+            Self::Commanded { node, state } => BenchError::CommandedRig { node, bus, state },
             Self::NoDisplacement(nodes) => BenchError::BlindRigs { nodes, bus },
             Self::TooFar { node, ram_m } => BenchError::FarRam { node, bus, ram_m },
             Self::NoRoom { node, ram_m, reach_m, stroke_m } => {

@@ -12,13 +12,15 @@ pub struct Notices {
     has_cause: bool,
     /// By port, one bit for each signal.
     noted: [u32; DAMPER_SLOTS],
+    /// By port: whether its slot goes on without the rig.
+    dropped_out: [bool; DAMPER_SLOTS],
 }
 
 const _: () = assert!(Signal::ALL.len() <= u32::BITS as usize, "a bit for each signal");
 
 impl Session<'_> {
-    /// Hands over what was found since the last call: the cause of a stop, and what a check has
-    /// noted of a rig for the first time. Neither allocates nor locks.
+    /// Hands over what was found since the last call: the cause of a stop, rigs that have dropped
+    /// out, and what a check has noted of a rig for the first time. Neither allocates nor locks.
     pub fn notify(&self, state: &SessionState, notices: &mut Notices, recorder: &mut Recorder<'_>) {
         let ports = self.ports.iter().zip(&state.ports).zip(&mut notices.noted);
         for ((port, memory), handed_over) in ports {
@@ -29,6 +31,13 @@ impl Session<'_> {
                     let node = port.node.number();
                     recorder.notice(Notice::Noted(self.first_of(state, node, &noted)));
                 }
+            }
+        }
+        let ports = self.ports.iter().zip(&state.ports).zip(&mut notices.dropped_out);
+        for ((port, memory), handed_over) in ports {
+            if let (Some(why), false) = (memory.dropped_out, *handed_over) {
+                *handed_over = true;
+                recorder.notice(Notice::DroppedOut { slot: port.slot, why });
             }
         }
         if let (Some(stop), false) = (state.stop, notices.has_cause) {

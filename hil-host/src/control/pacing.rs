@@ -196,7 +196,7 @@ impl Session<'_> {
                 tick
             }
             Pace::LockStep if !state.line.is_safe() => {
-                if !self.wait_for_echoes(state, buses, SILENCE) {
+                if !self.wait_for_echoes(state, buses, self.patience(state)) {
                     self.stop_for_silence(state);
                 }
                 Tick::default()
@@ -205,15 +205,18 @@ impl Session<'_> {
         }
     }
 
-    /// Stops where a rig has not answered the last command.
+    /// Stops, or goes on without them, where rigs have not answered the last command.
     pub(crate) fn stop_for_silence(&self, state: &mut SessionState) {
-        let mut ports = self.ports.iter().zip(&state.ports);
-        let silent = ports.find(|(port, memory)| !port.has_echo(memory));
-        let Some((port, memory)) = silent else { return };
-        // Frames may come, and none of them is one of this session.
-        let is_foreign = memory.hears_only_bad();
-        let signal = if is_foreign { Signal::WrongSeal } else { Signal::SilentRig };
-        self.stop(state, Some(port.node.number()), Self::fact(signal), Action::Stop);
+        for (number, port) in self.ports.iter().enumerate() {
+            let Some(memory) = state.ports.get(number).filter(|memory| port.owes_an_answer(memory))
+            else {
+                continue;
+            };
+            // Frames may come, and none of them is one of this session.
+            let is_foreign = memory.hears_only_bad();
+            let signal = if is_foreign { Signal::WrongSeal } else { Signal::SilentRig };
+            self.on_cause_of_rig(state, number, Self::fact(signal), Action::Stop);
+        }
     }
 
     /// Begins an orderly end, as an operator asks for it.
@@ -239,9 +242,8 @@ impl Session<'_> {
             let late = since.elapsed() > patience;
             self.receive(state, buses);
             let mut ports = self.ports.iter().zip(&state.ports);
-            let Some((waiting, _)) = ports.rfind(|(port, memory)| !port.has_echo(memory)) else {
-                return true;
-            };
+            let waiting = ports.rfind(|(port, memory)| port.owes_an_answer(memory));
+            let Some((waiting, _)) = waiting else { return true };
             if late {
                 return false;
             }
@@ -261,7 +263,8 @@ impl Session<'_> {
             return;
         }
         self.wait_for_echoes(state, buses, SILENCE);
-        for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+        let ports = self.ports.iter().zip(&mut state.ports);
+        for (port, memory) in ports.filter(|(_, memory)| !memory.has_dropped_out()) {
             port.finish(memory);
         }
         // A rig that does not hear of the end would go safe; so one that does not answer is sent it
@@ -285,7 +288,8 @@ impl Session<'_> {
         for (port, memory) in self.ports.iter().zip(&mut state.ports) {
             let mut still = state.line.slots[port.slot].command;
             still.velocity_m_per_s = 0.0;
-            let frame = port.command(memory, &still, run, time_us);
+            let told = memory.told(run);
+            let frame = port.command(memory, &still, told, time_us);
             buses.send(port.bus, &frame);
         }
     }

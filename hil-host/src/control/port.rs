@@ -1,13 +1,14 @@
 //! The host's end of one rig: what goes out to it, what has come back.
 
 use super::news;
+use super::stop::{PressureRequest, Stop};
 use super::watch::{Watch, WatchState};
 use crate::bus::WireFrame;
 use crate::record::FrameBytes;
 use can_protocol::arming::Agreement;
 use can_protocol::{
-    Command, Counts, Frame, Measurement, MeasurementFlags, MessageId, Mode, Node, Profile,
-    Receiver, ReceiverState, Residual, RunState, Seal, SessionCode, Status,
+    Command, Counts, Frame, Heartbeat, Measurement, MeasurementFlags, MessageId, Mode, Node,
+    Profile, Receiver, ReceiverState, Residual, RunState, Seal, Sender, SessionCode, Status,
 };
 use firmware_core::command;
 use firmware_core::compensation::{Answer, CompensatorState};
@@ -33,6 +34,8 @@ pub struct Port {
     checks: Checks,
     beyond_limits: BeyondLimits,
     watch: Option<Box<Watch>>,
+    /// Whether the vehicle goes on with the slot's model where the rig is lost.
+    pub(super) may_drop_out: bool,
 }
 
 /// What a port remembers.
@@ -56,6 +59,8 @@ pub struct PortState {
     /// What came under the measurement's id since the last cycle.
     frames: Frames,
     second_sender: SecondSender,
+    /// The state in its last heartbeat before arming.
+    pub(super) says: Option<RunState>,
     /// What is believed of the rig.
     pub belief: Belief,
     /// What the rig has said of itself, the first that ends a run.
@@ -76,6 +81,10 @@ pub struct PortState {
     pub watch: WatchState,
     /// Counter of the last residual sent.
     residual_counter: Option<u8>,
+    /// Why the slot goes on without the rig; none while it does not.
+    pub dropped_out: Option<Stop>,
+    /// What is still to be sent to a rig that has dropped out and is to drop its pressure.
+    pub(super) pressure_off: Option<PressureRequest>,
 }
 
 /// What holds as long as a rig is armed.
@@ -115,7 +124,8 @@ impl Port {
         let receiver = Receiver::new(profile, node, MAX_DELTA)?;
         let checks = Checks::usual(profile.counter_modulus(), CYCLE_S, MOST_FORCE_N);
         let beyond_limits = BeyondLimits::Saturate;
-        Ok(Self { node, bus, slot, profile, receiver, checks, beyond_limits, watch: None })
+        let (watch, may_drop_out) = (None, false);
+        Ok(Self { node, bus, slot, profile, receiver, checks, beyond_limits, watch, may_drop_out })
     }
 
     /// The same port with other checks of what its rig measures, and of what it is sent.
@@ -131,6 +141,12 @@ impl Port {
     pub fn watched(mut self, watch: Watch) -> Self {
         self.watch = Some(Box::new(watch));
         self
+    }
+
+    /// The same port, whose slot goes on with its model where the rig is lost.
+    #[must_use]
+    pub fn dropping_out(self) -> Self {
+        Self { may_drop_out: true, ..self }
     }
 
     /// What the watch shows, as a frame; none without a watch.
@@ -159,6 +175,15 @@ impl Port {
                 watch.take(&mut state.watch, displacement_m, force_n);
             }
             _ => watch.wait(&mut state.watch),
+        }
+    }
+
+    /// Takes notice of the state in a heartbeat of this rig.
+    pub(super) fn hear_state(&self, state: &mut PortState, frame: &WireFrame) {
+        if frame.id() == MessageId::Heartbeat(Sender::Rig(self.node)).raw()
+            && let Ok(heartbeat) = Heartbeat::decode(frame.id(), frame.data())
+        {
+            state.says = Some(heartbeat.state);
         }
     }
 
@@ -191,6 +216,9 @@ impl Port {
     /// What the cycle gets: the newest measurement since the last one, or why there is none.
     pub fn take_input(&self, state: &mut PortState) -> (ForceInput, FrameBytes) {
         let frames = core::mem::take(&mut state.frames);
+        if state.has_dropped_out() {
+            return state.take_unbelieved(frames);
+        }
         if state.second_sender.take(frames) {
             let value = f64::from(MessageId::Measurement(self.profile, self.node).raw());
             let (signal, action) = (Signal::SecondSender, Action::Stop);
@@ -386,6 +414,23 @@ impl PortState {
         let ForceInput::Fresh(_) = force else { return None };
         let displacement_m = self.used.and_then(|used| used.displacement_m)?;
         Some(Answer { displacement_m, age_cycles: 0 })
+    }
+
+    /// Whether the slot goes on without the rig.
+    pub fn has_dropped_out(&self) -> bool {
+        self.dropped_out.is_some()
+    }
+
+    /// What a rig that has dropped out still sends: it is kept, and nothing of it is used.
+    fn take_unbelieved(&mut self, frames: Frames) -> (ForceInput, FrameBytes) {
+        match self.newest.take() {
+            Some(kept) => {
+                self.used = Some(kept.measurement);
+                (ForceInput::Invalid, kept.bytes)
+            }
+            None if frames.bad => (ForceInput::Invalid, FrameBytes::default()),
+            None => (ForceInput::Missing, FrameBytes::default()),
+        }
     }
 
     /// Whether measurements came since the last cycle, and all of them failed their check.

@@ -2,9 +2,10 @@
 
 use super::cycle::{Inputs, Timing};
 use super::session::{Session, SessionState};
-use crate::record::Row;
+use crate::record::{ForceSource, Row};
 use crate::wire_state::wire_state;
 use core::time::Duration;
+use firmware_core::line::Slot;
 use firmware_core::vehicle::{AXLES_MAX, LATERAL, VERTICAL, YAW};
 
 /// Where a rig has said nothing yet.
@@ -28,9 +29,28 @@ impl Session<'_> {
             ..Row::default()
         };
         dampers(&mut row, state);
+        self.sources(&mut row, state);
         self.rigs(&mut row, state);
         self.motion(&mut row, state);
         row
+    }
+
+    /// Where the force of every slot comes from.
+    fn sources(&self, row: &mut Row, state: &SessionState) {
+        for (slot, kind) in self.line.slots.iter().enumerate() {
+            row.force_source[slot] = match kind {
+                Slot::Empty => ForceSource::Nothing,
+                Slot::Modelled(_) => ForceSource::Model,
+                Slot::Rig(_) if state.line.slots[slot].has_dropped_out => ForceSource::DroppedOut,
+                Slot::Rig(_) => ForceSource::Rig,
+                Slot::StandIn(own) => {
+                    row.model_n[slot] = state.line.slots[slot].damper.force_n();
+                    row.coupling[slot] = state.line.slots[own.of].coupling.gain();
+                    let is_out = state.line.slots[own.of].has_dropped_out;
+                    if is_out { ForceSource::DroppedOut } else { ForceSource::StandIn }
+                }
+            };
+        }
     }
 
     /// What was sent to the rigs and what they returned.
@@ -45,7 +65,8 @@ impl Session<'_> {
             let command = state.line.slots[slot].command;
             row.command_m[slot] = command.displacement_m;
             row.command_m_per_s[slot] = command.velocity_m_per_s;
-            row.age_cycles[slot] = memory.belief.age_cycles().unwrap_or(UNKNOWN);
+            let believed = memory.belief.age_cycles().filter(|_| !memory.has_dropped_out());
+            row.age_cycles[slot] = believed.unwrap_or(UNKNOWN);
             row.rig_state[slot] = memory.used.map_or(UNKNOWN, |used| used.state.code());
             row.rig_flags[slot] = memory.used.map_or(0, |used| used.flags.bits());
             row.temperature_degc[slot] = memory.temperature_degc.unwrap_or(f64::NAN);

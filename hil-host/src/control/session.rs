@@ -112,13 +112,17 @@ impl Session<'_> {
         // Without a ramp the only way to rest is a stop.
         let is_orderly = action == Action::RampOut && self.has_ramps(state);
         state.line.on(if is_orderly { Event::End } else { Event::Stop });
-        let (cycle, time_s) = (state.line.cycle, state.line.time_s(self.line.cycle_s));
-        let skipped = state.skips.just_before(cycle);
-        let stop = Stop { cycle, time_s, node, cause, skipped };
+        let stop = self.found(state, node, cause);
         if action == Action::PowerOff {
             state.pressure_off.get_or_insert(PressureRequest::new(stop));
         }
         state.stop.get_or_insert(stop);
+    }
+
+    /// A cause that is found in this cycle.
+    pub(super) fn found(&self, state: &SessionState, node: Option<u8>, cause: Cause) -> Stop {
+        let (cycle, time_s) = (state.line.cycle, state.line.time_s(self.line.cycle_s));
+        Stop { cycle, time_s, node, cause, skipped: state.skips.just_before(cycle) }
     }
 
     /// What was beyond a limit of a rig and ended nothing.

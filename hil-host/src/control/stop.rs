@@ -27,6 +27,13 @@ pub enum Notice {
     Cause(Stop),
     /// The first time that something was beyond a limit which ends nothing.
     Noted(Stop),
+    /// A rig whose slot goes on with its model.
+    DroppedOut {
+        /// The number of the slot, from 0.
+        slot: usize,
+        /// Why, and from when.
+        why: Stop,
+    },
 }
 
 /// A request to drop the pressure, which is sent twice.
@@ -95,10 +102,30 @@ pub struct NotedSummary {
     pub largest: f64,
 }
 
+/// A rig that was lost while the vehicle went on, in `summary.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DropOutSummary {
+    /// Place of its damper on the vehicle.
+    pub place: String,
+    /// Why, and from when; the message names the place.
+    #[serde(flatten)]
+    pub why: StopSummary,
+}
+
 impl NotedSummary {
     /// What was noted of a rig, and its first time.
     pub(super) fn of(noted: &Noted, first: Stop) -> Self {
         Self { first: first.summary(), times: noted.times, largest: noted.largest }
+    }
+}
+
+impl DropOutSummary {
+    /// Of the damper at a place.
+    pub(crate) fn of(place: &str, why: &Stop) -> Self {
+        let mut message = format!("from {:.3} s {place} ran on its model: ", why.time_s);
+        // Writing to a string cannot fail.
+        let _ = why.write_what(&mut message);
+        Self { place: place.to_owned(), why: StopSummary { message, ..why.summary() } }
     }
 }
 
@@ -191,8 +218,15 @@ impl Stop {
 
 impl fmt::Display for Stop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Cause { signal, value, limit, .. } = self.cause;
         write!(f, "at {:.3} s (cycle {}), ", self.time_s, self.cycle)?;
+        self.write_what(f)
+    }
+}
+
+impl Stop {
+    /// What was found, without its time.
+    fn write_what(&self, f: &mut impl fmt::Write) -> fmt::Result {
+        let Cause { signal, value, limit, .. } = self.cause;
         if let Some(node) = self.node {
             write!(f, "rig node {node}: ")?;
         }

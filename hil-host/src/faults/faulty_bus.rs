@@ -18,7 +18,10 @@ const RELAXING_CYCLES: u32 = 1000;
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaultyBus {
     bus: MemoryBus,
+    /// The rig that the fault is about.
     node: Node,
+    /// Rigs beside it, to which nothing happens.
+    others: Vec<Node>,
     setup: RigSetup,
     fault: Option<(Fault, u64, u64)>,
     memory: Memory,
@@ -34,6 +37,7 @@ impl FaultyBus {
         Self {
             bus: MemoryBus::new(Some(RigNode::new(setup, node, Profile::Classical))),
             node,
+            others: Vec::new(),
             setup: setup.clone(),
             fault: None,
             memory: Memory::new(Draw::seeded(seed, 1)),
@@ -41,6 +45,20 @@ impl FaultyBus {
             pending: VecDeque::new(),
             opener: Opener::default(),
         }
+    }
+
+    /// The same bus with sound rigs beside the one that the fault is about.
+    #[must_use]
+    pub fn beside(mut self, nodes: impl IntoIterator<Item = Node>) -> Self {
+        self.others = nodes.into_iter().filter(|node| *node != self.node).collect();
+        self.bus = self.fresh();
+        self
+    }
+
+    /// A bus with all rigs, just started.
+    fn fresh(&self) -> MemoryBus {
+        let nodes = [self.node].into_iter().chain(self.others.iter().copied());
+        MemoryBus::new(nodes.map(|node| RigNode::new(&self.setup, node, Profile::Classical)))
     }
 
     /// Begins a session: cycles count from here. The fault acts from `begin` for so many cycles.
@@ -54,9 +72,8 @@ impl FaultyBus {
     pub fn mend(&mut self) {
         self.fault = None;
         self.pending.clear();
-        if self.bus.rigs().is_empty() {
-            let rig = RigNode::new(&self.setup, self.node, Profile::Classical);
-            self.bus = MemoryBus::new(Some(rig));
+        if self.bus.rigs().len() <= self.others.len() {
+            self.bus = self.fresh();
         }
         // Its host is gone. The ram comes to rest and the damper relaxes before the key is turned.
         for rig in self.bus.rigs_mut() {
@@ -69,9 +86,9 @@ impl FaultyBus {
         while self.bus.receive().is_some() {}
     }
 
-    /// The rig.
+    /// The rig that the fault is about.
     pub fn rig(&self) -> Option<&RigNode> {
-        self.bus.rigs().first()
+        self.bus.rigs().iter().find(|rig| rig.node() == self.node)
     }
 
     /// The fault that acts, and the cycles since it began.
@@ -79,6 +96,11 @@ impl FaultyBus {
         let (fault, begin, lasts) = self.fault?;
         let since = self.cycle.checked_sub(begin).filter(|since| *since < lasts)?;
         Some((fault, since))
+    }
+
+    /// The sound rigs as they are.
+    fn rigs_beside(&self) -> Vec<RigNode> {
+        self.bus.rigs().iter().filter(|rig| rig.node() != self.node).cloned().collect()
     }
 
     /// Lets the rig go on without a command.
@@ -92,10 +114,10 @@ impl FaultyBus {
     fn on_command(&mut self, fault: Fault, since: u64) {
         if fault == Fault::Reboot && since == 0 {
             let rig = RigNode::new(&self.setup, self.node, Profile::Classical);
-            self.bus = MemoryBus::new(Some(rig));
+            self.bus = MemoryBus::new([rig].into_iter().chain(self.rigs_beside()));
         }
         if fault == Fault::Gone && since == 0 {
-            self.bus = MemoryBus::default();
+            self.bus = MemoryBus::new(self.rigs_beside());
         }
         if let Some(foreign) = fault.foreign_command(self.node, since) {
             self.bus.inject(&foreign);

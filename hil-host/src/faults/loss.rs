@@ -2,7 +2,7 @@
 
 use super::faulty_bus::FaultyBus;
 use super::kind::Fault;
-use super::session::{Injected, Injection, in_memory, inject};
+use super::session::{Injected, Injection, in_memory, inject, nodes};
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::draw::Draw;
@@ -46,7 +46,7 @@ pub fn lose_at_random(
                 return None;
             }
             let seed = u64::from(Draw::seeded(seed, number as u64).number());
-            let mut bus = FaultyBus::new(&run.rig, node, seed);
+            let mut bus = FaultyBus::new(&run.rig, node, seed).beside(nodes(session));
             let injected = inject(session, run, &mut bus, &injection);
             done(cycles);
             Some(injected.map_err(|why| why.on(&BusChoice::Memory)))

@@ -1,12 +1,13 @@
 //! Faults that are injected into a coupled run in virtual time, and what became of each.
 //!
-//! [`table()`] runs through the faults that have a name and an expected outcome; [`schedule()`]
-//! through random ones, session after session; [`lose_at_random`] loses frames for hours. They run
+//! [`table()`] runs through the faults that have a name and an expected outcome, [`drop_outs()`]
+//! through those of a rig without which the vehicle goes on; [`schedule()`] through random ones, session after session; [`lose_at_random`] loses frames for hours. They run
 //! the loop itself: the vehicle, the memory bus with an emulated rig, and a [`FaultyBus`] between
 //! them. A cycle takes no time, and cycles are counted exactly. [`listen_to_sound_rigs`] runs sound
 //! rigs, on which every alarm is a false one. This is a test of the loop and no safety function.
 
 mod change;
+mod drop_outs;
 mod faulty_bus;
 mod kind;
 mod loss;
@@ -16,6 +17,7 @@ mod session;
 mod sound;
 mod table;
 
+pub use drop_outs::{drop_out_rows, drop_outs, on_rigs};
 pub use faulty_bus::FaultyBus;
 pub use kind::Fault;
 pub use loss::{Losses, lose_at_random};

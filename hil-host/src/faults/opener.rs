@@ -25,7 +25,10 @@ impl Opener {
     pub fn hear(&mut self, node: Node, frame: &WireFrame) -> Option<Seal> {
         let (id, data) = (frame.id(), frame.data());
         if let Ok(message) = ArmMessage::decode(id, data) {
-            if let Some(code) = self.exchange.hear(&message) {
+            // Other rigs are armed on the same bus.
+            if message.node == node
+                && let Some(code) = self.exchange.hear(&message)
+            {
                 (self.code, self.receiver) = (Some(code), ReceiverState::default());
             }
             return None;

@@ -5,7 +5,7 @@
 
 use super::faulty_bus::FaultyBus;
 use super::kind::Fault;
-use super::session::{Injected, Injection, in_memory, inject};
+use super::session::{Injected, Injection, in_memory, inject, nodes};
 use super::table::ROWS;
 use crate::BenchError;
 use crate::bus::BusChoice;
@@ -132,7 +132,8 @@ impl Shard<'_> {
 
     /// A fresh rig on a bus whose faults have a seed of their own.
     fn bus(&mut self) -> FaultyBus {
-        FaultyBus::new(&self.run.rig, self.node, u64::from(self.draw.number()))
+        let seed = u64::from(self.draw.number());
+        FaultyBus::new(&self.run.rig, self.node, seed).beside(nodes(self.session))
     }
 
     /// A fault of the table at a random time.

@@ -2,7 +2,7 @@
 
 use super::faulty_bus::FaultyBus;
 use super::kind::Fault;
-use super::session::{Injected, Injection, in_memory, inject};
+use super::session::{Injected, Injection, in_memory, inject, nodes};
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::control::End;
@@ -18,6 +18,10 @@ pub enum Expected {
     /// One of these signals ends it, so many cycles after its beginning at most: in the safe state,
     /// or ramped out where that is what the signal asks for.
     Ends(&'static [Signal], u64),
+    /// One of these signals has the rig drop out in the same way, and the vehicle goes on.
+    DropsOut(&'static [Signal], u64),
+    /// The same, and the run is ramped out: no rig is left.
+    RampsOut(&'static [Signal], u64),
 }
 
 /// A fault with its expected outcome.
@@ -273,7 +277,7 @@ pub const ROWS: [Row; 90] = [
 ];
 
 /// Cycle in which the faults of the table begin: the vehicle runs on rough track.
-const BEGIN: u64 = 4000;
+pub(super) const BEGIN: u64 = 4000;
 
 /// Cycles that a run goes on after that.
 const WATCHED: u64 = 4000;
@@ -286,7 +290,8 @@ pub fn table(run: &Run, mut each: impl FnMut(&Row, &Injected, bool)) -> Result<b
     in_memory(run, |session, node| {
         let mut all_right = true;
         for row in &ROWS {
-            let mut bus = FaultyBus::new(&run.rig, node, u64::from(row.number));
+            let seed = u64::from(row.number);
+            let mut bus = FaultyBus::new(&run.rig, node, seed).beside(nodes(session));
             let Row { fault, lasts, .. } = *row;
             let injection = Injection { fault, begin: BEGIN, lasts, until: BEGIN + WATCHED };
             let injected = inject(session, run, &mut bus, &injection)
@@ -302,16 +307,42 @@ pub fn table(run: &Run, mut each: impl FnMut(&Row, &Injected, bool)) -> Result<b
 impl Expected {
     /// Whether a fault had this outcome, and every invariant held.
     pub fn is_met_by(self, injected: &Injected) -> bool {
+        let is_found = |signals: &[Signal], within: u64| {
+            injected.found().is_some_and(|stop| signals.contains(&stop.cause.signal))
+                && injected.cycles_to_detect().is_some_and(|cycles| cycles <= within)
+        };
+        let is_out = injected.dropped_out.is_some();
         let is_as_expected = match (self, injected.stop, injected.end) {
-            (GoesOn, None, None) => true,
+            (GoesOn, None, None) => injected.dropped_out.is_none(),
             (Ends(signals, within), Some(stop), Some(end)) => {
                 let may_ramp_out = stop.cause.action == Action::RampOut;
-                signals.contains(&stop.cause.signal)
-                    && injected.cycles_to_detect().is_some_and(|cycles| cycles <= within)
+                is_found(signals, within)
+                    && injected.dropped_out.is_none()
                     && (end == End::Safe || (end == End::RampedOut && may_ramp_out))
+            }
+            // It follows nothing any more.
+            (Self::DropsOut(signals, within), None, None) => {
+                is_found(signals, within) && is_out && !follows(injected.rig)
+            }
+            // A rig in lock-step that hears nothing has no time to stop in.
+            (Self::RampsOut(signals, within), Some(_), Some(End::RampedOut)) => {
+                is_found(signals, within) && is_out
             }
             _ => false,
         };
         is_as_expected && injected.violation.is_none()
     }
+
+    /// The cycles within which a fault is to be found.
+    pub const fn within(self) -> Option<u64> {
+        match self {
+            GoesOn => None,
+            Ends(_, within) | Self::DropsOut(_, within) | Self::RampsOut(_, within) => Some(within),
+        }
+    }
+}
+
+/// Whether a rig in this state follows commands.
+const fn follows(state: RunState) -> bool {
+    matches!(state, RunState::OpenLoop | RunState::RampIn | RunState::Run | RunState::RampOut)
 }

@@ -3,7 +3,7 @@
 use super::Ending;
 use crate::control::End;
 use crate::counts::Counts;
-use crate::summary::{DamperSummary, Summary};
+use crate::summary::{DamperSummary, StandInSummary, Summary};
 use report::{Cell, Section, Table, Tile};
 use scenario::run::Run;
 
@@ -40,11 +40,25 @@ pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: En
     if let Some(cause) = &summary.cause {
         section = section.warning(&format!("Stopped {}.", cause.message));
     }
+    for label in &summary.labels {
+        section = section.warning(&format!(
+            "In this run {label}. Its bogies do not move alike: it shows no critical speed and no \
+             ride."
+        ));
+    }
+    if summary.not_held.is_empty() {
+        for drop_out in &summary.drop_outs {
+            section = section.warning(&format!("{}.", drop_out.why.message));
+        }
+    }
     for reason in &summary.not_held {
         section = section.warning(&format!("Completed, not held: {reason}."));
     }
     for damper in &summary.damper {
         if let Some(warning) = damper.tracking.and_then(|tracking| tracking.warning()) {
+            section = section.warning(&format!("{}: {warning}.", damper.name));
+        }
+        if let Some(warning) = damper.stand_in.as_ref().and_then(StandInSummary::warning) {
             section = section.warning(&format!("{}: {warning}.", damper.name));
         }
     }

@@ -46,7 +46,40 @@ pub(super) fn rigs(run: &Run, summary: &Summary, statistics: &Statistics) -> Opt
     let calibrated =
         |section: Section, line: &String| section.note(&format!("Calibration, {line}."));
     let section = summary.calibrations.iter().fold(section, calibrated);
-    any.then(|| section.table(table).table(delay_table(summary)))
+    any.then(|| {
+        let section = section.table(table).table(delay_table(summary));
+        match stand_in_table(summary) {
+            Some(table) => section.table(table),
+            None => section,
+        }
+    })
+}
+
+/// Dampers for which another rig stood, and how exactly; none where each had its own.
+fn stand_in_table(summary: &Summary) -> Option<Table> {
+    let mut table = Table::new("Dampers for which another rig stood")
+        .text("damper")
+        .text("is")
+        .text("force of the rig of")
+        .text("sign")
+        .number("difference of the strokes, rms", "mm")
+        .number("of the stroke of the rig", "%")
+        .number("force less own model, rms", "N");
+    let mut any = false;
+    for damper in &summary.damper {
+        let Some(stand_in) = &damper.stand_in else { continue };
+        any = true;
+        table = table.row([
+            Cell::from(damper.name.as_str()),
+            damper.place.as_str().into(),
+            stand_in.of.as_str().into(),
+            if stand_in.is_reversed { "reversed" } else { "the same" }.into(),
+            (stand_in.stroke_difference_rms_m * 1e3).into(),
+            stand_in.stroke_difference_percent.into(),
+            stand_in.force_less_model_rms_n.into(),
+        ]);
+    }
+    any.then_some(table)
 }
 
 /// The delay of the force of every rig against the wanted motion, and what it costs.

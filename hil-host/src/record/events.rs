@@ -40,18 +40,21 @@ pub struct RunEvent {
 }
 
 impl RunEvent {
-    /// What stopped a run, or was noted.
+    /// What stopped a run, or was noted, or a rig without which it goes on.
     pub(crate) fn of(notice: &Notice) -> Self {
-        let (kind, stop) = match notice {
-            Notice::Cause(stop) => ("cause", stop),
-            Notice::Noted(first) => ("noted", first),
+        let (kind, slot, stop) = match notice {
+            Notice::Cause(stop) => ("cause", None, stop),
+            Notice::Noted(first) => ("noted", None, first),
+            Notice::DroppedOut { slot, why } => {
+                ("rig dropped out, its slot goes on with the model", Some(slot + 1), why)
+            }
         };
         let Stop { cycle, time_s, node, cause, .. } = *stop;
         Self {
             time_s,
             cycle,
             what: format!("{kind}: {stop}").into(),
-            slot: None,
+            slot,
             value: Some(cause.value),
             limit: cause.limit.is_finite().then_some(cause.limit),
             node,

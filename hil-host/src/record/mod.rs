@@ -11,6 +11,7 @@
 mod bus_log;
 mod durable;
 mod events;
+mod force_source;
 mod input_kind;
 mod log_reader;
 mod loss;
@@ -27,6 +28,7 @@ pub use bus_log::{BusEvent, BusLog, Direction};
 pub(crate) use durable::OpenFiles;
 pub use events::RunEvent;
 pub(crate) use events::{EventLog, read_events};
+pub use force_source::ForceSource;
 pub use input_kind::InputKind;
 pub(crate) use log_reader::{LogFault, LogLine, LogReader};
 pub(crate) use loss::Loss;

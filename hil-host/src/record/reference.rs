@@ -24,7 +24,10 @@ pub(crate) fn column_reference() -> String {
         let _ = writeln!(text, "| `{name}` | `{kind}` | {shape} | {unit} | {meaning} |");
     }
     text.push_str(
-        "\nCodes of `input`: 0 no rig, 1 a new measurement with a valid force, 2 nothing arrived, \
+        "\nCodes of `force_source`: 0 nothing is mounted, 1 the model of a slot without a rig, 2 a \
+         rig,\n3 the rig of another slot, 4 the model of a slot whose rig has dropped out; `coupling` \
+         fades between\nthem.\n\n\
+         Codes of `input`: 0 no rig, 1 a new measurement with a valid force, 2 nothing arrived, \
          3 a frame\nthat failed a check or a force that the rig reports as invalid. Codes of \
          `drift`: 0 no watch,\n1 learning, 2 steady, 3 drift.\n\n\
          Codes of `state` and `rig_state`: 0 INIT, 1 STANDBY, 2 ARMED, 3 RAMP_IN, 4 RUN, 5 \
@@ -53,7 +56,7 @@ fn unit(name: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::InputKind;
+    use crate::record::{ForceSource, InputKind};
     use can_protocol::Watch;
 
     #[test]
@@ -77,6 +80,7 @@ mod tests {
             assert_eq!(super::unit(name), unit, "{name}");
         }
         assert_eq!(InputKind::ALL.map(InputKind::code), [0, 1, 2, 3]);
+        assert_eq!(ForceSource::ALL.map(ForceSource::code), [0, 1, 2, 3, 4]);
         let watch = [Watch::None, Watch::Learning, Watch::Steady, Watch::Drift];
         assert_eq!(watch.map(Watch::code), [0, 1, 2, 3]);
     }

@@ -3,6 +3,7 @@
 //! The fields, their types and their order are listed once, below; the record's header and the
 //! bytes of a row both follow that list.
 
+use super::force_source::ForceSource;
 use super::input_kind::InputKind;
 use can_protocol::{RunState, Watch};
 use firmware_core::vehicle::{AXLES_MAX, DAMPER_SLOTS};
@@ -61,7 +62,12 @@ macro_rules! code_field {
     )* };
 }
 
-code_field!(InputKind => InputKind::NoRig, Watch => Watch::None, RunState => RunState::Init);
+code_field!(
+    InputKind => InputKind::NoRig,
+    ForceSource => ForceSource::Nothing,
+    Watch => Watch::None,
+    RunState => RunState::Init
+);
 
 impl<T: Field, const N: usize> Field for [T; N] {
     const KIND: &'static str = T::KIND;
@@ -157,6 +163,8 @@ row! {
     extension_m_per_s: [f64; DAMPER_SLOTS],
     /// Force of every slot as the vehicle felt it in the last substep (N).
     force_n: [f64; DAMPER_SLOTS],
+    /// Where it comes from.
+    force_source: [ForceSource; DAMPER_SLOTS],
     /// Displacement that the rig is wanted at: the extension with wear and fades, before
     /// compensation and limits; zero for a modelled damper (m).
     wanted_m: [f64; DAMPER_SLOTS],
@@ -184,7 +192,8 @@ row! {
     rig_flags: [u8; DAMPER_SLOTS],
     /// Temperature that the rig reports; not a number where it reports none (degC).
     temperature_degc: [f64; DAMPER_SLOTS],
-    /// Share of the measured force in what the vehicle feels.
+    /// Share of the measured force in what the vehicle feels: that of the rig or of the one that
+    /// stands for it.
     coupling: [f64; DAMPER_SLOTS],
     /// Force that the rig measured less that of the model that watches it; not a number, or zero
     /// for a modelled damper, without a watch (N).
@@ -246,6 +255,7 @@ mod tests {
         let mut row = Row { cycle: 7, time_s: 0.25, hash: u64::MAX - 1, ..Row::default() };
         row.input = InputKind::ALL;
         row.drift[2] = Watch::Drift;
+        row.force_source[1] = ForceSource::DroppedOut;
         row.frame[3][15] = 9;
         row.wheelset_lateral_m[5] = -1e-3;
         let mut bytes = Vec::new();

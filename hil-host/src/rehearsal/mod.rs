@@ -21,7 +21,7 @@ pub use measured_ram::{MeasuredRam, TRACKING};
 
 use crate::BenchError;
 use crate::bus::BusChoice;
-use crate::control::{End, Session, SessionState, StopSummary};
+use crate::control::{End, PortState, Session, SessionState, StopSummary};
 use crate::linear_vehicle::LinearVehicle;
 use crate::progress_bar::LateBar;
 use crate::record::Row;
@@ -56,7 +56,7 @@ pub struct Rehearsal {
     pub state: End,
     /// What ended it early.
     pub cause: Option<StopSummary>,
-    /// Whether it was completed and nothing was beyond its limit.
+    /// Whether it was completed with all its rigs and nothing was beyond its limit.
     pub holds: bool,
     /// Every check.
     pub checks: Vec<CheckMargin>,
@@ -106,11 +106,12 @@ pub fn rehearse(
             checks.extend(of_delay(slot, &state.gate.delays[port.slot], linear));
         }
         checks.extend(of_stability(&StabilityCheck::of(session, run, linear)));
-        (checks, end, state.stop.map(|stop| stop.summary()))
+        let is_whole = !state.ports.iter().any(PortState::has_dropped_out);
+        (checks, (end, is_whole), state.stop.map(|stop| stop.summary()))
     };
     let found = in_memory(run, terms, |_| {}, run.cycles(), take, close)?;
     bar.finish();
-    let Some((mut checks, state, cause)) = found else { return Ok(None) };
+    let Some((mut checks, (state, is_whole), cause)) = found else { return Ok(None) };
     checks.push(of_disk(needed_bytes(run, &plan, profile), free_bytes));
     let is_beyond = checks.iter().any(|check| check.verdict == Verdict::Beyond);
     Ok(Some(Rehearsal {
@@ -122,7 +123,7 @@ pub fn rehearse(
         ram,
         state,
         cause,
-        holds: state == End::Completed && !is_beyond,
+        holds: state == End::Completed && is_whole && !is_beyond,
         checks,
     }))
 }

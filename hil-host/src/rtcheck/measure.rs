@@ -186,11 +186,7 @@ fn paced(
 
 /// The line with the model of each rig in its place.
 fn modelled(mut line: Line<'_>) -> Line<'_> {
-    for slot in &mut line.slots {
-        if let Slot::Rig(rig) = slot {
-            *slot = Slot::Modelled(rig.model.clone());
-        }
-    }
+    line.slots.iter_mut().for_each(Slot::use_model);
     line
 }
 

@@ -32,11 +32,7 @@ pub(super) fn believed_forces_n(
         ForceLimit::Ratio(ratio) => ratio,
         ForceLimit::Force(force_n) => return [force_n; DAMPER_SLOTS],
     };
-    for slot in &mut line.slots {
-        if let Slot::Rig(rig) = slot {
-            *slot = Slot::Modelled(rig.model.clone());
-        }
-    }
+    line.slots.iter_mut().for_each(Slot::use_model);
     let mut state = line.start(run.start.state.clone());
     let mut most_n = [0.0_f64; DAMPER_SLOTS];
     // The ramps run over the same track.

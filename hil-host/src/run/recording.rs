@@ -255,7 +255,15 @@ fn write_rows<S: Storage>(
 ) -> (Loss, Counts, EventLog<S>) {
     let RowOutput { mut record, part_cycles, mut happened, mut progress, cycle_ns, mut loss } = to;
     let mut counts = Counts::default();
-    let found = || notices.next().map(|notice| RunEvent::of(&notice));
+    let found = || {
+        let notice = notices.next()?;
+        let event = RunEvent::of(&notice);
+        if matches!(notice, Notice::DroppedOut { .. }) {
+            // The run goes on, and nobody would look.
+            files::say!("{}", event.what);
+        }
+        Some(event)
+    };
     let mut next: Option<RunEvent> = None;
     rows.run(done, |rows| {
         for (part, rows) in by_part(rows, part_cycles, |row| row.cycle) {

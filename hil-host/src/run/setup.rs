@@ -11,11 +11,11 @@ use crate::gateway::{Gateway, GatewayPlan};
 use crate::options::{PaceChoice, RunOptions};
 use crate::rig::RigNode;
 use can_protocol::{MessageId, Node, Pace as WirePace, Profile, Sender};
-use firmware_core::line::{Fade, Line, RigSlot, Slot};
+use firmware_core::line::{Fade, Line, RigSlot, Slot, StandIn};
 use firmware_core::supervision::CommandLimits;
 use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
-use scenario::run::{CYCLE_S, MEASURING_CYCLES, Run, SlotForce};
+use scenario::run::{CYCLE_S, IfRigDropsOut, MEASURING_CYCLES, Run, SlotForce};
 use std::num::NonZeroU8;
 use std::time::Duration;
 
@@ -61,10 +61,11 @@ pub(crate) fn session<'a>(
         let checks = run.plausibility.checks(profile.counter_modulus(), force_n);
         let port = Port::new(rig.node, rig.bus, rig.slot, profile)?
             .checked(checks, run.motion.beyond_limits);
-        Ok(match watch_of(run, rig.slot) {
+        let port = match watch_of(run, rig.slot) {
             Some(watch) => port.watched(watch),
             None => port,
-        })
+        };
+        Ok(if goes_on_without(run, rig.slot) { port.dropping_out() } else { port })
     };
     let body = |name: &str| run.body_names.iter().position(|body| body == name);
     let mut line = line(run, track);
@@ -111,6 +112,11 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
                     rig.behind_wear(clearance, compliance, specimen, CYCLE_S)
                 })
             }
+            SlotForce::StandIn { of, is_reversed, model, .. } => Slot::StandIn(StandIn {
+                model: (**model).clone().prepared(substep_s),
+                of: *of,
+                is_reversed: *is_reversed,
+            }),
         };
     }
     Line {
@@ -136,6 +142,12 @@ fn accepted(run: &Run) -> [bool; DAMPER_SLOTS] {
         *accepted = matches!(slot.force, SlotForce::Rig { accept_delay_error: true, .. });
     }
     accepted
+}
+
+/// Whether the vehicle goes on with the model of a slot whose rig is lost.
+fn goes_on_without(run: &Run, slot: usize) -> bool {
+    let force = run.slots.get(slot).map(|slot| &slot.force);
+    matches!(force, Some(SlotForce::Rig { if_drops_out: IfRigDropsOut::Model, .. }))
 }
 
 /// The limits of the commands to a rig.

@@ -8,10 +8,11 @@ use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::control::{COST_REFUSED, Session};
 use crate::linear_vehicle::LinearVehicle;
-use crate::stability::{BEYOND_HUNTING, LEAST_MARGIN, RigLoop, Stability};
+use crate::stability::{BEYOND_HUNTING, ForceGroup, LEAST_MARGIN, RigLoop, Stability};
 use firmware_core::compensation::{Compensator, Series, delay_that_costs};
 use firmware_core::line::{KNOWN_DELAY_CYCLES, RigSlot, Sensitivity, Slot};
 use firmware_core::supervision::OLDEST_CYCLES;
+use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::{CYCLE_S, Run};
 
 /// What was found of every rig.
@@ -27,7 +28,8 @@ impl StabilityCheck {
         let rigs = session.line.slots.iter().zip(&run.slots).enumerate();
         let found = rigs.filter_map(|(slot, (kind, place))| {
             let Slot::Rig(rig) = kind else { return None };
-            Some((place.place.clone(), of_rig(rig, slot, vehicle)))
+            let group = group_of(slot, &session.line.slots);
+            Some((place.place.clone(), of_rig(rig, group, vehicle)))
         });
         Self { rigs: found.collect() }
     }
@@ -53,7 +55,19 @@ impl StabilityCheck {
     }
 }
 
-fn of_rig(rig: &RigSlot, slot: usize, vehicle: &LinearVehicle) -> Stability {
+/// The slots in which the force of a rig acts.
+fn group_of(rig: usize, slots: &[Slot; DAMPER_SLOTS]) -> ForceGroup {
+    let mut group = ForceGroup::alone(rig);
+    for (sign, slot) in group.signs.iter_mut().zip(slots) {
+        match slot {
+            Slot::StandIn(own) if own.of == rig => *sign = if own.is_reversed { -1.0 } else { 1.0 },
+            _ => {}
+        }
+    }
+    group
+}
+
+fn of_rig(rig: &RigSlot, group: ForceGroup, vehicle: &LinearVehicle) -> Stability {
     let series = match rig.compensator {
         Compensator::None => Series::IDENTITY,
         compensator => {
@@ -65,7 +79,7 @@ fn of_rig(rig: &RigSlot, slot: usize, vehicle: &LinearVehicle) -> Stability {
     let Sensitivity { relaxation_s, .. } = Sensitivity::of(&rig.model, hunting_hz);
     let let_through_s = delay_that_costs(COST_REFUSED, hunting_hz, relaxation_s);
     let delay_s = let_through_s + f64::from(OLDEST_CYCLES) * CYCLE_S;
-    RigLoop::new(vehicle, slot, rig.model.nominal(), series).check(
+    RigLoop::new(vehicle, group, rig.model.nominal(), series).check(
         delay_s,
         BEYOND_HUNTING * hunting_hz,
         vehicle.hunting_pole,

@@ -7,6 +7,7 @@
 mod clock;
 mod energy;
 mod liveliest;
+mod pairs;
 mod power;
 mod sums;
 mod trace;

@@ -3,9 +3,10 @@
 use super::SEGMENT_S;
 use super::energy::Energy;
 use super::liveliest::Liveliest;
+use super::pairs::Pairs;
 use super::power::Power;
 use super::tracking::Tracking;
-use crate::record::{InputKind, Row};
+use crate::record::{ForceSource, InputKind, Row};
 use firmware_core::line::DelayBlocks;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::CYCLE_S;
@@ -29,6 +30,8 @@ pub(crate) struct Sums {
     pub(crate) acceleration: [Power; 6],
     /// Spectra of [`SPECTRA_OF`].
     pub(crate) spectra: [Welch; 3],
+    /// The strokes of every two damper slots.
+    pub(crate) pairs: Pairs,
     /// Lateral position of the leading wheelset against the track (m).
     pub(crate) wheelset_lateral: Power,
     /// Greatest size of it (m).
@@ -63,7 +66,8 @@ pub(crate) struct SlotSums {
     pub(crate) following: Tracking,
     /// The delay of its force.
     pub(crate) delay: DelayBlocks,
-    /// Force that the rig measured less that of the slot's model (N).
+    /// Force that the rig measured less that of the slot's model (N); where another rig stands for
+    /// the slot, the force of that one.
     pub(crate) residual: Power,
     /// Where the force does most.
     pub(crate) liveliest: Liveliest,
@@ -104,6 +108,7 @@ impl Default for Sums {
             slots: std::array::from_fn(|_| slot()),
             acceleration: Default::default(),
             spectra: std::array::from_fn(|_| welch()),
+            pairs: Pairs::default(),
             wheelset_lateral: Power::default(),
             wheelset_lateral_max_m: 0.0,
         }
@@ -123,6 +128,7 @@ impl Sums {
         for (spectrum, index) in self.spectra.iter_mut().zip(SPECTRA_OF) {
             spectrum.push(row.acceleration_m_per_s2[index]);
         }
+        self.pairs.take(row.extension_m);
         let [lateral_m, ..] = row.wheelset_lateral_m;
         self.wheelset_lateral.take(lateral_m);
         self.wheelset_lateral_max_m = self.wheelset_lateral_max_m.max(lateral_m.abs());
@@ -167,6 +173,12 @@ impl SlotSums {
         self.spectrum.push(stroke_m);
         self.work_j += force_n * row.extension_m_per_s[slot] * CYCLE_S;
         self.liveliest.take(row.time_s, force_n);
+        match row.force_source[slot] {
+            ForceSource::StandIn => return self.residual.take(force_n - row.model_n[slot]),
+            // What a rig still sends that is lost is not used.
+            ForceSource::DroppedOut => return,
+            ForceSource::Nothing | ForceSource::Model | ForceSource::Rig => {}
+        }
         if row.input[slot] == InputKind::NoRig {
             return;
         }

@@ -1,12 +1,13 @@
 //! Force, stroke, work and residual of every damper slot.
 
+use super::stand_ins::StandInSummary;
 use super::tracking::TrackingSummary;
 use super::wear::WearSummary;
 use crate::counts::Counts;
 use crate::linear_vehicle::Hunting;
 use crate::statistics::{SlotSums, Sums};
 use can_protocol::Watch;
-use scenario::run::{CYCLE_S, Run, SlotForce};
+use scenario::run::{CYCLE_S, Run, Slot, SlotForce};
 use serde::Serialize;
 use signal::spectrum::Spectrum;
 
@@ -15,7 +16,8 @@ use signal::spectrum::Spectrum;
 pub struct DamperSummary {
     /// Its place on the vehicle.
     pub name: String,
-    /// `rig` or `modelled`.
+    /// `rig`, `modelled`, or for which damper the rig of another slot stood: `partner` or
+    /// `other_bogie`.
     pub place: String,
     /// Force, positive in tension.
     pub force_n: ForceRange,
@@ -29,6 +31,11 @@ pub struct DamperSummary {
     pub work_per_s_j: f64,
     /// On a rig: energy that the vehicle gave less energy that the rig took, over the latter.
     pub exchanged_energy_error: Option<f64>,
+    /// Which rig stood for it, and how exactly; null where none did.
+    pub stand_in: Option<StandInSummary>,
+    /// Time from which it ran on its model, because its rig or the one that stood for it had
+    /// dropped out (s); null if never.
+    pub model_from_s: Option<f64>,
     /// How its rig follows, and what the delay costs; null without a rig.
     pub tracking: Option<TrackingSummary>,
     /// Cycles in which nothing new arrived; null without a rig.
@@ -82,22 +89,28 @@ pub(crate) fn dampers(
 ) -> Vec<DamperSummary> {
     let slots = run.slots.iter().enumerate();
     let dampers = slots.map(|(slot, place)| {
-        let rig = matches!(place.force, SlotForce::Rig { .. });
         let tracking = TrackingSummary::of(&place.force, hunting, &sums.slots[slot]);
-        DamperSummary { tracking, ..damper(&place.place, rig, slot, counts, sums) }
+        let stand_in = StandInSummary::of(run, slot, sums);
+        DamperSummary { tracking, stand_in, ..damper(place, slot, counts, sums) }
     });
     dampers.collect()
 }
 
-fn damper(name: &str, rig: bool, slot: usize, counts: &Counts, sums: &Sums) -> DamperSummary {
+fn damper(place: &Slot, slot: usize, counts: &Counts, sums: &Sums) -> DamperSummary {
+    let rig = matches!(place.force, SlotForce::Rig { .. });
     let duration_s = (sums.rows as f64 * CYCLE_S).max(CYCLE_S);
     let sums = &sums.slots[slot];
     let (min, max) = sums.force_range.unwrap_or((0.0, 0.0));
     let spectrum = sums.spectrum.spectrum().ok();
     let watch = &counts.watch[slot];
     DamperSummary {
-        name: name.to_owned(),
-        place: if rig { "rig" } else { "modelled" }.to_owned(),
+        name: place.place.clone(),
+        place: match place.force {
+            SlotForce::Rig { .. } => "rig",
+            SlotForce::Modelled(_) => "modelled",
+            SlotForce::StandIn { stands_for, .. } => stands_for.name(),
+        }
+        .to_owned(),
         force_n: ForceRange { min, max, rms: sums.force.rms() },
         stroke_m: Stroke {
             mean_peak: sums.mean_peak_m(),
@@ -108,6 +121,8 @@ fn damper(name: &str, rig: bool, slot: usize, counts: &Counts, sums: &Sums) -> D
         frequency_zero_crossing_hz: sums.zero_crossing_hz(),
         work_per_s_j: sums.work_j / duration_s,
         exchanged_energy_error: rig.then(|| energy_error(sums)).flatten(),
+        stand_in: None,
+        model_from_s: counts.model_from_s[slot],
         tracking: None,
         stale_cycles: rig.then_some(counts.stale[slot]),
         saturated_commands: None,

@@ -2,10 +2,12 @@
 //!
 //! A run that has done all its cycles can still be of little worth: on a machine that skipped every
 //! third slot of the clock, over a bus that lost every hundredth measurement, or on a rig that did
-//! not follow. Each share has its limit; what is above it is a reason not to call the run held.
+//! not follow. Each share has its limit; what is above it is a reason not to call the run held. So
+//! is a rig that was lost on the way.
 
 use super::DamperSummary;
 use super::Frames;
+use crate::control::DropOutSummary;
 use scenario::run::{Slot, SlotForce};
 
 /// Largest share of the clock's slots that may be skipped.
@@ -34,12 +36,15 @@ pub(super) struct Counted<'a> {
     /// Slots in the order of the dampers: virtual wear rounds its contacts within the limits on
     /// purpose.
     pub(super) places: &'a [Slot],
+    /// Rigs that were lost while the vehicle went on.
+    pub(super) drop_outs: &'a [DropOutSummary],
 }
 
 /// Why a completed run is not held, one sentence each with what to change.
 pub(super) fn not_held(counted: &Counted<'_>) -> Vec<String> {
-    let Counted { cycles, skipped, unrecorded, frames, dampers, places } = counted;
-    let mut reasons = Vec::new();
+    let Counted { cycles, skipped, unrecorded, frames, dampers, places, drop_outs } = counted;
+    let lost = drop_outs.iter().map(|drop_out| drop_out.why.message.clone());
+    let mut reasons: Vec<String> = lost.collect();
     let ticks = cycles + skipped;
     if let Some(percent) = above(*skipped, ticks, SKIPPED_MAX) {
         reasons.push(format!(
@@ -83,7 +88,7 @@ pub(crate) fn is_worn(slot: &Slot) -> bool {
         SlotForce::Rig { virtual_clearance_2a_m, virtual_compliance_m_per_n, .. } => {
             virtual_clearance_2a_m > 0.0 || virtual_compliance_m_per_n > 0.0
         }
-        SlotForce::Modelled(_) => false,
+        SlotForce::Modelled(_) | SlotForce::StandIn { .. } => false,
     }
 }
 
@@ -114,6 +119,7 @@ mod tests {
         frames: &FRAMES,
         dampers: &[],
         places: &[],
+        drop_outs: &[],
     };
 
     fn reasons(skipped: u64, lost: u64) -> Vec<String> {

@@ -1,8 +1,9 @@
 //! The summary of a run whose program is gone, from its files.
 
+use super::stand_ins::labels;
 use super::{ArmedSession, Frames, Summary, accelerations, dampers, percentiles, step_percentiles};
 use crate::bus::BusCounters;
-use crate::control::{End, HASH_ALGORITHM, NotedSummary, StopSummary};
+use crate::control::{DropOutSummary, End, HASH_ALGORITHM, NotedSummary, StopSummary};
 use crate::counts::Counts;
 use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
@@ -24,6 +25,9 @@ pub(crate) struct KeptSummary {
     pub(crate) state: End,
     pub(crate) not_held: Vec<String>,
     pub(crate) cause: Option<StopSummary>,
+    /// Empty in a file of an earlier version.
+    #[serde(default)]
+    pub(crate) drop_outs: Vec<DropOutSummary>,
     /// Empty in a file of an earlier version.
     #[serde(default)]
     pub(crate) noted: Vec<NotedSummary>,
@@ -103,6 +107,8 @@ impl Summary {
             state: kept.map_or(End::Stopped, |kept| kept.state),
             not_held: kept.map_or_else(Vec::new, |kept| kept.not_held.clone()),
             cause: kept.and_then(|kept| kept.cause.clone()),
+            drop_outs: kept.map_or_else(Vec::new, |kept| kept.drop_outs.clone()),
+            labels: labels(run),
             noted: kept.map_or_else(Vec::new, |kept| kept.noted.clone()),
             events: asked.events.clone(),
             record_fault: kept.and_then(|kept| kept.record_fault.clone()),

@@ -8,6 +8,7 @@ mod held;
 mod late;
 mod outcome;
 mod sessions;
+mod stand_ins;
 mod times;
 mod tracking;
 mod wear;
@@ -16,6 +17,7 @@ pub use accelerations::{Acceleration, Accelerations};
 pub use dampers::{DamperSummary, ForceRange, Stroke};
 pub use frames::{BusCount, Frames};
 pub use sessions::ArmedSession;
+pub use stand_ins::StandInSummary;
 pub use times::{Percentiles, StepPercentiles};
 pub use tracking::{MeasuredDelay, TrackingSummary};
 pub use wear::WearSummary;
@@ -28,7 +30,7 @@ pub(crate) use outcome::Outcome;
 pub(crate) use times::microseconds;
 
 use crate::comparison::Comparison;
-use crate::control::{End, HASH_ALGORITHM, NotedSummary, StopSummary};
+use crate::control::{DropOutSummary, End, HASH_ALGORITHM, NotedSummary, StopSummary};
 use crate::counts::Counts;
 use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
@@ -39,6 +41,7 @@ use held::Counted;
 use scenario::run::CYCLE_S;
 use serde::Serialize;
 use sessions::sessions;
+use stand_ins::labels;
 use times::{percentiles, step_percentiles};
 
 /// The summary of a run. What does not apply is null.
@@ -97,6 +100,10 @@ pub struct Summary {
     pub not_held: Vec<String>,
     /// What stopped it; null unless it ended in the safe state.
     pub cause: Option<StopSummary>,
+    /// Rigs that were lost while the vehicle went on with their models, in the order of the slots.
+    pub drop_outs: Vec<DropOutSummary>,
+    /// One line for each measured force that acted on several bogies.
+    pub labels: Vec<String>,
     /// What was beyond a limit of `[plausibility]` and ended nothing.
     pub noted: Vec<NotedSummary>,
     /// What happened, in the order of the cycles: at most the first 1000 events.
@@ -139,6 +146,7 @@ impl Summary {
             }
         }
         let frames = frames(outcome);
+        let drop_outs = drop_outs(outcome);
         let counted = Counted {
             cycles: state.line.cycle,
             skipped: state.skipped,
@@ -146,6 +154,7 @@ impl Summary {
             frames: &frames,
             dampers: &dampers,
             places: &run.slots,
+            drop_outs: &drop_outs,
         };
         let not_held = match outcome.end {
             End::Completed => held::not_held(&counted),
@@ -178,6 +187,8 @@ impl Summary {
             state: outcome.end,
             not_held,
             cause: state.stop.map(|stop| stop.summary()),
+            drop_outs,
+            labels: labels(run),
             noted: outcome.noted.clone(),
             events: outcome.events.clone(),
             record_fault: outcome.record_fault.clone(),
@@ -189,4 +200,14 @@ impl Summary {
             calibrations: outcome.calibrations.clone(),
         }
     }
+}
+
+/// The rigs that were lost while the vehicle went on.
+fn drop_outs(outcome: &Outcome<'_>) -> Vec<DropOutSummary> {
+    let ports = outcome.ports.iter().zip(&outcome.state.ports);
+    let lost = ports.filter_map(|(port, memory)| {
+        let place = outcome.run.slots.get(port.slot)?;
+        Some(DropOutSummary::of(&place.place, &memory.dropped_out?))
+    });
+    lost.collect()
 }

@@ -131,7 +131,7 @@ pub fn wear_map(
 ) -> Result<Option<WearMap>, BenchError> {
     let on_rig = run.slots.iter().find_map(|slot| match &slot.force {
         SlotForce::Rig { specimen, compensator, .. } => Some((&**specimen, *compensator)),
-        SlotForce::Modelled(_) => None,
+        SlotForce::Modelled(_) | SlotForce::StandIn { .. } => None,
     });
     let Some((model, compensator)) = on_rig else {
         return Err(BenchError::NoRig { title: run.title.clone() });

@@ -15,6 +15,8 @@ mod rig_physics;
 mod rig_process;
 mod rig_states;
 mod second_sender;
+mod several_rigs;
 mod sound_rigs;
+mod stand_ins;
 mod support;
 mod unfit_rigs;

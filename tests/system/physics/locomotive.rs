@@ -31,11 +31,11 @@ pub(crate) fn table(run: &Run) -> &ContactTable {
 pub(crate) fn dampers(run: &Run) -> Vec<Damper> {
     let modelled = run.slots.iter().find_map(|slot| match &slot.force {
         SlotForce::Modelled(damper) => Some(damper.clone()),
-        SlotForce::Rig { .. } => None,
+        SlotForce::Rig { .. } | SlotForce::StandIn { .. } => None,
     });
     let of_slot = |slot: &Slot| match &slot.force {
         SlotForce::Modelled(damper) => damper.clone(),
-        SlotForce::Rig { .. } => modelled.clone().unwrap(),
+        SlotForce::Rig { .. } | SlotForce::StandIn { .. } => modelled.clone().unwrap(),
     };
     run.slots.iter().map(of_slot).collect()
 }

@@ -8,6 +8,7 @@ use super::page::page;
 use super::procedure::Procedure;
 use super::text::text;
 use crate::error::StudyError;
+use crate::one_force::refuse_other_bogie;
 use crate::study::Study;
 use crate::trip::Equipped;
 use firmware_core::wheel_rail::wheel::Surface;
@@ -39,6 +40,10 @@ impl Study for Question {
     const NAME: &'static str = "critical-speed";
     const ANSWERS: &'static str = "critical speeds";
     type Answer = CriticalSpeeds;
+
+    fn fits(&self, run: &Run) -> Result<(), StudyError> {
+        refuse_other_bogie(run)
+    }
 
     fn answer(
         &self,

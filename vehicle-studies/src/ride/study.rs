@@ -6,6 +6,7 @@ use super::page::page;
 use super::procedure::Procedure;
 use super::text::text;
 use crate::error::StudyError;
+use crate::one_force::refuse_other_bogie;
 use crate::study::Study;
 use crate::trip::Equipped;
 use report::Report;
@@ -21,6 +22,7 @@ impl Study for Procedure {
     }
 
     fn fits(&self, run: &Run) -> Result<(), StudyError> {
+        refuse_other_bogie(run)?;
         if !run.body_names.iter().any(|name| name == "carbody") {
             return Err(StudyError::NoBody("carbody", run.body_names.clone()));
         }

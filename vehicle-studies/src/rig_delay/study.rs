@@ -6,6 +6,7 @@ use super::procedure::{OWN_KEY, Question};
 use super::text::text;
 use crate::critical_speed::{Ascent, Fold, LinearSpeed, set_off};
 use crate::error::StudyError;
+use crate::one_force::refuse_other_bogie;
 use crate::study::Study;
 use crate::trip::track::rough_start;
 use crate::trip::{Equipped, Rigs};
@@ -24,6 +25,7 @@ impl Study for Question {
     type Answer = RigDelay;
 
     fn fits(&self, run: &Run) -> Result<(), StudyError> {
+        refuse_other_bogie(run)?;
         if run.slots.is_empty() { Err(StudyError::NoDamper) } else { Ok(()) }
     }
 
@@ -40,7 +42,9 @@ impl Study for Question {
         let delay_s = 1e-3 * own.unwrap_or_default();
         let (mut all, mut as_in_scenario) = ([false; DAMPER_SLOTS], [false; DAMPER_SLOTS]);
         for ((all, on_rig), slot) in all.iter_mut().zip(&mut as_in_scenario).zip(&run.slots) {
-            (*all, *on_rig) = (true, matches!(slot.force, SlotForce::Rig { .. }));
+            // What a rig stands for is as late as the rig.
+            let is_late = matches!(slot.force, SlotForce::Rig { .. } | SlotForce::StandIn { .. });
+            (*all, *on_rig) = (true, is_late);
         }
         let behind = |slots| {
             let rigs = Rigs::late_by(&run.rig, delay_s, slots);

@@ -70,7 +70,7 @@ impl Equipped<'static> {
     /// Wear on a rig that leaves no damper.
     pub fn of(run: &Run) -> Result<Self, DamperError> {
         let dampers: Result<Vec<Damper>, DamperError> =
-            run.slots.iter().map(|slot| modelled(&slot.force, &run.rig.damper)).collect();
+            run.slots.iter().map(|slot| modelled(&slot.force, run)).collect();
         Ok(Self {
             vehicle: run.vehicle.clone(),
             contact: run.contact.clone(),
@@ -152,12 +152,18 @@ impl Equipped<'_> {
     }
 }
 
-fn modelled(force: &SlotForce, on_rig: &Damper) -> Result<Damper, DamperError> {
+fn modelled(force: &SlotForce, run: &Run) -> Result<Damper, DamperError> {
+    let on_rig = &run.rig.damper;
     match force {
         SlotForce::Modelled(damper) => Ok(damper.clone()),
         SlotForce::Rig { virtual_clearance_2a_m, virtual_compliance_m_per_n, .. } => {
             worn(on_rig, *virtual_clearance_2a_m, *virtual_compliance_m_per_n)
         }
+        // The damper of its rig, in its own place.
+        SlotForce::StandIn { of, .. } => match run.slots.get(*of).map(|slot| &slot.force) {
+            Some(rig @ SlotForce::Rig { .. }) => modelled(rig, run),
+            _ => Ok(on_rig.clone()),
+        },
     }
 }
 

@@ -1,6 +1,7 @@
 //! The record of a run as a damper test.
 
 use super::empty;
+use crate::record::force_source::ForceSource;
 use crate::record::input_kind::InputKind;
 use crate::record::npy::RowReader;
 use crate::record::parts::open_parts;
@@ -15,6 +16,8 @@ use std::path::Path;
 struct Sample {
     time_s: f64,
     input: InputKind,
+    /// Whether the rig of another slot stood for this one.
+    is_stand_in: bool,
     /// Displacement and force that the rig measured.
     measured: (f64, f64),
     /// Displacement and force of the slot in the model.
@@ -22,7 +25,8 @@ struct Sample {
 }
 
 /// One damper slot (0 to 3) of a run's `record.npy`: what the rig measured in the cycles that had a
-/// fresh answer, or motion and force of the model for a slot without a rig. The file and the parts
+/// fresh answer, or motion and force of the model for a slot without a rig. A slot for which the rig
+/// of another one stood is no test of a damper. The file and the parts
 /// that follow it are read as a stream.
 ///
 /// # Errors
@@ -55,6 +59,11 @@ pub fn read_record(path: &Path, slot: usize) -> Result<Series, MeasurementError>
         number += 1;
         let sample = columns.sample(row).map_err(|code| no_kind(number, code))?;
         on_rig |= sample.input != InputKind::NoRig;
+        if sample.is_stand_in {
+            // Its motion and its force are those of two dampers.
+            let found = format!("slot {}, for which the rig of another slot stood", slot + 1);
+            return Err(fail(found, "the slot of that rig".to_owned()));
+        }
     }
     let mut rows = rows.rewind().map_err(failed)?.ok_or_else(other)?;
     let mut series = empty(path, &format!("slot{slot}"));
@@ -83,6 +92,7 @@ pub fn read_record(path: &Path, slot: usize) -> Result<Series, MeasurementError>
 struct Columns {
     time: usize,
     input: usize,
+    source: usize,
     measured: (usize, usize),
     modelled: (usize, usize),
 }
@@ -94,6 +104,7 @@ impl Columns {
         Self {
             time: offset("time_s"),
             input: offset("input") + slot,
+            source: offset("force_source") + slot,
             measured: (number("measured_m"), number("measured_n")),
             modelled: (number("extension_m"), number("force_n")),
         }
@@ -110,6 +121,7 @@ impl Columns {
         Ok(Sample {
             time_s: number(self.time),
             input: InputKind::from_code(code).ok_or(code)?,
+            is_stand_in: row.get(self.source) == Some(&ForceSource::StandIn.code()),
             measured: pair(self.measured),
             modelled: pair(self.modelled),
         })

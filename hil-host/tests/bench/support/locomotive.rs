@@ -1,9 +1,9 @@
-//! A locomotive at 160 km/h with one damper on a rig.
+//! A locomotive at 160 km/h with one damper on a rig, or several.
 
 use can_protocol::{Node, Pace, Profile};
 use firmware_core::track::Track;
 use hil_host::control::{Arming, Port, Session};
-use scenario::run::{ForceLimit, Overrides, Run};
+use scenario::run::{ForceLimit, IfRigDropsOut, Overrides, Run, Slot, SlotForce};
 use scenario::source::Source;
 use std::num::NonZeroU8;
 use std::path::Path;
@@ -37,11 +37,15 @@ pub(crate) fn session<'a>(run: &'a Run, track: &'a Track<'a>, pace: Pace) -> Ses
         ForceLimit::Ratio(_) => 100e3,
     };
     let checks = run.plausibility.checks(Profile::Classical.counter_modulus(), force_n);
-    let port = Port::new(NODE, 0, 0, Profile::Classical).unwrap();
-    let port = port.checked(checks, run.motion.beyond_limits);
+    let port = |(slot, place): (usize, &Slot)| {
+        let SlotForce::Rig { node, if_drops_out, .. } = place.force else { return None };
+        let port = Port::new(Node::new(node).unwrap(), 0, slot, Profile::Classical).unwrap();
+        let port = port.checked(checks, run.motion.beyond_limits);
+        Some(if if_drops_out == IfRigDropsOut::Model { port.dropping_out() } else { port })
+    };
     Session {
         line: hil_host::run::line(run, track),
-        ports: heapless::Vec::from_slice(&[port]).unwrap(),
+        ports: run.slots.iter().enumerate().filter_map(port).collect(),
         profile: Profile::Classical,
         pace,
         slow_down: NonZeroU8::MIN,
