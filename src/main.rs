@@ -34,6 +34,7 @@ mod rtcheck;
 mod rths_benchmark;
 mod run;
 mod run_records;
+mod served;
 mod simulate;
 mod stop;
 mod study;

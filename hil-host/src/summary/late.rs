@@ -2,7 +2,7 @@
 
 use super::{ArmedSession, Frames, Summary, accelerations, dampers, percentiles, step_percentiles};
 use crate::bus::BusCounters;
-use crate::control::{End, HASH_ALGORITHM, NotedSummary, StopSummary};
+use crate::control::{Asker, End, HASH_ALGORITHM, NotedSummary, StopSummary};
 use crate::counts::Counts;
 use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
@@ -22,6 +22,9 @@ pub(crate) struct KeptSummary {
     pub(crate) frames: Frames,
     pub(crate) bus_counters: super::BusCount,
     pub(crate) state: End,
+    /// None in a file of an earlier version.
+    #[serde(default)]
+    pub(crate) stopped_by: Option<Asker>,
     pub(crate) not_held: Vec<String>,
     pub(crate) cause: Option<StopSummary>,
     /// Empty in a file of an earlier version.
@@ -99,6 +102,7 @@ impl Summary {
             accelerations: accelerations(asked.watched, sums),
             comparison: None,
             state: kept.map_or(End::Stopped, |kept| kept.state),
+            stopped_by: kept.and_then(|kept| kept.stopped_by),
             not_held: kept.map_or_else(Vec::new, |kept| kept.not_held.clone()),
             cause: kept.and_then(|kept| kept.cause.clone()),
             noted: kept.map_or_else(Vec::new, |kept| kept.noted.clone()),
