@@ -59,7 +59,7 @@ impl ServedRun {
         Self { child, address, out, errors: Some(rest) }
     }
 
-    /// The same with the usual scenario, at the pace of the clock.
+    /// The same with the usual scenario.
     pub(crate) fn of_locomotive(options: &[&str]) -> Self {
         Self::begin(&repository().join("scenarios/ss9-160kmh.toml"), options)
     }

@@ -9,8 +9,9 @@ use serde_json::Value;
 use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
 
-/// Longer than any test: it is ended from the page.
-const LONG: [&str; 2] = ["--duration", "3000"];
+/// Longer than any test: it is ended from the page. Without a clock a machine that is busy makes no
+/// cycle late, which could end the run before.
+const LONG: [&str; 4] = ["--duration", "3000", "--pace", "fast"];
 
 #[test]
 fn a_page_shows_a_run_and_its_button_ends_it() {
@@ -49,9 +50,10 @@ fn a_page_shows_a_run_and_its_button_ends_it() {
         (&facts["slots"][0]["is_rig"], &facts["slots"][1]["is_rig"]),
         (&true.into(), &false.into())
     );
-    // What comes before RUN may pass between two looks.
-    let end: Vec<&str> = states.iter().rev().take(3).rev().map(String::as_str).collect();
-    assert_eq!(end, ["RUN", "RAMP_OUT", "STANDBY"], "{states:?}");
+    // What comes before RUN may pass between two looks; the last row is one of RAMP_OUT.
+    let end: Vec<&str> = states.iter().rev().take(2).rev().map(String::as_str).collect();
+    assert_eq!(end, ["RUN", "RAMP_OUT"], "{states:?}");
+    assert!(states.iter().all(|state| !state.is_empty()), "{states:?}");
     assert!(rows.len() > 50 && rows.is_sorted(), "{} rows", rows.len());
     let words = last["end"]["words"].as_str().unwrap();
     assert!(words.starts_with("The run has ended: ended from the page"), "{words}");
@@ -160,8 +162,7 @@ fn what_a_scenario_says_of_itself_is_text_on_the_page() {
     let vehicles = repository().join("scenarios/vehicles");
     let scenario = scenario.replace("\"vehicles", &format!("\"{}", vehicles.display()));
     let title = "<img src=x onerror='document.title=1'></script>\\r\\n\\r\\nevent: end";
-    let before = scenario.lines().find(|line| line.starts_with("title")).unwrap().to_owned();
-    let scenario = scenario.replace(&before, &format!("title = \"{title}\""));
+    let scenario = format!("title = \"{title}\"\n{scenario}");
     let path = place.join("evil.toml");
     std::fs::write(&path, scenario).unwrap();
     let run = ServedRun::begin(&path, &["--pace", "fast", "--duration", "2"]);
@@ -197,7 +198,7 @@ fn a_browser_sees_traces_move_and_its_button_ends_the_run() {
         ("document.querySelectorAll('#loops canvas').length", Value::from(4)),
         ("document.querySelectorAll('#interlocks tr').length", Value::from(14)),
         ("document.querySelectorAll('#rigs tr').length", Value::from(1)),
-        ("document.querySelectorAll('#times tr').length", Value::from(2)),
+        ("document.querySelectorAll('#times tr').length", Value::from(1)),
         ("document.getElementById('end').hidden", true.into()),
         ("document.documentElement.scrollWidth <= innerWidth", true.into()),
         (

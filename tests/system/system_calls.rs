@@ -1,13 +1,13 @@
 //! The system calls of the loop's thread, with a page and without.
 //!
 //! The test traces that thread alone, as `strace` does, by `ptrace`: it is stopped at every system
-//! call, and the number of the call is read. From the first tick of the clock to the last all of
-//! them are compared. What this shows: whatever page, browser and recorder do, the loop's thread
+//! call, and the number of the call is read. From the first tick of the clock to the last each
+//! cycle makes one call, the wait for its tick, in both cases. What this shows: whatever page, browser and recorder do, the loop's thread
 //! asks the kernel for the same things as often as without them; so it takes no lock that somebody
 //! else holds (a futex), writes nothing and starts nothing. What it does not show is the time that
 //! the processor and its caches lose to other threads: `yawbench rtcheck --serve` measures that.
 
-use crate::support::command::{folder, repository, yawbench};
+use crate::support::command::{folder, read, repository, yawbench};
 use crate::support::live_page::ServedRun;
 use nix::libc;
 use nix::sys::ptrace;
@@ -17,12 +17,12 @@ use nix::unistd::Pid;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::{Read as _, Write as _};
-use std::process::{Child, Stdio};
+use std::path::Path;
+use std::process::Stdio;
 use std::thread;
 
-/// Cycles of RUN, and those of its four fades.
+/// Long enough for thousands of cycles, of which a machine that is busy may skip some.
 const DURATION: [&str; 2] = ["--duration", "1"];
-const CYCLES: usize = 3000;
 
 /// Numbers of the calls of a process's first thread, in their order, until it ends. None where this
 /// machine lets no process trace another one.
@@ -76,10 +76,20 @@ fn of_the_loop(calls: &[i64]) -> BTreeMap<i64, usize> {
     counted
 }
 
-/// A run without a page: its calls.
-fn without_page() -> Option<BTreeMap<i64, usize>> {
+/// One tick for every cycle of a run but the last, and nothing else.
+fn a_tick_for_every_cycle(out: &Path) -> BTreeMap<i64, usize> {
+    let summary: Value = serde_json::from_str(&read(&out.join("summary.json"))).unwrap();
+    // A host that is stopped for each call may lose its rig on a busy machine: its cycles count.
+    let cycles = summary["cycles"].as_u64().unwrap() as usize;
+    println!("{cycles} cycles, {} ticks skipped, {}", summary["overruns"], summary["state"]);
+    assert!(cycles > 50, "{cycles} cycles");
+    BTreeMap::from([(libc::SYS_clock_nanosleep, cycles - 1)])
+}
+
+#[test]
+fn the_loop_makes_the_same_system_calls_with_a_page_and_without() {
     let out = folder("traced");
-    let mut child: Child = yawbench()
+    let mut child = yawbench()
         .arg("run")
         .arg(repository().join("scenarios/ss9-160kmh.toml"))
         .args(DURATION)
@@ -90,19 +100,12 @@ fn without_page() -> Option<BTreeMap<i64, usize>> {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let calls = traced(child.id());
+    let without = traced(child.id());
     // The trace has waited for its end already.
     let _ = child.wait();
+    let Some(without) = without else { return };
+    assert_eq!(of_the_loop(&without), a_tick_for_every_cycle(&out));
     std::fs::remove_dir_all(out).unwrap();
-    calls.map(|calls| of_the_loop(&calls))
-}
-
-#[test]
-fn the_loop_makes_the_same_system_calls_with_a_page_and_without() {
-    let Some(without) = without_page() else { return };
-    // One tick for every cycle but the last, and nothing else.
-    let expected = BTreeMap::from([(libc::SYS_clock_nanosleep, CYCLES - 1)]);
-    assert_eq!(without, expected);
 
     let run = ServedRun::of_locomotive(&DURATION);
     // One browser reads, one asks for the events and never reads them, one says nothing.
@@ -111,12 +114,9 @@ fn the_loop_makes_the_same_system_calls_with_a_page_and_without() {
     let mut deaf = run.connect();
     write!(deaf, "GET /events HTTP/1.1\r\nHost: {}\r\n\r\n", run.address).unwrap();
     let mute = run.connect();
-    let calls = traced(run.id()).expect("it was traced before");
-    assert_eq!(of_the_loop(&calls), expected);
-    let summary = std::fs::read_to_string(run.out.join("summary.json")).unwrap();
-    let summary: Value = serde_json::from_str(&summary).unwrap();
-    assert_eq!(summary["cycles"], CYCLES);
-    assert!(reader.join().unwrap() > 5, "the page was not watched");
+    let with = traced(run.id()).expect("it was traced before");
+    assert_eq!(of_the_loop(&with), a_tick_for_every_cycle(&run.out));
+    assert!(reader.join().unwrap() > 2, "the page was not watched");
     let mut heard = [0; 15];
     deaf.read_exact(&mut heard).unwrap();
     assert_eq!(&heard, b"HTTP/1.1 200 OK");

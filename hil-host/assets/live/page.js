@@ -68,7 +68,8 @@ function fill(id, lines, numeric, marks = []) {
       if (!known && numeric.includes(column)) place.className = "n";
       if (typeof cell === "number") {
         const meter = place.firstElementChild ?? element("meter", "", place);
-        meter.value = cell;
+        // Beyond four fifths of a limit it turns amber, and beyond the limit red.
+        [meter.low, meter.high, meter.optimum, meter.value] = [0.8, 0.999, 0, cell];
       } else if (place.textContent !== cell) {
         place.textContent = cell;
       }
@@ -100,8 +101,8 @@ function range(values, least) {
   return [low - margin, high + margin];
 }
 
-/** An empty plot: its context, and where values go. */
-function axes(canvas, [left, right], [bottom, top], label) {
+/** An empty plot: its context, and where values go. On `isLog` axes values are powers of ten. */
+function axes(canvas, [left, right], [bottom, top], label, isLog = false) {
   const scale = window.devicePixelRatio || 1;
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   const [inWidth, inHeight] = [Math.round(width * scale), Math.round(height * scale)];
@@ -117,17 +118,19 @@ function axes(canvas, [left, right], [bottom, top], label) {
   pen.strokeStyle = variable("--line");
   pen.lineWidth = 1;
   pen.beginPath();
+  const shown = (low, high, parts) => ticks(low, high, parts).filter((value) => !isLog || Number.isInteger(value));
+  const words = (value) => number(isLog ? 10 ** value : value);
   pen.textAlign = "center";
-  for (const value of ticks(left, right, Math.max(2, width / 90))) {
+  for (const value of shown(left, right, Math.max(2, width / 90))) {
     pen.moveTo(x(value), y0);
     pen.lineTo(x(value), y1);
-    pen.fillText(number(value), x(value), height - 7);
+    pen.fillText(words(value), x(value), height - 7);
   }
   pen.textAlign = "right";
-  for (const value of ticks(bottom, top, 5)) {
+  for (const value of shown(bottom, top, 5)) {
     pen.moveTo(x0, y(value));
     pen.lineTo(x1, y(value));
-    pen.fillText(number(value), x0 - 5, y(value) + 4);
+    pen.fillText(words(value), x0 - 5, y(value) + 4);
   }
   pen.stroke();
   pen.textAlign = "left";
@@ -195,7 +198,7 @@ function drawHistogram(counts) {
   const log = Math.log10;
   const most = Math.max(1, ...counts);
   const last = log(edges[edges.length - 1]) + 0.125;
-  const plot = axes(at("histogram"), [log(edges[0]), last], [0, log(most) + 0.3], "log10 of cycles, over log10 of µs");
+  const plot = axes(at("histogram"), [log(edges[0]), last], [0, log(most) + 0.3], "cycles, over µs", true);
   const { pen, x, y } = plot;
   pen.fillStyle = colour(0);
   counts.forEach((count, bin) => {
@@ -287,7 +290,7 @@ function takeUpdate(update) {
   rows = rows.filter((row) => row[0] > newest - TRACE_MS);
   root.dataset.time = String(newest);
   show("time", `${update.time_s.toFixed(1)} s, ${update.distance_m.toFixed(0)} m`);
-  show("cause", update.cause ? `What ends the run: ${update.cause}` : "");
+  show("cause", update.cause && !now.end ? `What ends the run: ${update.cause}` : "");
   if (!facts) return;
   const place = (slot) => facts.slots[slot]?.place ?? "";
   fill("interlocks", update.interlocks.map((lock) => [

@@ -76,7 +76,9 @@ impl Server {
     ) -> Self {
         let assets = Assets::new(gate.token());
         let (connections, shown, told) = (Vec::new(), Shown::default(), Instant::now());
-        Self { listener, gate, assets, board, requests, connections, shown, told }
+        let mut server = Self { listener, gate, assets, board, requests, connections, shown, told };
+        server.look();
+        server
     }
 
     /// Serves until the board is closed and what it holds has been taken.

@@ -9,6 +9,10 @@ use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
+use std::time::{Duration, Instant};
+
+/// Time until a page is asked again whether it is there.
+const GLANCE: Duration = Duration::from_millis(20);
 
 /// Gives a program its standard input as descriptor 3 and its standard output as 4.
 const WITH_PIPES: &str = r#"exec "$0" "$@" 3<&0 4>&1 </dev/null >/dev/null 2>&1"#;
@@ -58,6 +62,15 @@ impl Driven {
         let attach = json!({"targetId": target["targetId"], "flatten": true});
         let attached = driven.call("Target.attachToTarget", attach)?;
         driven.session = attached["sessionId"].as_str().map(str::to_owned);
+        let is_there = "location.href !== 'about:blank' && document.readyState === 'complete'";
+        // The page takes the place of an empty one, and its scripts with it.
+        let begin = Instant::now();
+        while let Err(why) = driven.wait_until(is_there) {
+            if begin.elapsed() > PATIENCE || !why.to_string().contains("context") {
+                return Err(why);
+            }
+            thread::sleep(GLANCE);
+        }
         Ok(Some(driven))
     }
 
