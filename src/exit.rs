@@ -2,6 +2,8 @@
 //!
 //! [`CommandError::exit_code`]: crate::error::CommandError::exit_code
 
+/// Everything that was asked for is done.
+pub(crate) const DONE: u8 = 0;
 /// A check or target failed, or an operation failed.
 pub(crate) const FAILED: u8 = 1;
 /// Bad input; nothing was written.

@@ -4,7 +4,7 @@
 //! key switch at the rig and what is hard-wired keep people safe.
 
 use crate::error::CommandError;
-use hil_host::control::Requests;
+use hil_host::control::{Asker, Requests};
 use rustix::process;
 use rustix::termios::{self, LocalModes, OptionalActions, SpecialCodeIndex, Termios};
 use std::io::{self, IsTerminal, Read};
@@ -17,7 +17,6 @@ use std::thread::{self, JoinHandle};
 pub(crate) struct Keys {
     before: Termios,
     done: Arc<AtomicBool>,
-    ended: Arc<AtomicBool>,
     reader: Option<JoinHandle<()>>,
 }
 
@@ -57,18 +56,13 @@ impl Keys {
         single.special_codes[SpecialCodeIndex::VMIN] = 0;
         single.special_codes[SpecialCodeIndex::VTIME] = 1;
         termios::tcsetattr(io::stdin(), OptionalActions::Now, &single).ok()?;
-        let (done, ended) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+        let done = Arc::new(AtomicBool::new(false));
         let reader = {
-            let (done, ended) = (Arc::clone(&done), Arc::clone(&ended));
-            thread::spawn(move || read(requests, &done, &ended))
+            let done = Arc::clone(&done);
+            thread::spawn(move || read(requests, &done))
         };
         files::say!("keys: a arms the rigs, s ends the run in order");
-        Some(Self { before, done, ended, reader: Some(reader) })
-    }
-
-    /// Whether a key has ended the run.
-    pub(crate) fn have_ended(&self) -> bool {
-        self.ended.load(Ordering::Relaxed)
+        Some(Self { before, done, reader: Some(reader) })
     }
 }
 
@@ -84,15 +78,12 @@ impl Drop for Keys {
     }
 }
 
-fn read(requests: &Requests, done: &AtomicBool, ended: &AtomicBool) {
+fn read(requests: &Requests, done: &AtomicBool) {
     let mut key = [0];
     while !done.load(Ordering::Relaxed) {
         match io::stdin().lock().read(&mut key) {
             Ok(1) if key == *b"a" => requests.arm(),
-            Ok(1) if key == *b"s" => {
-                ended.store(true, Ordering::Relaxed);
-                requests.end();
-            }
+            Ok(1) if key == *b"s" => requests.end(Asker::Key),
             Ok(_) => {}
             Err(why) if why.kind() == io::ErrorKind::Interrupted => {}
             Err(_) => return,

@@ -35,6 +35,7 @@ mod rtcheck;
 mod rths_benchmark;
 mod run;
 mod run_records;
+mod served;
 mod simulate;
 mod stop;
 mod study;

@@ -4,11 +4,13 @@ use crate::bench_options::{ProfileChoice, RealtimeArgs};
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::output::{print, warn};
+use crate::served::served;
 use crate::stop;
 use crate::value::number;
 use clap::Args;
 use hil_host::bus::BusChoice;
 use hil_host::doctor::BusFacts;
+use hil_host::live::{LiveAddress, RunEnd};
 use hil_host::rtcheck::{Options, Outcome, RtCheck, Setup, measure};
 use scenario::run::{CYCLE_S, Overrides, Run};
 use std::path::PathBuf;
@@ -33,6 +35,10 @@ pub(crate) struct RtcheckArgs {
     #[arg(long, value_name = "US", default_value = "100",
         value_parser = number("a time from 1 to 1000 us", |us| (1.0..=1000.0).contains(&us)))]
     budget_us: f64,
+    /// Serve a page as `run --serve` does and feed it in every other second: the times with and
+    /// without stand next to each other.
+    #[arg(long, value_name = "ADDRESS")]
+    serve: Option<LiveAddress>,
     /// Print the result as JSON.
     #[arg(long)]
     json: bool,
@@ -63,7 +69,17 @@ pub(crate) fn command(args: &RtcheckArgs) -> Result<ExitCode, CommandError> {
     };
     let vehicle = run.as_ref().map(|run| run.vehicle_name.clone());
     let setup = Setup { budget_us: args.budget_us, vehicle, bus };
-    let measured = measure(run.as_ref(), &options, stop::flag())?;
+    let requests = stop::end_requests();
+    let page = args.serve.map(|address| served(address, requests)).transpose()?;
+    let measured = measure(run.as_ref(), &options, page.as_ref(), requests.end_flag())?;
+    if let Some(page) = page {
+        page.end(RunEnd {
+            words: "The measurement has ended.".to_owned(),
+            why: None,
+            files: None,
+            is_good: true,
+        });
+    }
     let result = RtCheck::of(&measured, &setup);
     if args.json {
         print(&serde_json::to_string_pretty(&result)?)?;

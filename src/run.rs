@@ -3,16 +3,19 @@
 use crate::bench_options::{OverrideArgs, RealtimeArgs, WireArgs, slow_down};
 use crate::calibration_file::CalibrationFile;
 use crate::error::CommandError;
-use crate::exit::{FAILED, INTERRUPTED, SAFE_STATE};
+use crate::exit::{DONE, FAILED, INTERRUPTED, SAFE_STATE};
 use crate::keys::Keys;
 use crate::linear_vehicle::linear_vehicle;
 use crate::output::{print, stem, warn};
+use crate::served::served;
 use crate::stop;
 use crate::value::number;
 use clap::{Args, ValueEnum};
 use hil_host::bus::BusChoice;
-use hil_host::control::End;
+use hil_host::control::{Asker, End};
 use hil_host::gateway::{GatewayError, GatewayPlan, Loss, loss_lines};
+use hil_host::live::{LiveAddress, RunEnd};
+use hil_host::run::Finished;
 use hil_host::{BenchError, DamperSummary, MeasuredRam, PaceChoice, RunOptions, Summary, run};
 use report::{Cell, Table};
 use scenario::run::{Run, SlotForce};
@@ -76,6 +79,10 @@ pub(crate) struct RunArgs {
     calibration_days: f64,
     #[command(flatten)]
     overrides: OverrideArgs,
+    /// Serve a page on this machine that shows the run and can ramp it out: an address and a port
+    /// such as 127.0.0.1:8080, port 0 for any.
+    #[arg(long, value_name = "ADDRESS")]
+    serve: Option<LiveAddress>,
     /// Folder for the files of the run [default: runs/SCENARIO-N].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -123,35 +130,30 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         realtime: args.realtime.options(),
     };
     let requests = stop::requests();
+    let page = args.serve.map(|address| served(address, requests)).transpose()?;
     let is_on_a_bus = run::is_on_a_bus(&scenario, &args.bus);
     let keys = Keys::of_operator(requests, args.arm || !is_on_a_bus)?;
-    let finished = match run::run(&scenario, &options, requests) {
-        Err(why) if why.is_interrupted() && keys.as_ref().is_some_and(Keys::have_ended) => {
+    let finished = run::run(&scenario, &options, requests, page.as_ref());
+    drop(keys);
+    if let (Err(why), Some(page)) = (&finished, &page) {
+        page.end(ended_with(why));
+    }
+    let is_ended_by_operator = requests.asker().is_some_and(Asker::is_operator);
+    let finished = match finished {
+        Err(why) if why.is_interrupted() && is_ended_by_operator => {
             files::say!("ended before the rigs were armed: nothing is written");
             return Ok(ExitCode::SUCCESS);
         }
         finished => finished?,
     };
-    let is_ended_by_key = keys.as_ref().is_some_and(Keys::have_ended);
-    drop(keys);
+    let ending = Ending::of(&finished, requests.asker(), is_on_a_bus);
+    if let Some(page) = &page {
+        page.end(ending.on_page(&finished));
+    }
     if args.json {
         print(&serde_json::to_string_pretty(&finished.summary)?)?;
     } else {
-        let mut lines = summary_lines(&finished.summary);
-        lines.extend(scenario.warnings.iter().map(|warning| format!("warning: {warning}")));
-        let mut files = "report.html, summary.json, record.npy, record-columns.md, bus.log, \
-                         events.jsonl, run.json, scenario.toml, vehicle.toml"
-            .to_owned();
-        if let Some(comparison) = &finished.summary.comparison {
-            lines.push(comparison.to_string().trim_end().to_owned());
-            let warnings = comparison.warnings(finished.summary.state);
-            lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
-            files += ", record-compared.npy";
-        }
-        let folder = finished.folder.display().to_string();
-        lines.push(format!("files in {}: {files}", files::quoted(&folder)));
-        lines.push(last_line(&finished.summary));
-        print(&lines.join("\n"))?;
+        print(&text(&finished, &scenario))?;
     }
     let cause = finished.summary.cause.as_ref();
     if cause.is_some_and(|cause| cause.skipped_ticks > 0) {
@@ -160,26 +162,90 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
              the period, and on the memory bus --pace fast needs no clock"
         );
     }
-    let cause = cause.map_or("", |cause| cause.message.as_str());
-    // What is partly the result of a model must not look like one of the bench alone.
-    let has_lost_rigs = !finished.summary.drop_outs.is_empty();
-    Ok(if finished.summary.state == End::Safe {
-        files::say!("ended in the safe state {cause}; rigs were brought to rest");
-        ExitCode::from(SAFE_STATE)
-    } else if finished.summary.state == End::RampedOut {
-        files::say!("ended early {cause}; rigs were ramped out");
-        ExitCode::from(SAFE_STATE)
-    } else if finished.interrupted && is_ended_by_key {
-        files::say!("ended by key: the files hold the run up to this point");
-        if has_lost_rigs { ExitCode::from(FAILED) } else { ExitCode::SUCCESS }
-    } else if finished.interrupted {
-        files::say!("interrupted: the files hold the run up to this point");
-        ExitCode::from(INTERRUPTED)
-    } else if has_lost_rigs || (!finished.summary.not_held.is_empty() && is_on_a_bus) {
-        ExitCode::from(FAILED)
+    if let Some(words) = &ending.words {
+        files::say!("{words}");
+    }
+    Ok(ExitCode::from(ending.code))
+}
+
+/// What a page shows of a run that has no result.
+fn ended_with(why: &BenchError) -> RunEnd {
+    let words = if why.is_interrupted() {
+        "The run was ended before the rigs were armed: nothing is written."
     } else {
-        ExitCode::SUCCESS
-    })
+        "The run has ended with an error."
+    };
+    let told = (!why.is_interrupted()).then(|| why.to_string());
+    RunEnd { words: words.to_owned(), why: told, files: None, is_good: why.is_interrupted() }
+}
+
+/// How a run has ended: its exit code, and the last line on standard error.
+struct Ending {
+    code: u8,
+    words: Option<String>,
+}
+
+impl Ending {
+    fn of(finished: &Finished, asker: Option<Asker>, is_on_a_bus: bool) -> Self {
+        let Finished { summary, interrupted, .. } = finished;
+        let cause = summary.cause.as_ref().map_or("", |cause| cause.message.as_str());
+        let said = |code, words: String| Self { code, words: Some(words) };
+        // What is partly the result of a model must not look like one of the bench alone.
+        let has_lost_rigs = !summary.drop_outs.is_empty();
+        let done = if has_lost_rigs { FAILED } else { DONE };
+        match (summary.state, interrupted) {
+            (End::Safe, _) => said(
+                SAFE_STATE,
+                format!("ended in the safe state {cause}; rigs were brought to rest"),
+            ),
+            (End::RampedOut, _) => {
+                said(SAFE_STATE, format!("ended early {cause}; rigs were ramped out"))
+            }
+            (_, true) => {
+                let (code, how) = match asker {
+                    Some(Asker::Key) => (done, "ended by key"),
+                    Some(Asker::Page) => (done, "ended from the page"),
+                    Some(Asker::Signal | Asker::Record) | None => (INTERRUPTED, "interrupted"),
+                };
+                said(code, format!("{how}: the files hold the run up to this point"))
+            }
+            _ if !summary.not_held.is_empty() && is_on_a_bus => Self { code: FAILED, words: None },
+            _ => Self { code: done, words: None },
+        }
+    }
+
+    /// The same on a page.
+    fn on_page(&self, finished: &Finished) -> RunEnd {
+        let Summary { state, not_held, .. } = &finished.summary;
+        let held = if not_held.is_empty() { "completed" } else { "completed, not held" };
+        let words = self.words.clone().unwrap_or_else(|| held.to_owned());
+        let report = finished.folder.join("report.html").display().to_string();
+        RunEnd {
+            words: format!("The run has ended: {words}."),
+            why: (!not_held.is_empty()).then(|| not_held.join("; ")),
+            files: Some(format!("Its report is {}.", files::quoted(&report))),
+            is_good: matches!(state, End::Completed | End::Stopped) && not_held.is_empty(),
+        }
+    }
+}
+
+/// What is printed of a run.
+fn text(finished: &Finished, scenario: &Run) -> String {
+    let mut lines = summary_lines(&finished.summary);
+    lines.extend(scenario.warnings.iter().map(|warning| format!("warning: {warning}")));
+    let mut files = "report.html, summary.json, record.npy, record-columns.md, bus.log, \
+                     events.jsonl, run.json, scenario.toml, vehicle.toml"
+        .to_owned();
+    if let Some(comparison) = &finished.summary.comparison {
+        lines.push(comparison.to_string().trim_end().to_owned());
+        let warnings = comparison.warnings(finished.summary.state);
+        lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
+        files += ", record-compared.npy";
+    }
+    let folder = finished.folder.display().to_string();
+    lines.push(format!("files in {}: {files}", files::quoted(&folder)));
+    lines.push(last_line(&finished.summary));
+    lines.join("\n")
 }
 
 /// Whether any damper is on a rig.

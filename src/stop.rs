@@ -6,7 +6,7 @@
 //! command reads its files, there is nothing to keep, and the first signal ends the process too.
 
 use crate::exit;
-use hil_host::control::Requests;
+use hil_host::control::{Asker, Requests};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
@@ -32,8 +32,13 @@ pub(crate) fn listen() {
 /// A command that calls this checks the flag at least every few hundred milliseconds, writes what
 /// it has, and ends with [`exit::INTERRUPTED`]. One that only has files left to write ignores it.
 pub(crate) fn flag() -> &'static AtomicBool {
+    end_requests().end_flag()
+}
+
+/// The same with whoever else may ask for the end.
+pub(crate) fn end_requests() -> &'static Requests {
     READ.store(true, Ordering::SeqCst);
-    REQUESTS.end_flag()
+    &REQUESTS
 }
 
 /// The same for a run of rigs: the first signal asks for an orderly end, the second one for the
@@ -49,7 +54,7 @@ fn on_signal() {
     let before = SIGNALS.fetch_add(1, Ordering::SeqCst);
     let can_stop = CAN_STOP.load(Ordering::SeqCst);
     let message = match (before, READ.load(Ordering::SeqCst)) {
-        (0, true) => return REQUESTS.end(),
+        (0, true) => return REQUESTS.end(Asker::Signal),
         (0, false) => "interrupted before the first result: no result is written",
         (1, true) if can_stop => return REQUESTS.stop(),
         (_, _) if can_stop => "interrupted three times: ended at once, files may be missing",

@@ -23,7 +23,8 @@
 //!    it goes on), `statistics` (from the record), `summary` (`summary.json`), `page`
 //!    (`report.html`), `comparison` (the same run with another damper). [`rehearse`] runs it in
 //!    memory first, and says how far every limit is away.
-//! 9. [`calibration`]: stiffness, skew, end mass and gain of a rig, from tests in open loop.
+//! 9. [`live`]: a page on this machine to watch a run and to end it.
+//! 10. [`calibration`]: stiffness, skew, end mass and gain of a rig, from tests in open loop.
 //!
 //! Layers: `firmware-core` computes a cycle and `can-protocol` its frames; `scenario` reads the
 //! input, `files` guards it and the result folder, `signal` and `report` make the statistics and
@@ -43,6 +44,7 @@ pub mod faults;
 mod force_group;
 pub mod gateway;
 mod linear_vehicle;
+pub mod live;
 mod options;
 mod page;
 mod progress_bar;

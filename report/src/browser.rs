@@ -1,6 +1,7 @@
-//! A written report opened in a headless Chromium, as its reader would open it.
+//! A written report opened in a headless Chromium, as its reader would open it; a page that changes
+//! is visited by a [`Driven`] one.
 //!
-//! For tests only (feature `browser-test`). The page says itself how it went, by attributes of its
+//! For tests only (feature `browser-test`). A report says itself how it went, by attributes of its
 //! root element: `data-plots` and `data-plots-drawn`, `data-requests` (what the browser fetched
 //! besides the file), `data-page-errors` and `data-ready`. Chromium gets no network either: all
 //! traffic is sent to a port that is not open, and all names fail to resolve.
@@ -12,6 +13,10 @@
 //! }
 //! ```
 
+mod driven;
+
+pub use driven::Driven;
+
 use std::fs;
 use std::io::{self, Read, Write as _};
 use std::path::{Path, PathBuf};
@@ -20,6 +25,21 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+
+const FLAGS: [&str; 11] = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--no-first-run",
+    "--disable-sync",
+    "--disable-extensions",
+    "--disable-quic",
+    "--disable-background-networking",
+    "--disable-component-update",
+    // Nobody listens there; the loopback of this machine needs no proxy.
+    "--proxy-server=127.0.0.1:9",
+];
 
 /// After this the browser is ended; only a hung browser comes near it.
 const PATIENCE: Duration = Duration::from_secs(180);
@@ -121,26 +141,29 @@ pub fn print(html: &Path, pdf: &Path) -> io::Result<Option<()>> {
 }
 
 fn run(html: &Path, flags: &[String]) -> io::Result<Option<String>> {
+    let Some(browser) = installed()? else { return Ok(None) };
     let profile = Scratch::new()?;
     let address = format!("file://{}", std::path::absolute(html)?.display());
-    for name in NAMES {
-        let child = Command::new(name)
-            .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"])
-            .args(["--no-first-run", "--disable-sync", "--disable-extensions", "--disable-quic"])
-            .args(["--disable-background-networking", "--disable-component-update"])
-            .args(["--proxy-server=127.0.0.1:9", "--host-resolver-rules=MAP * ~NOTFOUND"])
-            .arg(format!("--user-data-dir={}", profile.0.display()))
-            .args(flags)
-            .arg(&address)
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn();
-        match child {
-            Ok(child) => return finish(child).map(Some),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-            Err(error) => return Err(error),
-        }
+    let child = Command::new(browser)
+        .args(FLAGS)
+        .arg("--host-resolver-rules=MAP * ~NOTFOUND")
+        .arg(format!("--user-data-dir={}", profile.0.display()))
+        .args(flags)
+        .arg(&address)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()?;
+    finish(child).map(Some)
+}
+
+/// The first browser that is installed; none, with a word on standard error.
+fn installed() -> io::Result<Option<PathBuf>> {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let folders: Vec<PathBuf> = std::env::split_paths(&path).collect();
+    let places = NAMES.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name)));
+    if let Some(found) = places.into_iter().find(|place| place.is_file()) {
+        return Ok(Some(found));
     }
     if std::env::var_os("REQUIRE_BROWSER").is_some_and(|v| v == "1") {
         return Err(io::Error::new(
@@ -149,7 +172,7 @@ fn run(html: &Path, flags: &[String]) -> io::Result<Option<String>> {
         ));
     }
     // Straight to standard error: what a test prints by macro is swallowed when it passes.
-    writeln!(io::stderr(), "SKIPPED: no Chromium found; the report was not opened in a browser")?;
+    writeln!(io::stderr(), "SKIPPED: no Chromium found; no page was opened in a browser")?;
     Ok(None)
 }
 
@@ -180,6 +203,7 @@ fn finish(mut child: Child) -> io::Result<String> {
 }
 
 /// A fresh folder, removed at the end.
+#[derive(Debug)]
 struct Scratch(PathBuf);
 
 impl Scratch {

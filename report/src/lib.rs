@@ -72,6 +72,7 @@ pub use error::Error;
 pub use number::significant;
 pub use plot::Plot;
 pub use series::{Samples, equal_bins, logarithmic_bins, logarithmic_bins_of_counts};
+pub use style::PALETTE;
 pub use table::{Cell, Table};
 pub use thin::MAX_DRAWN;
 pub use tile::Tile;

@@ -7,8 +7,8 @@
 
 use serde_json::{Value, json};
 
-/// Lightness L* of the first four: 33, 59, 70, 47.
-const COLOURS: [&str; 8] =
+/// Colours of the traces. Lightness L* of the first four: 33, 59, 70, 47.
+pub const PALETTE: [&str; 8] =
     ["#0b4f8a", "#e0700a", "#56b4e9", "#00805f", "#8e3b82", "#c9a000", "#4d4d4d", "#d68fb8"];
 const DASHES: [&str; 8] =
     ["solid", "9px,3px", "solid", "2px,2px", "9px,3px,2px,3px", "solid", "4px,2px", "2px,3px"];
@@ -28,7 +28,7 @@ const PATTERNS: [&str; 4] = ["", "/", ".", "x"];
 const DASH_UP_TO: usize = 600;
 
 pub(crate) fn colour(slot: usize) -> &'static str {
-    COLOURS[slot % COLOURS.len()]
+    PALETTE[slot % PALETTE.len()]
 }
 
 /// The colour of a slot, thin enough to see others through.

@@ -1,6 +1,7 @@
 //! What several topics share.
 
 pub(crate) mod command;
+pub(crate) mod live_page;
 pub(crate) mod opened;
 pub(crate) mod record;
 pub(crate) mod schema;

@@ -61,6 +61,7 @@ impl Session<'_> {
             }
             if silent.is_empty() && !is_waiting {
                 is_waiting = true;
+                requests.wait_for_arming();
                 files::say!("the rigs are ready and wait to be armed");
             }
             // Read before the round, so that a process that was suspended gets one more.

@@ -48,7 +48,7 @@ pub(crate) use pacing::Ending;
 pub use pacing::{End, Pace, SILENCE, STOP_CYCLES};
 pub(crate) use port::MOST_FORCE_N;
 pub use port::{Port, PortState};
-pub use requests::Requests;
+pub use requests::{Asker, Requests};
 pub use session::{Session, SessionState};
 pub use stop::{DropOutSummary, NotedSummary, Notice, Stop, StopSummary};
 pub use terms::Arming;

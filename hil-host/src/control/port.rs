@@ -324,6 +324,11 @@ impl Port {
         state.belief.reached(agreed(&self.checks, state.armed.as_ref()))
     }
 
+    /// The checks, within the limits that the rig has agreed to.
+    pub(super) fn agreed_checks(&self, state: &PortState) -> Checks {
+        *agreed(&self.checks, state.armed.as_ref())
+    }
+
     /// The largest force that the host believes (N).
     pub(super) fn force_limit_n(&self) -> f64 {
         self.checks.force.limit

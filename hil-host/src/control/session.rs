@@ -12,7 +12,7 @@ use can_protocol::arming::Quiet;
 use can_protocol::{Frame, Heartbeat, Pace as WirePace, Profile, Sender, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
 use firmware_core::line::{Fade, Line, LineState, Slot};
-use firmware_core::supervision::{Action, Cause, Event, Noted, Signal};
+use firmware_core::supervision::{Action, Cause, Checks, Event, Noted, Signal};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 
@@ -143,6 +143,15 @@ impl Session<'_> {
         let cycle = noted.first_cycle;
         let time_s = state.line.time_of_s(cycle, self.line.cycle_s);
         Stop { cycle, time_s, node: Some(node), cause: noted.first, skipped: 0 }
+    }
+
+    /// The checks of every slot with a rig, within the limits that its rig has agreed to.
+    pub(crate) fn agreed_checks(&self, state: &SessionState) -> [Option<Checks>; DAMPER_SLOTS] {
+        let mut checks = [None; DAMPER_SLOTS];
+        for (port, memory) in self.ports.iter().zip(&state.ports) {
+            checks[port.slot] = Some(port.agreed_checks(memory));
+        }
+        checks
     }
 
     /// Whether there is anything to fade in and out.

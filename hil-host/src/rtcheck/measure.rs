@@ -1,14 +1,17 @@
-//! Measuring: the loop's thread, the bus in a thread of its own, and a bar of progress.
+//! Measuring: the loop's thread, bus and page in threads of their own, and a bar of progress.
 
 use super::answer::{AnswerTimes, AnsweredBy, find_rig, hear_host, time_answers};
+use super::beside_page::{self, BesidePage};
 use super::distribution::empty;
 use super::ticks::Ticks;
 use crate::BenchError;
 use crate::bus::{Bus, BusChoice, SocketCanBus};
 use crate::clock::{Pacer, now_ns};
 use crate::control::Course;
+use crate::live::LivePage;
 use crate::progress_bar::LateBar;
 use crate::realtime::{self, RealtimeOptions, RealtimeReport};
+use crate::record::{Drain, Queues, Recorder};
 use crate::run::line;
 use can_protocol::{MessageId, Profile};
 use firmware_core::guard::ForceInput;
@@ -55,6 +58,8 @@ pub struct Measured {
     pub step_ns: Histogram<u64>,
     /// The answers of a bus.
     pub answers: Option<AnswerTimes>,
+    /// The same times with a page that is fed and without; none without a page.
+    pub beside_page: Option<BesidePage>,
 }
 
 impl Measured {
@@ -68,17 +73,19 @@ impl Measured {
             lateness_ns: empty(),
             step_ns: empty(),
             answers: None,
+            beside_page: None,
         }
     }
 }
 
-/// Measures until all ticks have come or `stop` is set.
+/// Measures until all ticks have come or `stop` is set. A `page` shows every other second.
 ///
 /// # Errors
 /// The bus cannot be used or a host is on it; real time is required and was not granted.
 pub fn measure(
     run: Option<&Run>,
     options: &Options,
+    page: Option<&LivePage>,
     stop: &AtomicBool,
 ) -> Result<Measured, BenchError> {
     let sockets = match &options.bus {
@@ -86,7 +93,16 @@ pub fn measure(
         BusChoice::SocketCan(interface) => Some(Sockets::open(interface, options.profile)?),
     };
     let (done, ended) = (AtomicU64::new(0), AtomicBool::new(false));
+    let mut queues = Queues::for_rigs(0);
+    let (mut recorder, drain) = queues.split();
+    let recorder = page.is_some().then_some(&mut recorder);
     std::thread::scope(|scope| {
+        if let Some(page) = page {
+            let (feed, ended) = (beside_page::begin(page, run, options.ticks), &ended);
+            let Drain { rows, .. } = drain;
+            scope.spawn(move || beside_page::take(&rows, feed, ended));
+            scope.spawn(move || beside_page::read(page.address(), ended));
+        }
         // Before the loop, whose processor it would inherit otherwise.
         let answers = sockets.map(|mut sockets| {
             let ended = &ended;
@@ -95,7 +111,7 @@ pub fn measure(
                 sockets.time(options.profile, ended)
             })
         });
-        let paced = scope.spawn(|| paced(run, options, stop, &done));
+        let paced = scope.spawn(|| paced(run, options, recorder, stop, &done));
         show(&paced, &done, options.ticks);
         ended.store(true, Ordering::Relaxed);
         let mut measured =
@@ -129,10 +145,12 @@ fn of_bus_thread(realtime: &RealtimeOptions) -> RealtimeOptions {
 fn paced(
     run: Option<&Run>,
     options: &Options,
+    mut recorder: Option<&mut Recorder<'_>>,
     stop: &AtomicBool,
     done: &AtomicU64,
 ) -> Result<Measured, BenchError> {
     let mut measured = Measured::new(options.ticks);
+    measured.beside_page = recorder.is_some().then(BesidePage::default);
     let mut ticks = Ticks::new(options.ticks);
     let track = run.map(|run| run.track.view());
     let vehicle = run.zip(track.as_ref()).map(|(run, track)| (modelled(line(run, track)), run));
@@ -160,13 +178,24 @@ fn paced(
                 break 'stretches;
             }
             measured.lateness_ns.saturating_record(tick.lateness_ns);
-            done.store(ticks.met + ticks.skipped, Ordering::Relaxed);
-            let (Some((line, _)), Some(state), Some(track)) = (&vehicle, &mut state, &track) else {
-                continue;
-            };
-            let begin_ns = now_ns();
-            line.step_on(track, state, &inputs, &[None; DAMPER_SLOTS]);
-            measured.step_ns.saturating_record(now_ns().saturating_sub(begin_ns));
+            let number = ticks.met + ticks.skipped;
+            done.store(number, Ordering::Relaxed);
+            let mut step_ns = 0;
+            if let (Some((line, _)), Some(state), Some(track)) = (&vehicle, &mut state, &track) {
+                let begin_ns = now_ns();
+                line.step_on(track, state, &inputs, &[None; DAMPER_SLOTS]);
+                step_ns = now_ns().saturating_sub(begin_ns);
+                measured.step_ns.saturating_record(step_ns);
+            }
+            if let Some(recorder) = &mut recorder {
+                recorder.row(beside_page::row(number, tick.lateness_ns, step_ns, state.as_ref()));
+            }
+            let part = measured.beside_page.as_mut().and_then(|beside| beside.part(number));
+            if let Some(part) = part {
+                part.lateness_ns.saturating_record(tick.lateness_ns);
+                part.step_ns.saturating_record(step_ns);
+            }
+            let Some(state) = &state else { continue };
             if course.as_ref().is_some_and(|course| course.is_passed(state)) {
                 break;
             }

@@ -3,6 +3,7 @@
 //! The schema of the JSON is `docs/schema/rtcheck.schema.json`.
 
 use super::answer::{AnswerTimes, AnsweredBy};
+use super::beside_page::{BesidePage, PartTimes};
 use super::distribution::{Bin, Distribution, bins, histogram_lines};
 use super::measure::Measured;
 use crate::doctor::{Check, InterfaceKind, Verdict, asks_for_a_change, lines};
@@ -65,8 +66,54 @@ pub struct RtCheck {
     pub step_us: Option<Distribution>,
     /// The answers of the bus.
     pub answers: Option<AnswerResult>,
+    /// The times with a page that is fed and without; null without a page.
+    pub beside_page: Option<BesidePageResult>,
     /// The limits, one by one.
     pub checks: Vec<Check>,
+}
+
+/// What a page costs the loop: seconds in which it is fed alternate with seconds in which it is
+/// not.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BesidePageResult {
+    /// Seconds in which the page is fed.
+    pub fed: PartResult,
+    /// Seconds in which it is not.
+    pub unfed: PartResult,
+}
+
+/// Times of one of both parts (µs); null where there are none.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct PartResult {
+    pub lateness_us: Option<Distribution>,
+    pub step_us: Option<Distribution>,
+}
+
+impl PartResult {
+    fn of(times: &PartTimes, has_vehicle: bool) -> Self {
+        let step_us = Distribution::of(&times.step_ns).filter(|_| has_vehicle);
+        Self { lateness_us: Distribution::of(&times.lateness_ns), step_us }
+    }
+}
+
+impl BesidePageResult {
+    fn of(beside: &BesidePage, has_vehicle: bool) -> Self {
+        let [fed, unfed] =
+            [&beside.fed, &beside.unfed].map(|part| PartResult::of(part, has_vehicle));
+        Self { fed, unfed }
+    }
+
+    /// Its rows.
+    fn rows(&self) -> [(String, Option<Distribution>); 4] {
+        [
+            ("lateness, page not fed", self.unfed.lateness_us),
+            ("lateness, page fed", self.fed.lateness_us),
+            ("vehicle step, page not fed", self.unfed.step_us),
+            ("vehicle step, page fed", self.fed.step_us),
+        ]
+        .map(|(name, times)| (name.to_owned(), times))
+    }
 }
 
 /// The answer time of a bus.
@@ -115,6 +162,10 @@ impl RtCheck {
             vehicle: setup.vehicle.clone(),
             step_us,
             answers,
+            beside_page: measured
+                .beside_page
+                .as_ref()
+                .map(|beside| BesidePageResult::of(beside, setup.vehicle.is_some())),
             checks,
         }
     }
@@ -165,7 +216,9 @@ impl RtCheck {
                 self.answers.as_ref().and_then(|answers| answers.answer_us),
             ),
         ];
-        let known = rows.into_iter().filter_map(|(name, times)| Some((name, times?)));
+        let beside_page = self.beside_page.iter().flat_map(BesidePageResult::rows);
+        let known =
+            rows.into_iter().chain(beside_page).filter_map(|(name, times)| Some((name, times?)));
         table.rows(known.map(|(name, times)| -> [Cell; 6] {
             let Distribution { p50, p99, p99_9, p99_99, max } = times;
             [name.into(), p50.into(), p99.into(), p99_9.into(), p99_99.into(), max.into()]
@@ -306,6 +359,7 @@ mod tests {
                 lost: 0,
                 times_ns: times(&[(400, 10)]),
             }),
+            beside_page: None,
         }
     }
 
@@ -349,6 +403,27 @@ mod tests {
             let check = result.checks.iter().find(|check| check.what == what).unwrap();
             assert_eq!(check.command, "yawbench doctor", "{what}");
         }
+    }
+
+    #[test]
+    fn the_times_beside_a_page_stand_next_to_those_without() {
+        let part = |lateness_us| PartTimes {
+            lateness_ns: times(&[(lateness_us, 999), (10 * lateness_us, 1)]),
+            step_ns: times(&[(30, 1000)]),
+        };
+        let beside_page = Some(BesidePage { fed: part(6), unfed: part(5) });
+        let result = RtCheck::of(&Measured { beside_page, ..held() }, &setup(InterfaceKind::Can));
+        let text = result.lines().join("\n");
+        let row = |name: &str| {
+            let line = text.lines().find(|line| line.contains(name)).unwrap_or_default();
+            let numbers = line.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
+            numbers.map(f64::round).collect::<Vec<_>>()
+        };
+        assert_eq!(row("lateness, page fed"), [6.0, 6.0, 6.0, 60.0, 60.0], "{text}");
+        assert_eq!(row("lateness, page not fed"), [5.0, 5.0, 5.0, 50.0, 50.0], "{text}");
+        assert_eq!(row("vehicle step, page fed").len(), 5, "{text}");
+        let beside = result.beside_page.unwrap();
+        assert!(beside.fed.lateness_us.unwrap().p50 > beside.unfed.lateness_us.unwrap().p50);
     }
 
     #[test]

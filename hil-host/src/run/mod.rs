@@ -34,8 +34,9 @@ pub use setup::{line, watch_of};
 use crate::BenchError;
 use crate::bus::{AnyBus, Bus, BusChoice, BusCounters};
 use crate::comparison::{self, Cycles, SecondRun};
-use crate::control::{Course, End, Requests, Session, SessionState};
+use crate::control::{Asker, Course, End, Requests, Session, SessionState};
 use crate::gateway::GatewayPlan;
+use crate::live::{Facts, LivePage, Phase, RunEnd, SlotFacts, edges_us};
 use crate::options::{PaceChoice, RunOptions};
 use crate::page::{SHOWN_CYCLES, page};
 use crate::realtime::{self, RealtimeOptions};
@@ -52,7 +53,7 @@ pub(crate) use in_memory::in_memory;
 use plan::BusLoad;
 use recording::{Output, Place, Recording, RunFile, Task};
 use report::Section;
-use scenario::run::Run;
+use scenario::run::{CYCLE_S, Run, SlotForce};
 use setup::{arming, open_buses, pace};
 pub(crate) use space::needed_bytes;
 pub(crate) use stability_check::StabilityCheck;
@@ -93,12 +94,20 @@ pub struct Finished {
 /// Runs a scenario.
 ///
 /// `requests` arm it and end it early: record, summary and report hold the run up to that point,
-/// and [`Finished::interrupted`] is set.
+/// and [`Finished::interrupted`] is set. A `live` page shows it.
 ///
 /// # Errors
 /// Bad input, before anything is written; rigs that do not answer; a bus or disk that fails.
-pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finished, BenchError> {
+pub fn run(
+    run: &Run,
+    options: &RunOptions,
+    requests: &Requests,
+    live: Option<&LivePage>,
+) -> Result<Finished, BenchError> {
     let plan = Plan::new(run, &options.bus)?;
+    if let Some(live) = live {
+        live.begin(facts(run, options, &plan));
+    }
     plan.check_pace(options.pace)?;
     plan.check_gateway(options)?;
     let load = plan.load(options)?;
@@ -136,7 +145,14 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         require_realtime(options.realtime)?;
     }
     let epoch = Epoch::now();
+    let enter = |phase| {
+        if let Some(live) = live {
+            live.enter(phase);
+        }
+    };
+    enter(Phase::Meeting);
     let handshake = meet(&session, &mut state, &mut buses, &options.bus, epoch, requests)?;
+    enter(Phase::Arming);
 
     let is_new = !folder.path().exists();
     let about = RunAbout::new(run, options, &session, &plan, &load, epoch.unix_ns);
@@ -148,6 +164,7 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         bus_names: plan.buses.iter().map(|bus| bus.interface().to_owned()).collect(),
         epoch,
         handshake,
+        feed: live.map(|live| live.feed(is_rig(run))),
     };
     let task = Task {
         session: &session,
@@ -158,13 +175,17 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         pace: &mut pace,
         cycles: run.cycles(),
     };
-    let recorded = recording::record(task, &options.realtime, &output, requests);
+    let recorded = recording::record(task, &options.realtime, output, requests);
     let recording = recorded.inspect_err(|why| clear_unbegun(&folder, is_new, why))?;
+    if let Some(live) = live {
+        live.end(end_of_loop(recording.end, &state));
+    }
     // The recorder has counted the rows.
     let statistics = Statistics::of(&folder.file(RECORD), run.run_in_s, |_| {})?;
 
     let known = (&recording, &statistics, read_events(&folder.file(EVENTS)));
-    let mut summary = summary(run, options, &session, &state, &buses, &load, known);
+    let asker = requests.asker().filter(|_| recording.end == End::Stopped);
+    let mut summary = summary(run, options, &session, (&state, asker), &buses, &load, known);
     let write = |summary: &Summary, compared: Option<Section>| -> Result<(), BenchError> {
         let json = serde_json::to_string_pretty(summary)?;
         folder.write(SUMMARY, &format!("{json}\n"))?;
@@ -203,6 +224,46 @@ pub fn run(run: &Run, options: &RunOptions, requests: &Requests) -> Result<Finis
         files::say!("interrupted: the comparison is omitted");
     }
     Ok(Finished { summary, folder: folder.path().to_owned(), interrupted })
+}
+
+/// What a page shows that does not change.
+fn facts(run: &Run, options: &RunOptions, plan: &Plan) -> Facts {
+    let slots = run.slots.iter().zip(is_rig(run));
+    let buses = plan.buses.iter().map(BusChoice::to_string);
+    Facts {
+        title: run.title.clone(),
+        vehicle: run.vehicle_name.clone(),
+        speed_kmh: run.speed_m_per_s * 3.6,
+        duration_s: run.cycles() as f64 * CYCLE_S,
+        bus: buses.collect::<Vec<_>>().join(", "),
+        pace: options.pace.name(),
+        is_clocked: options.pace == PaceChoice::Realtime,
+        slots: slots
+            .map(|(slot, is_rig)| SlotFacts { place: slot.place.clone(), is_rig })
+            .collect(),
+        edges_us: edges_us(),
+    }
+}
+
+/// Whether each damper slot has a rig.
+fn is_rig(run: &Run) -> Vec<bool> {
+    run.slots.iter().map(|slot| matches!(slot.force, SlotForce::Rig { .. })).collect()
+}
+
+/// What a page shows while the files are being written.
+fn end_of_loop(end: End, state: &SessionState) -> RunEnd {
+    let words = match end {
+        End::Completed => "The run is completed.",
+        End::Stopped => "The run was ended early: the rigs were ramped out.",
+        End::RampedOut => "A limit has ended the run: the rigs were ramped out.",
+        End::Safe => "A limit has ended the run: the rigs were brought to rest.",
+    };
+    RunEnd {
+        words: words.to_owned(),
+        why: state.stop.map(|stop| stop.to_string()),
+        files: Some("Its files are being written.".to_owned()),
+        is_good: matches!(end, End::Completed | End::Stopped),
+    }
 }
 
 /// Makes the folder, with what is known before the first cycle.
@@ -326,7 +387,7 @@ fn summary(
     run: &Run,
     options: &RunOptions,
     session: &Session<'_>,
-    state: &SessionState,
+    (state, asker): (&SessionState, Option<Asker>),
     buses: &[AnyBus],
     load: &BusLoad,
     (recording, statistics, events): (&Recording, &Statistics, Vec<RunEvent>),
@@ -336,6 +397,7 @@ fn summary(
         bus: options.bus.to_string(),
         pace: options.pace,
         end: recording.end,
+        asker,
         state,
         line: &session.line,
         ports: &session.ports,

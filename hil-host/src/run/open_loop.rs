@@ -143,6 +143,7 @@ pub fn open_loop(
         bus_names: vec![options.bus.interface().to_owned()],
         epoch,
         handshake,
+        feed: None,
     };
     let task = Task {
         session: &session,
@@ -153,7 +154,7 @@ pub fn open_loop(
         pace: &mut pace,
         cycles,
     };
-    let recorded = recording::record(task, &options.realtime, &output, requests);
+    let recorded = recording::record(task, &options.realtime, output, requests);
     let recording = recorded.inspect_err(|why| clear_unbegun(folder, is_new, why))?;
     if let Some(failure) = recording.failure {
         return Err(failure);

@@ -1,12 +1,13 @@
-//! The loop with the threads around it: record, bus log, disk, progress.
+//! The loop with the threads around it: record, bus log, disk, progress, page.
 
 use super::handshake::{Epoch, Heard};
 use super::progress::{self, Progress};
 use super::work::Work;
 use crate::BenchError;
 use crate::bus::{Bus, BusChoice};
-use crate::control::{Buses, End, Notice, Pace, Requests, Session, SessionState};
+use crate::control::{Asker, Buses, End, Notice, Pace, Requests, Session, SessionState};
 use crate::counts::Counts;
+use crate::live::{AgreedChecks, Feed};
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
     BusEvent, BusLog, Drain, EventLog, InParts, LoggedFrame, Loss, NpyWriter, OpenFiles, Outlet,
@@ -16,6 +17,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
@@ -66,6 +68,8 @@ pub(super) struct Output<P> {
     pub(super) epoch: Epoch,
     /// What passed the buses before the rigs were armed.
     pub(super) handshake: Vec<BusEvent>,
+    /// What shows the run on a page, if there is one.
+    pub(super) feed: Option<Feed>,
 }
 
 /// What is known when the loop has ended.
@@ -95,26 +99,26 @@ const HOLD_LOG: Duration = Duration::from_millis(500);
 pub(super) fn record<B: Bus, P: Place, W: Work>(
     task: Task<'_, '_, B, W>,
     realtime_options: &RealtimeOptions,
-    output: &Output<P>,
+    output: Output<P>,
     requests: &Requests,
 ) -> Result<Recording, BenchError> {
     let Task { session, mut work, state, buses, bus, pace, cycles } = task;
     let cycle_ns = session.line.cycle_s * 1e9 * f64::from(session.slow_down.get());
     let cycle_ns = (cycle_ns as u64).max(1);
-    let Output { place, part_cycles, epoch, .. } = output;
-    let (epoch, part_cycles) = (*epoch, *part_cycles);
-    let longest_ns = output.lost_cycles_max.map(|cycles| u64::from(cycles) * cycle_ns);
+    let Output { place, part_cycles, lost_cycles_max, bus_names, epoch, handshake, feed } = output;
+    let place = &place;
+    let longest_ns = lost_cycles_max.map(|cycles| u64::from(cycles) * cycle_ns);
     let no_loss = || Loss::ending_after(longest_ns);
     let open: [OpenFiles<P::File>; 3] = Default::default();
     let failed = |file| move |why| BenchError::File { file: place.path(file), why };
     let lines = InParts::new(|part| {
         let file = place.make(RunFile::Log, part)?;
-        let log = BusLog::begin(file, epoch.unix_ns, output.bus_names.clone());
+        let log = BusLog::begin(file, epoch.unix_ns, bus_names.clone());
         open[1].add(log.file());
         Ok(log)
     });
     let mut lines = lines.map_err(failed(RunFile::Log))?;
-    let first = lines.part(1).and_then(|log| log.write(&output.handshake));
+    let first = lines.part(1).and_then(|log| log.write(&handshake));
     first.map_err(failed(RunFile::Log))?;
     // Begun after the log: whoever finds a record finds the handshake too.
     let record = InParts::new(|part| {
@@ -130,15 +134,18 @@ pub(super) fn record<B: Bus, P: Place, W: Work>(
     open[0].hold().map_err(failed(RunFile::Record))?;
     let mut queues = Queues::for_rigs(session.ports.len());
     let (mut recorder, drain) = queues.split();
-    recorder.rows_lost_at_most = output.lost_cycles_max.map_or(u64::MAX, u64::from);
+    recorder.rows_lost_at_most = lost_cycles_max.map_or(u64::MAX, u64::from);
     let done = AtomicBool::new(false);
+    let agreed = OnceLock::new();
     let (progress, shown) = Progress::new(session.line.speed_m_per_s * 3.6);
     let (running, ended) = bounded::<()>(0);
     std::thread::scope(|scope| {
-        let (done, open, Drain { rows, events, notices }) = (&done, &open, drain);
+        let (done, open, agreed) = (&done, &open, &agreed);
+        let Drain { rows, events, notices } = drain;
         let record = scope.spawn(move || {
             let loss = no_loss();
-            let to = RowOutput { record, part_cycles, happened, progress, cycle_ns, loss };
+            let shown = Shown { progress, feed, agreed };
+            let to = RowOutput { record, part_cycles, happened, shown, cycle_ns, loss };
             write_rows(to, (&rows, &notices), done, requests)
         });
         let log = scope.spawn(move || {
@@ -166,6 +173,8 @@ pub(super) fn record<B: Bus, P: Place, W: Work>(
             drop(running);
             return Err(why.on(bus));
         }
+        // For the recorder's thread; with a page and without one.
+        let _is_first = agreed.set(session.agreed_checks(state));
         let begin = Instant::now();
         let mut buses = Buses::new(buses, &mut recorder).counted_from(epoch.begin);
         let end = work.run(session, state, &mut buses, pace, requests);
@@ -217,10 +226,44 @@ struct RowOutput<'a, S> {
     record: InParts<'a, NpyWriter<S>>,
     part_cycles: u64,
     happened: EventLog<S>,
-    progress: Progress,
+    shown: Shown<'a>,
     /// Wall time of a cycle.
     cycle_ns: u64,
     loss: Loss,
+}
+
+/// Who sees the rows while the run goes on.
+struct Shown<'a> {
+    progress: Progress,
+    /// The page, if there is one.
+    feed: Option<Feed>,
+    /// Known from the first row on.
+    agreed: &'a OnceLock<AgreedChecks>,
+}
+
+impl Shown<'_> {
+    /// Shows rows that have been counted.
+    fn take(&mut self, rows: &[Row], counts: &Counts) {
+        if let Some(last) = rows.last() {
+            self.progress.take(last, counts);
+        }
+        if let (Some(feed), Some(agreed)) = (&mut self.feed, self.agreed.get()) {
+            rows.iter().for_each(|row| feed.take(row, agreed));
+            feed.push(counts, agreed, Instant::now());
+        }
+    }
+
+    fn notice(&mut self, notice: &Notice) {
+        if let Some(feed) = &mut self.feed {
+            feed.notice(notice);
+        }
+    }
+
+    fn finish(&mut self, counts: &Counts) {
+        if let (Some(feed), Some(agreed)) = (&mut self.feed, self.agreed.get()) {
+            feed.finish(counts, agreed);
+        }
+    }
 }
 
 /// Where the frames go.
@@ -253,10 +296,10 @@ fn write_rows<S: Storage>(
     done: &AtomicBool,
     requests: &Requests,
 ) -> (Loss, Counts, EventLog<S>) {
-    let RowOutput { mut record, part_cycles, mut happened, mut progress, cycle_ns, mut loss } = to;
+    let RowOutput { mut record, part_cycles, mut happened, mut shown, cycle_ns, mut loss } = to;
     let mut counts = Counts::default();
-    let found = || {
-        let notice = notices.next()?;
+    let found = |shown: &mut Shown<'_>| {
+        let notice = notices.next().inspect(|notice| shown.notice(notice))?;
         let event = RunEvent::of(&notice);
         if matches!(notice, Notice::DroppedOut { .. }) {
             // The run goes on, and nobody would look.
@@ -270,24 +313,25 @@ fn write_rows<S: Storage>(
             let Some(last) = rows.last() else { continue };
             let written = record.part(part).and_then(|record| record.write(rows));
             if loss.take(written, rows.len() as u64, last.cycle * cycle_ns) {
-                requests.end();
+                requests.end(Asker::Record);
             }
             for row in rows {
                 counts.take(row);
                 // An event that finds no room is also in the rows or in the summary.
-                next = next.take().or_else(found);
+                next = next.take().or_else(|| found(&mut shown));
                 while let Some(event) = next.take_if(|event| event.cycle <= row.cycle) {
                     let _ = happened.write(&event);
-                    next = found();
+                    next = found(&mut shown);
                 }
                 let _ = happened.take(row);
             }
-            progress.take(last, &counts);
+            shown.take(rows, &counts);
         }
     });
-    for event in next.into_iter().chain(std::iter::from_fn(found)) {
+    for event in next.into_iter().chain(std::iter::from_fn(|| found(&mut shown))) {
         let _ = happened.write(&event);
     }
+    shown.finish(&counts);
     loss.finish(record.into_last().finish().map(|_| ()));
     (loss, counts, happened)
 }
@@ -305,7 +349,7 @@ fn write_frames<S: Storage>(
             let events = frames.iter().map(|frame| &frame.event);
             let written = log.part(part).and_then(|log| log.write(events));
             if loss.take(written, frames.len() as u64, last.event.time_ns) {
-                requests.end();
+                requests.end(Asker::Record);
             }
         }
     });
@@ -335,7 +379,7 @@ fn hold_on<S: Storage>(
             ends |= of_log.take(log.hold(), 0, since_begin(now));
         }
         if ends {
-            requests.end();
+            requests.end(Asker::Record);
         }
         next = (next + HOLD_RECORD).max(Instant::now());
     }
@@ -346,5 +390,7 @@ fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> Result<T, BenchError> {
     thread.join().map_err(|_| BenchError::Thread { name: "records the run" })
 }
 
+#[cfg(test)]
+mod stalled_tests;
 #[cfg(test)]
 mod tests;

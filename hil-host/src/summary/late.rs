@@ -3,7 +3,7 @@
 use super::stand_ins::labels;
 use super::{ArmedSession, Frames, Summary, accelerations, dampers, percentiles, step_percentiles};
 use crate::bus::BusCounters;
-use crate::control::{DropOutSummary, End, HASH_ALGORITHM, NotedSummary, StopSummary};
+use crate::control::{Asker, DropOutSummary, End, HASH_ALGORITHM, NotedSummary, StopSummary};
 use crate::counts::Counts;
 use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
@@ -23,6 +23,9 @@ pub(crate) struct KeptSummary {
     pub(crate) frames: Frames,
     pub(crate) bus_counters: super::BusCount,
     pub(crate) state: End,
+    /// None in a file of an earlier version.
+    #[serde(default)]
+    pub(crate) stopped_by: Option<Asker>,
     pub(crate) not_held: Vec<String>,
     pub(crate) cause: Option<StopSummary>,
     /// Empty in a file of an earlier version.
@@ -105,6 +108,7 @@ impl Summary {
             accelerations: accelerations(asked.watched, sums),
             comparison: None,
             state: kept.map_or(End::Stopped, |kept| kept.state),
+            stopped_by: kept.and_then(|kept| kept.stopped_by),
             not_held: kept.map_or_else(Vec::new, |kept| kept.not_held.clone()),
             cause: kept.and_then(|kept| kept.cause.clone()),
             drop_outs: kept.map_or_else(Vec::new, |kept| kept.drop_outs.clone()),

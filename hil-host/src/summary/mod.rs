@@ -27,10 +27,10 @@ pub(crate) use dampers::dampers;
 pub(crate) use held::is_worn;
 pub(crate) use late::{Asked, KeptSummary};
 pub(crate) use outcome::Outcome;
-pub(crate) use times::microseconds;
+pub(crate) use times::{microseconds, percentiles};
 
 use crate::comparison::Comparison;
-use crate::control::{DropOutSummary, End, HASH_ALGORITHM, NotedSummary, StopSummary};
+use crate::control::{Asker, DropOutSummary, End, HASH_ALGORITHM, NotedSummary, StopSummary};
 use crate::counts::Counts;
 use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
@@ -42,7 +42,7 @@ use scenario::run::CYCLE_S;
 use serde::Serialize;
 use sessions::sessions;
 use stand_ins::labels;
-use times::{percentiles, step_percentiles};
+use times::step_percentiles;
 
 /// The summary of a run. What does not apply is null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -96,6 +96,9 @@ pub struct Summary {
     pub comparison: Option<Comparison>,
     /// `completed`, `stopped`, `ramped_out` or `safe`.
     pub state: End,
+    /// Who asked for the end of a run that was stopped: `key`, `page`, `signal` or `record`; null
+    /// otherwise.
+    pub stopped_by: Option<Asker>,
     /// Why a completed run is not held, one sentence each; empty where it is.
     pub not_held: Vec<String>,
     /// What stopped it; null unless it ended in the safe state.
@@ -185,6 +188,7 @@ impl Summary {
             accelerations: accelerations(outcome.watched, sums),
             comparison: None,
             state: outcome.end,
+            stopped_by: outcome.asker,
             not_held,
             cause: state.stop.map(|stop| stop.summary()),
             drop_outs,

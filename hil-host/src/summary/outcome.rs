@@ -1,7 +1,7 @@
 //! What is known of a run in addition to its columns.
 
 use crate::bus::BusCounters;
-use crate::control::{End, NotedSummary, Port, SessionState};
+use crate::control::{Asker, End, NotedSummary, Port, SessionState};
 use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
 use crate::record::RunEvent;
@@ -15,6 +15,8 @@ pub(crate) struct Outcome<'a> {
     pub(crate) bus: String,
     pub(crate) pace: PaceChoice,
     pub(crate) end: End,
+    /// Who asked for it; none where nobody did.
+    pub(crate) asker: Option<Asker>,
     pub(crate) state: &'a SessionState,
     pub(crate) line: &'a Line<'a>,
     pub(crate) ports: &'a [Port],

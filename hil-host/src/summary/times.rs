@@ -27,7 +27,7 @@ pub(crate) fn microseconds(histogram: &Histogram<u64>, quantile: f64) -> f64 {
     histogram.value_at_quantile(quantile) as f64 * 1e-3
 }
 
-pub(super) fn percentiles(histogram: &Histogram<u64>) -> Percentiles {
+pub(crate) fn percentiles(histogram: &Histogram<u64>) -> Percentiles {
     Percentiles {
         p50: microseconds(histogram, 0.5),
         p99: microseconds(histogram, 0.99),

@@ -6,7 +6,7 @@ use can_protocol::{Frame, MessageId, Pace as WirePace, Profile};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::{Pacer, Tick};
 use hil_host::control::{
-    Buses, Course, End, NoAnswer, Pace, Requests, STOP_CYCLES, Session, SessionState,
+    Asker, Buses, Course, End, NoAnswer, Pace, Requests, STOP_CYCLES, Session, SessionState,
 };
 use hil_host::record::{Queues, ROWS};
 use hil_host::rig::RigNode;
@@ -147,7 +147,7 @@ fn a_stop_before_the_first_cycle_ends_the_wait_for_the_rigs() {
     let mut bus = Disturbed::new(&run);
     bus.most = 0;
     let requests = Requests::armed();
-    requests.end();
+    requests.end(Asker::Key);
     let greeting = session.greet(
         &mut state,
         std::slice::from_mut(&mut bus),

@@ -81,6 +81,7 @@ fn recorded_with<P: Place>(
         bus_names: vec!["memory".to_owned()],
         epoch: Epoch::now(),
         handshake: Vec::new(),
+        feed: None,
     };
     let task = Task {
         session: &session,
@@ -91,7 +92,7 @@ fn recorded_with<P: Place>(
         pace: &mut Pace::Fast,
         cycles: run.cycles(),
     };
-    let recording = record(task, &RealtimeOptions::NONE, &output, &stop).unwrap();
+    let recording = record(task, &RealtimeOptions::NONE, output, &stop).unwrap();
     assert_eq!(recording.counts.last.0, state.line.cycle);
     (recording, state)
 }
