@@ -47,3 +47,4 @@ mod rths_benchmark;
 mod run_command;
 mod stale_answers;
 mod watch;
+mod yaw_damper_problem;

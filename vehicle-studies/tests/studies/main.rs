@@ -7,3 +7,4 @@ mod late_rigs;
 mod no_dampers;
 mod stopped;
 mod support;
+mod yaw_damper;

@@ -1,0 +1,156 @@
+//! Ring-downs: how fast a motion of a certain size dies at one speed.
+//!
+//! ```text
+//! ln |p[i]| = c - d t[i]        p[i]: extremes of the half cycles of a damper's extension
+//!                               d:    decay rate (1/s), by least squares
+//! ```
+//! All wheelsets start off the middle of perfect track. The half cycles whose extremes lie in a
+//! window of amplitudes count, from the first below its upper end to the last above its lower end. A
+//! clearance and a relief valve make the damping depend on the amplitude, so a decay rate belongs to
+//! its window.
+
+use crate::error::StudyError;
+use crate::trip::{Equipped, Trip};
+use firmware_core::track::Track;
+use firmware_core::vehicle::BodyId;
+use scenario::run::CYCLE_S;
+use serde::Serialize;
+use signal::statistics::HalfCycles;
+
+/// Fewest substeps of a cycle.
+const SUBSTEPS: u32 = 2;
+/// Fewest half cycles in the window.
+const HALF_CYCLES_MIN: usize = 4;
+/// Half cycles at the start that the other modes have a part in.
+const SKIPPED: usize = 2;
+/// Motion that does not count as a half cycle, as a share of the lower end of the window.
+const DEAD_BAND: f64 = 0.2;
+
+/// How a vehicle is let ring down.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Release {
+    /// How far all wheelsets start off the middle of the track (m).
+    pub offset_m: f64,
+    /// Amplitudes of the extension that count (m): lower and upper end.
+    pub window_m: [f64; 2],
+    /// Time for which it is watched (s).
+    pub watched_s: f64,
+    /// The most that a ram may move from the middle (m); a ring-down ends there.
+    pub stroke_limit_m: f64,
+}
+
+/// One ring-down.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RingDown {
+    /// Speed (km/h).
+    pub kmh: f64,
+    /// Decay rate (1/s); negative where the motion grows.
+    pub decay_per_s: f64,
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Half cycles that it is found from.
+    pub half_cycles: usize,
+    /// The most that a ram moved from the middle (m).
+    pub largest_stroke_m: f64,
+}
+
+impl RingDown {
+    /// The ring-down at a speed (km/h); none where too few half cycles lie in the window, or where
+    /// a ram reached its limit.
+    ///
+    /// # Errors
+    /// No steady running, or the work is stopped.
+    pub fn of(
+        equipped: &Equipped<'_>,
+        release: &Release,
+        kmh: f64,
+    ) -> Result<Option<Self>, StudyError> {
+        let track = Track::default();
+        let trip = Trip::new(equipped, &track, kmh / 3.6, SUBSTEPS);
+        let offset = |axle: &firmware_core::vehicle::Axle| (axle.body, release.offset_m);
+        let offsets: Vec<(BodyId, f64)> = equipped.vehicle.axles.iter().map(offset).collect();
+        let mut state = trip.begin(&offsets)?;
+        let (mut extension_m, mut largest_m) = (Vec::new(), 0.0_f64);
+        let on_track = trip.go_with_rigs(&mut state, release.watched_s, |state| {
+            let motions = trip.damper_motions(&state.line);
+            let first_m = motions.first().map_or(0.0, |motion| motion.displacement_m);
+            extension_m.push(first_m);
+            for reading in state.readings().flatten() {
+                largest_m = largest_m.max(reading.ram_displacement_m.abs());
+            }
+            if equipped.rigs.is_none() {
+                largest_m = largest_m.max(first_m.abs());
+            }
+        })?;
+        if !on_track || largest_m > release.stroke_limit_m {
+            return Ok(None);
+        }
+        Ok(Self::seen(&extension_m, release, (kmh, largest_m)))
+    }
+
+    /// That of an extension from cycle to cycle (m).
+    fn seen(extension_m: &[f64], release: &Release, (kmh, largest_m): (f64, f64)) -> Option<Self> {
+        let [low_m, high_m] = release.window_m;
+        let mut halves = HalfCycles::new(0.0, DEAD_BAND * low_m);
+        let found = extension_m.iter().filter_map(|x| halves.push(*x)).skip(SKIPPED);
+        let counted = found
+            .skip_while(|half| half.extreme.abs() > high_m)
+            .take_while(|half| half.extreme.abs() >= low_m);
+        let points: Vec<(f64, f64)> = counted
+            .map(|half| (0.5 * (half.start + half.end) * CYCLE_S, half.extreme.abs().ln()))
+            .collect();
+        if points.len() < HALF_CYCLES_MIN {
+            return None;
+        }
+        let count = points.len() as f64;
+        let middle = points.iter().fold((0.0, 0.0), |(t, y), one| (t + one.0, y + one.1));
+        let (t_mean, y_mean) = (middle.0 / count, middle.1 / count);
+        let of = |f: fn(f64, f64) -> f64| -> f64 {
+            points.iter().map(|(t, y)| f(t - t_mean, y - y_mean)).sum()
+        };
+        let (first_s, last_s) = (points.first()?.0, points.last()?.0);
+        Some(Self {
+            kmh,
+            decay_per_s: -of(|t, y| t * y) / of(|t, _| t * t),
+            frequency_hz: 0.5 * (count - 1.0) / (last_s - first_s),
+            half_cycles: points.len(),
+            largest_stroke_m: largest_m,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const RELEASE: Release =
+        Release { offset_m: 0.0, window_m: [0.5e-3, 2e-3], watched_s: 6.0, stroke_limit_m: 1.0 };
+
+    fn fading(decay_per_s: f64, hz: f64) -> Vec<f64> {
+        let at = |n: u32| {
+            let t = f64::from(n) * CYCLE_S;
+            4e-3 * libm::exp(-decay_per_s * t) * libm::cos(TAU * hz * t)
+        };
+        (0..6000).map(at).collect()
+    }
+
+    #[test]
+    fn the_decay_rate_of_a_damped_sine_is_found_within_the_window() {
+        for (decay_per_s, hz) in [(1.0, 3.3), (0.3, 3.3), (2.5, 4.0)] {
+            let found = RingDown::seen(&fading(decay_per_s, hz), &RELEASE, (200.0, 0.0)).unwrap();
+            // From 2 mm to 0.5 mm, a quarter, in half cycles.
+            let expected = 4.0_f64.ln() / decay_per_s * 2.0 * hz;
+            assert!((found.half_cycles as f64 - expected).abs() <= 1.5, "{found:?} {expected}");
+            assert!((found.decay_per_s / decay_per_s - 1.0).abs() < 5e-3, "{found:?}");
+            assert!((found.frequency_hz / hz - 1.0).abs() < 5e-3, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn what_never_comes_into_the_window_has_no_decay_rate() {
+        assert_eq!(RingDown::seen(&fading(0.0, 3.3), &RELEASE, (200.0, 0.0)), None);
+        assert_eq!(RingDown::seen(&fading(20.0, 3.3), &RELEASE, (200.0, 0.0)), None);
+        assert_eq!(RingDown::seen(&[], &RELEASE, (200.0, 0.0)), None);
+    }
+}
