@@ -23,6 +23,7 @@ pub(super) fn of(scores: &[Score]) -> Vec<Aim> {
     };
     let asked: Vec<&Score> = scores.iter().filter(is_asked).collect();
     let Some(first) = asked.first() else { return Vec::new() };
+    let on_rigs = asked.iter().any(|score| score.perturbed.is_some());
     let nominal = |score: &Score| Some(score.nominal);
     let perturbed = |score: &Score| {
         let InRegimes { track, hunting } = score.perturbed?;
@@ -31,7 +32,7 @@ pub(super) fn of(scores: &[Score]) -> Vec<Aim> {
     };
     let mut overs: Vec<(&'static str, &dyn Fn(&Score) -> Option<InRegimes<Option<Errors>>>)> =
         vec![("nominal rig", &nominal)];
-    if first.perturbed.is_some() {
+    if on_rigs {
         overs.push(("perturbed rigs", &perturbed));
     }
     let mut aims = Vec::new();

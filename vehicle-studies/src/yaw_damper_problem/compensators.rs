@@ -6,8 +6,10 @@ use firmware_core::line::KNOWN_DELAY_CYCLES;
 use scenario::run::CYCLE_S;
 use serde::Serialize;
 
-/// A mode of the rig, at which the gain of an adaptive compensator is bounded (Hz): the spool.
-const GAIN_CHECK_HZ: f64 = 80.0;
+/// Frequency at which the gain of an adaptive compensator is bounded (Hz), and its bound, as a
+/// multiple of that of its start.
+const GAIN_CHECK_HZ: f64 = 40.0;
+const GAIN_RATIO: f64 = 2.0;
 
 /// A compensator of ours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -51,7 +53,8 @@ impl Ours {
             Self::Adaptive => {
                 let Series([a0, a1, a2, _]) = late(2);
                 let start = Series([a0, a1, a2, 0.0]);
-                Compensator::Adaptive(Adaptive::new(start, GAIN_CHECK_HZ))
+                let usual = Adaptive::new(start, GAIN_CHECK_HZ);
+                Compensator::Adaptive(Adaptive { gain_ratio: GAIN_RATIO, ..usual })
             }
         };
         compensator.with_known_delay(KNOWN_DELAY_CYCLES * CYCLE_S)

@@ -43,8 +43,8 @@ impl Condition {
     pub const fn hunting_kmh(self) -> f64 {
         match self {
             Self::New => 265.0,
-            Self::Worn => 225.0,
-            Self::Soft => 230.0,
+            Self::Worn => 235.0,
+            Self::Soft => 255.0,
         }
     }
 

@@ -22,9 +22,9 @@ use std::f64::consts::TAU;
 const FREQUENCIES_HZ: [f64; 14] =
     [0.5, 1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 20.0, 30.0];
 /// Largest stroke of a sine (m, half the travel).
-const STROKE_M: f64 = 3.0e-3;
+const STROKE_M: f64 = 4.0e-3;
 /// Highest speed of a sine (m/s).
-const SPEED_M_PER_S: f64 = 0.06;
+const SPEED_M_PER_S: f64 = 0.1;
 /// Cycles of 1 ms that are let pass, and that are measured.
 const CYCLES: [u32; 2] = [2000, 2000];
 /// Frequencies that a series is fitted to (Hz): those of the motion of a yaw damper. At lower ones a

@@ -62,7 +62,8 @@ impl Job {
 
     /// All jobs of a question, the long ones first.
     pub(super) fn all(question: &Question, cases: usize, candidates: usize) -> Vec<Self> {
-        let Question { dead_times_ms, perturbed_rigs, critical_speeds, climb, .. } = question;
+        let Question { dead_times_ms, perturbed_rigs, critical_speeds, long_at_ms, climb, .. } =
+            question;
         let cells = || -> Vec<Cell> {
             let of_case = |case| {
                 (0..candidates).flat_map(move |candidate| {
@@ -86,11 +87,14 @@ impl Job {
             }
         }
         if *critical_speeds {
-            jobs.extend(cells().into_iter().map(Self::critical));
+            let cells = cells().into_iter().filter(|(.., dead)| long_at_ms.contains(dead));
+            jobs.extend(cells.map(Self::critical));
         }
         for cell in cells() {
-            let has_aims = question.dampers.get(cell.0).is_some_and(|damper| damper.has_aims());
-            let most = if has_aims { *perturbed_rigs } else { 0 };
+            let (case, _, dead_time_ms) = cell;
+            let damper = question.dampers.get(case);
+            let is_asked = damper.is_some_and(|damper| question.has_rigs(*damper, dead_time_ms));
+            let most = if is_asked { *perturbed_rigs } else { 0 };
             for rig in 0..=most {
                 jobs.extend(REGIMES.map(|regime| Self::errors(cell, rig, regime)));
             }

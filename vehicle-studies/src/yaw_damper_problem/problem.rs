@@ -243,14 +243,13 @@ impl<'a> Problem<'a> {
                         critical_error_kmh: kmh(critical)
                             .zip(kmh(modelled.critical))
                             .map(|(own, other)| own - other),
-                        perturbed: (question.perturbed_rigs > 0 && case.condition.has_aims())
-                            .then(|| {
-                                in_regimes(|regime| {
-                                    let rigs = 1..=question.perturbed_rigs;
-                                    let of = |rig| found.errors(Job::errors(cell, rig, regime));
-                                    Spread::of(&rigs.map(of).collect::<Vec<_>>())
-                                })
-                            }),
+                        perturbed: question.has_rigs(case.condition, *dead_time_ms).then(|| {
+                            in_regimes(|regime| {
+                                let rigs = 1..=question.perturbed_rigs;
+                                let of = |rig| found.errors(Job::errors(cell, rig, regime));
+                                Spread::of(&rigs.map(of).collect::<Vec<_>>())
+                            })
+                        }),
                     });
                 }
             }

@@ -38,7 +38,7 @@ fn prototype() {
                 let found = Recording::of(&equipped.behind(rigs), regime, &track, speed).unwrap().and_then(|r| r.observed(hz));
                 println!("   {name} {:?}", found.map(|f| Errors::of(&f, &reference)));
             }
-            for dead in [1, 5, 15] {
+            for dead in [1, 15] {
                 for ours in OURS { if ours == super::compensators::Ours::None { continue; }
                     let rig = RigSetup { delay_cycles: dead, ..run.rig.clone() };
                     let c: Compensator = ours.compensator(&sheet, f64::from(dead) * 1e-3, hz);
@@ -60,39 +60,49 @@ fn prototype_below() {
     use super::from_below::{Climb, FromBelow};
     use super::ring_down::{Release, RingDown};
     use super::compensators::Ours;
-    use crate::critical_speed::{LinearSpeed, Procedure};
-    use firmware_core::damper::{Damper, Nominal};
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh-servo-rig.toml");
     let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
-    let run = Run::load(&path, overrides).unwrap();
-    let sheet = DataSheet::of(&run.rig);
-    let real = Equipped::of(&run).unwrap();
-    let nominal = *real.dampers[0].nominal();
-    let maxwell = Damper::new(Nominal { clearance_2a_m: 0.0, f_relief_n: 1e9, ..nominal }, &[]).unwrap();
-    let linear = real.clone().with(&maxwell);
-    let procedure = Procedure { from_kmh: 150.0, to_kmh: 400.0, ..Procedure::default() };
-    let eigen = LinearSpeed::of(&linear, &procedure, 1e-3).unwrap();
-    println!("eigen {:?} {:?}", eigen.critical, eigen.frequency_hz);
-    for at in &eigen.locus { println!("  {} {:?}", at.kmh, &at.modes[..at.modes.len().min(4)]); }
-    let release = Release { offset_m: 1e-3, window_m: [0.02e-3, 0.2e-3], watched_s: 8.0, stroke_limit_m: 10e-3 };
-    for kmh in [180.0, 220.0, 240.0, 260.0, 280.0, 300.0, 320.0] {
-        for offset_m in [1e-3, 3e-3] {
-            println!("  linear {kmh} {offset_m} {:?}", RingDown::of(&linear, &Release { offset_m, ..release }, kmh).unwrap());
+    for condition in CONDITIONS {
+        let run = Run::load_with(&path, overrides, &condition.settings()).unwrap();
+        let sheet = DataSheet::of(&run.rig);
+        let real = Equipped::of(&run).unwrap();
+        let release = Release { burst_m: 8e-3, burst_hz: 3.4, window_m: [1e-3, 4e-3], watched_s: 6.0, stroke_limit_m: 30e-3 };
+        for window_m in [[1e-3, 3e-3], [1.0e-3, 5e-3], [2.5e-3, 5e-3], [3e-3, 6e-3]] {
+            for kmh in [160.0, 180.0, 200.0, 220.0, 240.0, 250.0] {
+                println!("{condition:?} {window_m:?} {:?}", RingDown::of(&real, &Release { window_m, ..release }, kmh).unwrap());
+            }
+            let climb = Climb { from_kmh: 150.0, step_kmh: 5.0, margin: 0.03, release: Release { window_m, ..release } };
+            let on_rigs = |e: &Equipped<'static>| e.behind(Rigs::compensated(&RigSetup { delay_cycles: 5, ..run.rig.clone() }, Ours::Inverse.compensator(&sheet, 5e-3, 3.4), [true; 4]));
+            for (name, e) in [("modelled", real.clone()), ("rigs", on_rigs(&real))] {
+                if name == "rigs" && window_m[0] != 2.5e-3 { continue; }
+                let f = FromBelow::of(&e, climb).unwrap();
+                println!("real {condition:?} {name} {window_m:?} {:?} {:?} {:?} top {:?} n {}", f.critical_kmh, f.interval_kmh, f.largest_stroke_m, f.ring_downs.last().map(|r| r.kmh), f.ring_downs.len());
+            }
         }
     }
-    let climb = Climb { from_kmh: 200.0, step_kmh: 5.0, margin: 0.03, release };
-    let on_rigs = |e: &Equipped<'static>| e.behind(Rigs::compensated(&RigSetup { delay_cycles: 5, ..run.rig.clone() }, Ours::Inverse.compensator(&sheet, 5e-3, 3.3), [true; 4]));
-    for (name, e) in [("modelled", linear.clone()), ("rigs", on_rigs(&linear))] {
-        println!("linear {name} {:?}", FromBelow::of(&e, climb).unwrap());
-    }
-    for window_m in [[0.5e-3, 2.5e-3], [1.0e-3, 3.0e-3]] {
-        for offset_m in [4e-3, 6e-3] {
-            let climb = Climb { release: Release { offset_m, window_m, ..release }, ..climb };
-            for (name, e) in [("modelled", real.clone()), ("rigs", on_rigs(&real))] {
-                let f = FromBelow::of(&e, climb).unwrap();
-                println!("real {name} {offset_m} {window_m:?} {:?} {:?} {:?}", f.critical_kmh, f.interval_kmh, f.largest_stroke_m);
-                for r in f.ring_downs { println!("    {r:?}"); }
+}
+
+#[test]
+fn prototype_settles() {
+    use crate::trip::Trip;
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh-servo-rig.toml");
+    let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+    for (condition, speeds) in [(CONDITIONS[1], [205.0, 215.0, 225.0, 235.0, 250.0]), (CONDITIONS[2], [215.0, 225.0, 230.0, 240.0, 255.0]), (CONDITIONS[0], [250.0, 255.0, 260.0, 265.0, 275.0])] {
+        let run = Run::load_with(&path, overrides, &condition.settings()).unwrap();
+        let equipped = Equipped::of(&run).unwrap();
+        for kmh in speeds {
+            let owned = Regime::Hunting.track(&run.band.unwrap(), kmh / 3.6);
+            let track = owned.view();
+            let trip = Trip::new(&equipped, &track, kmh / 3.6, 2);
+            let mut state = trip.begin(&[]).unwrap();
+            print!("{condition:?} {kmh}:");
+            for _ in 0..20 {
+                let (mut s, mut n) = ([0.0; 4], 0.0);
+                let ok = trip.go(&mut state, 2.0, |l| { let m = trip.damper_motions(l); for (s, m) in s.iter_mut().zip(m) { *s += m.displacement_m.powi(2); } n += 1.0; }).unwrap();
+                if !ok { print!(" off"); break; }
+                print!(" {:.2}/{:.2}", 1e3 * (s[0] * 2.0 / n as f64).sqrt(), 1e3 * (s[2] * 2.0 / n as f64).sqrt());
             }
+            println!();
         }
     }
 }

@@ -4,10 +4,14 @@ use super::condition::{CONDITIONS, Condition};
 use super::from_below::Climb;
 use super::perturbed::RIGS;
 use super::ring_down::Release;
+use crate::critical_speed::BURST_M;
 use serde::Serialize;
 
 /// Dead times of the rig (ms).
 pub const DEAD_TIMES_MS: [u16; 5] = [1, 2, 5, 10, 15];
+
+/// Dead times at which what takes long is asked (ms).
+const LONG_AT_MS: [u16; 3] = [1, 5, 15];
 
 /// What is asked of a compensator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,6 +26,8 @@ pub struct Question {
     pub perturbed_rigs: u64,
     /// Whether critical speeds are asked for.
     pub critical_speeds: bool,
+    /// Dead times at which perturbed rigs and critical speeds are asked for (ms).
+    pub long_at_ms: Vec<u16>,
     /// How critical speeds are approached from below, if they are.
     pub climb: Option<Climb>,
 }
@@ -32,7 +38,8 @@ const CLIMB: Climb = Climb {
     step_kmh: 5.0,
     margin: 0.03,
     release: Release {
-        offset_m: 4e-3,
+        burst_m: BURST_M,
+        burst_hz: 3.4,
         window_m: [0.5e-3, 2.5e-3],
         watched_s: 8.0,
         stroke_limit_m: 6e-3,
@@ -48,8 +55,14 @@ impl Question {
             dead_times_ms: DEAD_TIMES_MS.to_vec(),
             perturbed_rigs: RIGS,
             critical_speeds: true,
+            long_at_ms: LONG_AT_MS.to_vec(),
             climb: Some(CLIMB),
         }
+    }
+
+    /// Whether perturbed rigs are asked for with a damper at a dead time (ms).
+    pub(super) fn has_rigs(&self, damper: Condition, dead_time_ms: u16) -> bool {
+        self.perturbed_rigs > 0 && damper.has_aims() && self.long_at_ms.contains(&dead_time_ms)
     }
 
     /// One dead time on the nominal rig, new and worn, without critical speeds: seconds.
@@ -60,6 +73,7 @@ impl Question {
             dead_times_ms: vec![5],
             perturbed_rigs: 0,
             critical_speeds: false,
+            long_at_ms: Vec::new(),
             climb: None,
         }
     }

@@ -43,7 +43,7 @@ impl Regime {
     pub const fn times_s(self) -> [f64; 2] {
         match self {
             Self::Track => [4.0, 12.0],
-            Self::Hunting => [11.0, 5.0],
+            Self::Hunting => [20.0, 5.0],
         }
     }
 

@@ -4,15 +4,15 @@
 //! ln |p[i]| = c - d t[i]        p[i]: extremes of the half cycles of a damper's extension
 //!                               d:    decay rate (1/s), by least squares
 //! ```
-//! All wheelsets start off the middle of perfect track. The half cycles whose extremes lie in a
+//! A short sine of alignment sets the vehicle swinging, and it rings down on the perfect track behind
+//! it. The half cycles whose extremes lie in a
 //! window of amplitudes count, from the first below its upper end to the last above its lower end. A
 //! clearance and a relief valve make the damping depend on the amplitude, so a decay rate belongs to
 //! its window.
 
+use crate::critical_speed::{burst, burst_s, burst_track};
 use crate::error::StudyError;
 use crate::trip::{Equipped, Trip};
-use firmware_core::track::Track;
-use firmware_core::vehicle::BodyId;
 use scenario::run::CYCLE_S;
 use serde::Serialize;
 use signal::statistics::HalfCycles;
@@ -29,11 +29,13 @@ const DEAD_BAND: f64 = 0.2;
 /// How a vehicle is let ring down.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Release {
-    /// How far all wheelsets start off the middle of the track (m).
-    pub offset_m: f64,
+    /// Amplitude of the alignment that sets it swinging (m).
+    pub burst_m: f64,
+    /// Frequency at which it passes (Hz).
+    pub burst_hz: f64,
     /// Amplitudes of the extension that count (m): lower and upper end.
     pub window_m: [f64; 2],
-    /// Time for which it is watched (s).
+    /// Time for which it is watched behind that (s).
     pub watched_s: f64,
     /// The most that a ram may move from the middle (m); a ring-down ends there.
     pub stroke_limit_m: f64,
@@ -65,13 +67,14 @@ impl RingDown {
         release: &Release,
         kmh: f64,
     ) -> Result<Option<Self>, StudyError> {
-        let track = Track::default();
-        let trip = Trip::new(equipped, &track, kmh / 3.6, SUBSTEPS);
-        let offset = |axle: &firmware_core::vehicle::Axle| (axle.body, release.offset_m);
-        let offsets: Vec<(BodyId, f64)> = equipped.vehicle.axles.iter().map(offset).collect();
-        let mut state = trip.begin(&offsets)?;
+        let speed_m_per_s = kmh / 3.6;
+        let samples = burst(speed_m_per_s / release.burst_hz, release.burst_m);
+        let track = burst_track(&samples);
+        let trip = Trip::new(equipped, &track, speed_m_per_s, SUBSTEPS);
+        let mut state = trip.begin(&[])?;
+        let set_off_s = burst_s(release.burst_hz, speed_m_per_s);
         let (mut extension_m, mut largest_m) = (Vec::new(), 0.0_f64);
-        let on_track = trip.go_with_rigs(&mut state, release.watched_s, |state| {
+        let on_track = trip.go_with_rigs(&mut state, set_off_s + release.watched_s, |state| {
             let motions = trip.damper_motions(&state.line);
             let first_m = motions.first().map_or(0.0, |motion| motion.displacement_m);
             extension_m.push(first_m);
@@ -85,7 +88,9 @@ impl RingDown {
         if !on_track || largest_m > release.stroke_limit_m {
             return Ok(None);
         }
-        Ok(Self::seen(&extension_m, release, (kmh, largest_m)))
+        let behind = (set_off_s / CYCLE_S) as usize;
+        let behind_m = extension_m.get(behind..).unwrap_or_default();
+        Ok(Self::seen(behind_m, release, (kmh, largest_m)))
     }
 
     /// That of an extension from cycle to cycle (m).
@@ -124,8 +129,13 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    const RELEASE: Release =
-        Release { offset_m: 0.0, window_m: [0.5e-3, 2e-3], watched_s: 6.0, stroke_limit_m: 1.0 };
+    const RELEASE: Release = Release {
+        burst_m: 0.0,
+        burst_hz: 3.3,
+        window_m: [0.5e-3, 2e-3],
+        watched_s: 6.0,
+        stroke_limit_m: 1.0,
+    };
 
     fn fading(decay_per_s: f64, hz: f64) -> Vec<f64> {
         let at = |n: u32| {
