@@ -24,7 +24,7 @@ use std::f64::consts::TAU;
 /// Frequencies with which the burst shakes the vehicle (Hz).
 const BURST_HZ: [f64; 5] = [1.5, 2.2, 2.8, 3.4, 4.2];
 /// Its amplitude (m).
-pub(crate) const BURST_M: f64 = 8e-3;
+const BURST_M: f64 = 8e-3;
 /// Its length (cycles).
 const BURST_CYCLES: f64 = 8.0;
 /// Where it begins (m).

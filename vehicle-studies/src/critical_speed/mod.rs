@@ -28,7 +28,7 @@ mod text;
 pub use answer::{CriticalSpeeds, Point};
 pub use ascent::{Ascent, OnTrack, offset_wheelset, set_off};
 pub use bracket::Critical;
-pub(crate) use fold::{BURST_M, burst, burst_s, burst_track};
+pub(crate) use fold::{burst, burst_s, burst_track};
 pub use fold::{CyclePoint, Fold};
 pub use hunting::Hunting;
 pub use linear::{AtSpeed, LinearSpeed, Mode, STROKES_M};

@@ -24,6 +24,12 @@ impl Candidate {
         }
     }
 
+    /// Whether it compensates at all: without that there is nothing that could suit one rig better
+    /// than another.
+    pub(super) const fn compensates(&self) -> bool {
+        !matches!(self, Self::Ours(Ours::None))
+    }
+
     /// Rigs with a dead time (ms) in all slots, with this compensator. It knows the data sheet of
     /// the nominal rig and the frequency of hunting (Hz), whatever rig it is put on.
     pub(super) fn rigs(

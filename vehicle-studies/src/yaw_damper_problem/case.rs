@@ -147,9 +147,9 @@ impl<'a> Case<'a> {
         Ok(Fold::of(&equipped, &self.procedure(FINE_KMH))?.dies)
     }
 
-    /// How the critical speed is asked for: from a little above the speed of hunting down.
+    /// How the critical speed is asked for.
     fn procedure(&self, resolution_kmh: f64) -> Procedure {
-        let to_kmh = self.condition.hunting_kmh() + FROM_ABOVE_KMH;
+        let to_kmh = self.condition.from_above_kmh();
         let from_kmh = to_kmh - RANGE_KMH;
         Procedure { from_kmh, to_kmh, resolution_kmh, hold_s: HOLD_S, ..Procedure::default() }
     }
@@ -159,8 +159,7 @@ impl<'a> Case<'a> {
 const RESOLUTION_KMH: f64 = 0.5;
 /// The same where two of them are subtracted.
 const FINE_KMH: f64 = 0.1;
-/// The highest speed above that of the regime `hunting`, and the range below it (km/h).
-const FROM_ABOVE_KMH: f64 = 5.0;
+/// Range of speeds that is searched (km/h).
 const RANGE_KMH: f64 = 100.0;
 /// Time at each speed (s).
 const HOLD_S: f64 = 8.0;

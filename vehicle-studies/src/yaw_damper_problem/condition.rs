@@ -38,13 +38,23 @@ impl Condition {
         matches!(self, Self::New | Self::Worn)
     }
 
-    /// Speed at which it hunts (km/h): above its critical speed, so that the limit cycle stays
-    /// where the damping is a few per cent off.
+    /// Speed at which it hunts (km/h): so far above its critical speed that all runs settle in the
+    /// same limit cycle. Nearer to it a cycle in which one bogie moves more than the other exists
+    /// beside it, and cycles whose size varies slowly.
     pub const fn hunting_kmh(self) -> f64 {
         match self {
             Self::New => 265.0,
-            Self::Worn => 235.0,
+            Self::Worn => 280.0,
             Self::Soft => 255.0,
+        }
+    }
+
+    /// Speed from which its hunting is followed down to the critical speed (km/h).
+    pub const fn from_above_kmh(self) -> f64 {
+        match self {
+            Self::New => 260.0,
+            Self::Worn => 220.0,
+            Self::Soft => 240.0,
         }
     }
 

@@ -1,5 +1,6 @@
 //! The runs that a question asks for, each of which can be done on a core of its own.
 
+use super::candidate::Candidate;
 use super::errors::Errors;
 use super::from_below::{Climb, FromBelow};
 use super::question::Question;
@@ -61,12 +62,12 @@ impl Job {
     }
 
     /// All jobs of a question, the long ones first.
-    pub(super) fn all(question: &Question, cases: usize, candidates: usize) -> Vec<Self> {
-        let Question { dead_times_ms, perturbed_rigs, critical_speeds, long_at_ms, climb, .. } =
-            question;
+    pub(super) fn all(question: &Question, candidates: &[Candidate]) -> Vec<Self> {
+        let Question { dampers, dead_times_ms, critical_speeds, long_at_ms, climb, .. } = question;
+        let cases = dampers.len();
         let cells = || -> Vec<Cell> {
             let of_case = |case| {
-                (0..candidates).flat_map(move |candidate| {
+                (0..candidates.len()).flat_map(move |candidate| {
                     dead_times_ms.iter().map(move |dead| (case, candidate, *dead))
                 })
             };
@@ -91,11 +92,10 @@ impl Job {
             jobs.extend(cells.map(Self::critical));
         }
         for cell in cells() {
-            let (case, _, dead_time_ms) = cell;
-            let damper = question.dampers.get(case);
-            let is_asked = damper.is_some_and(|damper| question.has_rigs(*damper, dead_time_ms));
-            let most = if is_asked { *perturbed_rigs } else { 0 };
-            for rig in 0..=most {
+            let (case, candidate, dead_time_ms) = cell;
+            let compensates = candidates[candidate].compensates();
+            let rigs = if compensates { question.rigs(dampers[case], dead_time_ms) } else { 0 };
+            for rig in 0..=rigs {
                 jobs.extend(REGIMES.map(|regime| Self::errors(cell, rig, regime)));
             }
         }

@@ -172,7 +172,7 @@ impl<'a> Problem<'a> {
         stop: &AtomicBool,
         done: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Answer, StudyError> {
-        let jobs = Job::all(question, self.cases.len(), candidates.len());
+        let jobs = Job::all(question, candidates);
         let count = AtomicUsize::new(0);
         let outcomes: Result<Vec<(Job, Outcome)>, StudyError> = jobs
             .par_iter()
@@ -232,6 +232,7 @@ impl<'a> Problem<'a> {
             for (candidate, named) in candidates.iter().enumerate() {
                 for dead_time_ms in &question.dead_times_ms {
                     let cell = (number, candidate, *dead_time_ms);
+                    let rigs = question.rigs(case.condition, *dead_time_ms);
                     let critical = found.critical(Job::critical(cell));
                     let kmh = |speed: Option<Critical>| speed.and_then(Critical::kmh);
                     scores.push(Score {
@@ -243,11 +244,10 @@ impl<'a> Problem<'a> {
                         critical_error_kmh: kmh(critical)
                             .zip(kmh(modelled.critical))
                             .map(|(own, other)| own - other),
-                        perturbed: question.has_rigs(case.condition, *dead_time_ms).then(|| {
+                        perturbed: (rigs > 0 && named.compensates()).then(|| {
                             in_regimes(|regime| {
-                                let rigs = 1..=question.perturbed_rigs;
                                 let of = |rig| found.errors(Job::errors(cell, rig, regime));
-                                Spread::of(&rigs.map(of).collect::<Vec<_>>())
+                                Spread::of(&(1..=rigs).map(of).collect::<Vec<_>>())
                             })
                         }),
                     });

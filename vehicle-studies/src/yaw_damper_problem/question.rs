@@ -4,14 +4,13 @@ use super::condition::{CONDITIONS, Condition};
 use super::from_below::Climb;
 use super::perturbed::RIGS;
 use super::ring_down::Release;
-use crate::critical_speed::BURST_M;
 use serde::Serialize;
 
 /// Dead times of the rig (ms).
 pub const DEAD_TIMES_MS: [u16; 5] = [1, 2, 5, 10, 15];
 
 /// Dead times at which what takes long is asked (ms).
-const LONG_AT_MS: [u16; 3] = [1, 5, 15];
+const LONG_AT_MS: [u16; 2] = [5, 15];
 
 /// What is asked of a compensator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -34,15 +33,15 @@ pub struct Question {
 
 /// How a critical speed is approached from below.
 const CLIMB: Climb = Climb {
-    from_kmh: 180.0,
-    step_kmh: 5.0,
-    margin: 0.03,
+    from_kmh: 150.0,
+    step_kmh: 2.5,
+    margin: 0.05,
     release: Release {
-        burst_m: BURST_M,
+        burst_m: 5e-3,
         burst_hz: 3.4,
-        window_m: [0.5e-3, 2.5e-3],
-        watched_s: 8.0,
-        stroke_limit_m: 6e-3,
+        window_m: [1e-3, 4e-3],
+        watched_s: 6.0,
+        stroke_limit_m: 12e-3,
     },
 };
 
@@ -60,9 +59,10 @@ impl Question {
         }
     }
 
-    /// Whether perturbed rigs are asked for with a damper at a dead time (ms).
-    pub(super) fn has_rigs(&self, damper: Condition, dead_time_ms: u16) -> bool {
-        self.perturbed_rigs > 0 && damper.has_aims() && self.long_at_ms.contains(&dead_time_ms)
+    /// How many perturbed rigs are asked for with a damper at a dead time (ms).
+    pub(super) fn rigs(&self, damper: Condition, dead_time_ms: u16) -> u64 {
+        let is_asked = damper.has_aims() && self.long_at_ms.contains(&dead_time_ms);
+        if is_asked { self.perturbed_rigs } else { 0 }
     }
 
     /// One dead time on the nominal rig, new and worn, without critical speeds: seconds.
