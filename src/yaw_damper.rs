@@ -1,5 +1,5 @@
-//! `yawbench rths-benchmark --yaw-damper`: our reference problem, for our compensators and for those
-//! of others.
+//! `yawbench rths-benchmark --yaw-damper`: our reference problem, for our compensators and for
+//! those of others.
 
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
@@ -24,8 +24,12 @@ const NAME: &str = "yaw-damper-problem";
 #[derive(Debug, Args)]
 pub(crate) struct YawDamperArgs {
     /// The locomotive and its rig.
-    #[arg(long, value_name = "FILE", requires = "yaw_damper",
-        default_value = "scenarios/ss9-160kmh-servo-rig.toml")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "yaw_damper",
+        default_value = "scenarios/ss9-160kmh-servo-rig.toml"
+    )]
     scenario: PathBuf,
     /// One dead time on the nominal rig, without critical speeds: seconds instead of minutes.
     #[arg(long, requires = "yaw_damper", conflicts_with_all = ["problem", "command"])]
@@ -141,16 +145,11 @@ fn scored(args: &YawDamperArgs, seed: u64, json: bool) -> Result<ExitCode, Comma
     }
     let dampers = if args.problem { CONDITIONS.to_vec() } else { question.dampers.clone() };
     let problem = Problem::load(&args.scenario, &dampers, stop::flag())?;
-    let asked = Asked {
-        command: NAME,
-        question: &question,
-        is_problem_only: args.problem,
-        filter,
-    };
+    let asked = Asked { command: NAME, question: &question, is_problem_only: args.problem, filter };
     let identity = problem.identity(&asked)?;
     let (mut folder, changed) =
         ResultFolder::for_identity(args.out.as_deref(), NAME, NAME, &identity)?;
-    folder.check(&["rig.csv", "scores.json", "report.html"])?;
+    folder.check(&["scoring.csv", "scores.json", "report.html"])?;
     if let Some(changed) = changed {
         files::say!("note: {changed}");
     }
@@ -177,7 +176,8 @@ fn write_problem(
     question: &Question,
 ) -> Result<String, CommandError> {
     let mut names = Vec::new();
-    for (name, content) in problem.files(question.seed, Question::full(question.seed).perturbed_rigs)
+    for (name, content) in
+        problem.files(question.seed, Question::full(question.seed).perturbed_rigs)
     {
         folder.write(&name, &content)?;
         names.push(name);

@@ -23,12 +23,12 @@ fn others_score_a_filter_and_a_command_with_the_files_of_the_problem() {
     let files = in_folder(&place, "problem");
     let (code, printed, complained) = problem(&["--problem", "--out", &files]);
     assert_eq!((code, complained.as_str()), (Some(0), ""), "{printed}");
-    for name in ["rig.csv", "perturbed-rigs.csv", "scoring.csv", "wanted-worn-hunting.csv"] {
+    for name in ["rig-new.csv", "perturbed-rigs.csv", "scoring.csv", "wanted-worn-hunting.csv"] {
         assert!(printed.contains(name) && place.join("problem").join(name).is_file(), "{printed}");
     }
     let wanted = read(&place.join("problem/wanted-new-track.csv"));
     assert!(wanted.starts_with("time_s,displacement_m,velocity_m_per_s\n0,"), "{wanted:.100}");
-    assert_eq!(wanted.lines().count(), 20_001);
+    assert_eq!(wanted.lines().count(), 16_001);
     let rigs = read(&place.join("problem/perturbed-rigs.csv"));
     assert_eq!(rigs.lines().count(), 23, "{rigs}");
 
@@ -82,7 +82,7 @@ fn what_is_no_command_or_filter_is_one_line() {
             &open,
             "step.csv:3: found time 0.01 s, expected 0.001 s, steps of 1 ms from 0 s",
         ),
-        ("short.csv", &format!("{head}0,0\n"), &open, "short.csv: found 1 rows, expected 20000"),
+        ("short.csv", &format!("{head}0,0\n"), &open, "short.csv: found 1 rows, expected 25000"),
         ("no.csv", "b,a\n1,0\n", &closed, "no.csv: found 1 coefficients b and 1 a, expected"),
         ("grows.csv", "b,a\n1,1\n,-1.1\n", &closed, "grows.csv: found 1 coefficients b and 2 a"),
         ("b.csv", "b\n1\n", &closed, "b.csv:1: found no column a, expected b,a"),

@@ -91,8 +91,7 @@ impl DiscreteFilter {
             let b = self.b.get(place).copied().unwrap_or(0.0);
             let a = self.a.get(place - 1).copied().unwrap_or(0.0);
             let next = memory.get(place).copied().unwrap_or_default();
-            memory[place - 1] =
-                std::array::from_fn(|n| b * inputs[n] - a * outputs[n] + next[n]);
+            memory[place - 1] = std::array::from_fn(|n| b * inputs[n] - a * outputs[n] + next[n]);
         }
         if let Some(last) = memory.last_mut() {
             *last = [0.0; 2];

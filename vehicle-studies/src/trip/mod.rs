@@ -23,6 +23,7 @@ mod tests;
 pub mod track;
 
 use crate::error::StudyError;
+pub use filter::{COEFFICIENTS_MAX, DiscreteFilter};
 use firmware_core::command::Command;
 use firmware_core::damper::{Damper, DamperError};
 use firmware_core::lanes::Lanes;
@@ -31,9 +32,8 @@ use firmware_core::track::Track;
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Running, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
 use pace::Odometer;
-use rig_emulator::Reading;
-pub use filter::{COEFFICIENTS_MAX, DiscreteFilter};
 pub use pace::Pace;
+use rig_emulator::Reading;
 pub use rigs::Rigs;
 use rigs::{Emulated, RigState};
 use scenario::equilibrium::{self, NoEquilibrium};

@@ -18,9 +18,8 @@ const CRITERIA: [(&str, &str, fn(&Errors) -> f64); 3] = [
 /// no other.
 pub(super) fn of(scores: &[Score]) -> Vec<Aim> {
     let asked = scores.iter().any(|score| score.compensator == ASKED.name());
-    let is_asked = |score: &&Score| {
-        score.damper.has_aims() && (!asked || score.compensator == ASKED.name())
-    };
+    let is_asked =
+        |score: &&Score| score.damper.has_aims() && (!asked || score.compensator == ASKED.name());
     let asked: Vec<&Score> = scores.iter().filter(is_asked).collect();
     let Some(first) = asked.first() else { return Vec::new() };
     let on_rigs = asked.iter().any(|score| score.perturbed.is_some());

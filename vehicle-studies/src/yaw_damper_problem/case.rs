@@ -173,3 +173,26 @@ fn damped(nominal: &Nominal, factor: f64) -> Nominal {
         ..*nominal
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    static GO: AtomicBool = AtomicBool::new(false);
+
+    #[test]
+    fn dampers_on_rigs_without_any_lag_are_those_of_the_all_model_run() {
+        let scenario = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let scenario = scenario.join("../scenarios/ss9-160kmh-servo-rig.toml");
+        for condition in [Condition::New, Condition::Worn] {
+            let case = Case::load(&scenario, condition, &GO).unwrap();
+            let reference = case.reference(Regime::Track, FIRST_HZ).unwrap();
+            let rigid = RigSetup { fixture_m_per_n: 0.0, ..case.rig.clone() };
+            let rigs = Rigs::late_by(&rigid, 0.0, ALL).unwrap();
+            let found = case.errors(rigs, &reference).unwrap().unwrap();
+            // What 1 kHz costs: forces are held, and clearances are crossed between two cycles.
+            let [work, stroke, phase] = found.all().map(f64::abs);
+            assert!(work < 0.2 && stroke < 0.05 && phase < 0.05, "{condition:?}: {found:?}");
+        }
+    }
+}

@@ -27,8 +27,8 @@ const STROKE_M: f64 = 4.0e-3;
 const SPEED_M_PER_S: f64 = 0.1;
 /// Cycles of 1 ms that are let pass, and that are measured.
 const CYCLES: [u32; 2] = [2000, 2000];
-/// Frequencies that a series is fitted to (Hz): those of the motion of a yaw damper. At lower ones a
-/// relief valve loads the rig like dry friction, which no series follows.
+/// Frequencies that a series is fitted to (Hz): those of the motion of a yaw damper. At lower ones
+/// a relief valve loads the rig like dry friction, which no series follows.
 const FITTED_HZ: [f64; 2] = [2.0, 6.0];
 
 /// How a rig answers one frequency.

@@ -12,9 +12,9 @@
 //! vehicle. A measurement of cycle `k` acts half a cycle after `x[k]` in the mean, which the phase
 //! counts as no delay.
 //!
-//! In the all-model run `y = x` and the phase is zero. Its forces act within the vehicle's substeps;
-//! their work is that of the same damper over the recorded motion, a cubic between two cycles, in
-//! quarters of a cycle.
+//! In the all-model run `y = x` and the phase is zero. Its forces act within the vehicle's
+//! substeps; their work is that of the same damper over the recorded motion, a cubic between two
+//! cycles, in quarters of a cycle.
 //!
 //! In the limit cycle sums go over whole cycles of the first damper. Over irregular track the phase
 //! is that of the cross spectrum (Welch, two seconds, Hann).

@@ -1,9 +1,10 @@
 //! The two regimes in which a coupled run is compared with the all-model run.
 //!
-//! | regime | track | compared |
-//! | --- | --- | --- |
-//! | `track` | class-6 track from end to end, at the speed of the scenario | 12 s behind a run-in: both runs are forced by the same track |
-//! | `hunting` | 300 m of class-6 track, then perfect track, above the critical speed | the limit cycle, once it has settled: nothing but its size and frequency is left of the start |
+//! - `track`: class-6 track from end to end, at the speed of the scenario. Both runs are forced by
+//!   the same track; 12 s behind a run-in are compared.
+//! - `hunting`: 300 m of class-6 track, then perfect track, far above the critical speed. The limit
+//!   cycle is compared once it has settled: nothing but its size and frequency is left of the
+//!   start.
 
 use crate::trip::track::rough_start;
 use firmware_core::track::Layout;

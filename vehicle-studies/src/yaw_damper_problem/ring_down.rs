@@ -4,11 +4,10 @@
 //! ln |p[i]| = c - d t[i]        p[i]: extremes of the half cycles of a damper's extension
 //!                               d:    decay rate (1/s), by least squares
 //! ```
-//! A short sine of alignment sets the vehicle swinging, and it rings down on the perfect track behind
-//! it. The half cycles whose extremes lie in a
-//! window of amplitudes count, from the first below its upper end to the last above its lower end. A
-//! clearance and a relief valve make the damping depend on the amplitude, so a decay rate belongs to
-//! its window.
+//! A short sine of alignment sets the vehicle swinging, and it rings down on the perfect track
+//! behind it. The half cycles whose extremes lie in a window of amplitudes count, from the first
+//! below its upper end to the last above its lower end. A clearance and a relief valve make the
+//! damping depend on the amplitude, so a decay rate belongs to its window.
 
 use crate::critical_speed::{burst, burst_s, burst_track};
 use crate::error::StudyError;
@@ -37,7 +36,7 @@ pub struct Release {
     pub window_m: [f64; 2],
     /// Time for which it is watched behind that (s).
     pub watched_s: f64,
-    /// The most that a ram may move from the middle (m); a ring-down ends there.
+    /// The most that a ram may move from the middle (m); a ring-down beyond it does not count.
     pub stroke_limit_m: f64,
 }
 

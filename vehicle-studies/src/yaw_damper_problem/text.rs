@@ -8,13 +8,13 @@ use report::{Cell, Table};
 pub(super) const CONDITIONS: [&str; 5] = [
     "emulated rig: servo-hydraulic with a dead time in series; all four dampers behind rigs; no \
      number here is of a real one",
-    "track: class-6 track at the speed of the scenario, 16 s; hunting: the limit cycle above the \
-     critical speed, 6 s",
-    "work: that which the measured forces take from the vehicle per cycle of hunting; stroke: of the \
-     dampers on their rigs; phase: of the rig at the frequency of hunting, negative where it is late; \
-     all against the run with all dampers modelled",
-    "critical speed: the one below which no hunting stays, met within 0.5 km/h; from 150 to 280 km/h",
-    "lost: the vehicle left the track, or its limit cycle died",
+    "track: class-6 track at the speed of the scenario, 12 s; hunting: the limit cycle far above the \
+     critical speed, 5 s",
+    "work: what the measured forces take from the vehicle per cycle of hunting; stroke: of the \
+     dampers on their rigs; phase: of the rig at the frequency of hunting, negative where it is \
+     late; all against the run with all dampers modelled",
+    "critical: the speed below which no hunting stays, met within 0.5 km/h",
+    "an empty cell: not asked for, or the vehicle left the track or lost its limit cycle",
 ];
 
 /// The answer as text for a terminal.
@@ -80,10 +80,7 @@ fn modelled(answer: &Answer) -> Table {
 
 /// The columns of errors in a regime.
 fn with_errors(table: Table, regime: &str) -> Table {
-    table
-        .fixed(&format!("{regime}: work"), "%", 2)
-        .fixed("stroke", "%", 2)
-        .fixed("phase", "deg", 3)
+    table.fixed(&format!("{regime}: work"), "%", 2).fixed("stroke", "%", 2).fixed("phase", "deg", 3)
 }
 
 /// The cells of errors; empty where there are none.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 mod changed_files;
+mod from_below;
 mod late_rigs;
 mod no_dampers;
 mod stopped;
