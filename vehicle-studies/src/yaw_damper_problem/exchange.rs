@@ -62,11 +62,11 @@ fn command_of(columns: &Columns, rows: usize) -> Result<Vec<Command>, StudyError
             return Err(columns.wrong(row, format!("time {} s", number(*found_s)), &expected));
         }
     }
+    let displacements_m = columns.full(1)?.unwrap_or_default();
     if columns.rows() != rows {
         let expected = format!("{rows}, one for each of the wanted motion");
         return Err(columns.wrong_whole(format!("{} rows", columns.rows()), expected));
     }
-    let displacements_m = columns.full(1)?.unwrap_or_default();
     if let Some(row) = displacements_m.iter().position(|x| x.abs() > STROKE_M) {
         let found = format!("a displacement of {} m", number(displacements_m[row]));
         let expected = format!("at most {} m, the stroke of the rig", number(STROKE_M));

@@ -83,7 +83,7 @@ mod tests {
         let at = |cycle: usize| {
             let omega = TAU * HZ;
             let (sin, cos) = libm::sincos(omega * CYCLE_S * cycle as f64);
-            Command { displacement_m: 2e-3 * sin, velocity_m_per_s: 2e-3 * omega * cos }
+            Command { displacement_m: 4e-3 * sin, velocity_m_per_s: 4e-3 * omega * cos }
         };
         (0..Regime::Hunting.cycles()).map(at).collect()
     }

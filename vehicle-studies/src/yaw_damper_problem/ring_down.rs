@@ -141,7 +141,7 @@ mod tests {
             let t = f64::from(n) * CYCLE_S;
             4e-3 * libm::exp(-decay_per_s * t) * libm::cos(TAU * hz * t)
         };
-        (0..6000).map(at).collect()
+        (0..10_000).map(at).collect()
     }
 
     #[test]
