@@ -43,6 +43,7 @@ mod usage;
 mod validation;
 mod value;
 mod wear_map;
+mod yaw_damper;
 
 use clap::error::ErrorKind;
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -147,8 +148,11 @@ enum Command {
     )]
     Ride(ride::RideArgs),
     /// Run the virtual benchmark of real-time hybrid simulation with our delay compensators, and
-    /// with its own controller next to the published table.
-    #[command(after_help = "Example: yawbench rths-benchmark --record el-centro-1940.csv")]
+    /// with its own controller next to the published table; or our reference problem with a yaw
+    /// damper.
+    #[command(after_help = "Examples: yawbench rths-benchmark --record el-centro-1940.csv
+          yawbench rths-benchmark --yaw-damper --quick
+          yawbench rths-benchmark --yaw-damper --filter filter.csv --dead-time-ms 5")]
     RthsBenchmark(rths_benchmark::RthsBenchmarkArgs),
     /// Assess the vehicle of a scenario in its curve: guiding forces, derailment, wheel load, wear,
     /// stability. The duration of the scenario is not used.

@@ -1,11 +1,12 @@
 //! `yawbench rths-benchmark`: the virtual benchmark of real-time hybrid simulation, with its own
-//! controller and with our compensators.
+//! controller and with our compensators; or, with `--yaw-damper`, our reference problem.
 
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::output::print;
 use crate::progress::{bar, show};
 use crate::stop;
+use crate::yaw_damper::{self, YawDamperArgs};
 use clap::Args;
 use files::number;
 use report::{Cell, Table};
@@ -29,6 +30,11 @@ pub(crate) struct RthsBenchmarkArgs {
     /// Print the numbers as JSON.
     #[arg(long)]
     json: bool,
+    /// Our reference problem instead: a locomotive with its yaw dampers on emulated rigs.
+    #[arg(long, conflicts_with = "record")]
+    yaw_damper: bool,
+    #[command(flatten)]
+    of_yaw_damper: YawDamperArgs,
 }
 
 /// What `--json` prints.
@@ -47,6 +53,9 @@ struct Printed<'a> {
 /// # Errors
 /// A record that cannot be read or is none.
 pub(crate) fn command(args: &RthsBenchmarkArgs) -> Result<ExitCode, CommandError> {
+    if args.yaw_damper {
+        return yaw_damper::command(&args.of_yaw_damper, args.seed, args.json);
+    }
     let record = match &args.record {
         Some(file) => Record::read(file)?,
         None => Record::synthetic(args.seed, rths::SYNTHETIC_DURATION_S),

@@ -51,3 +51,4 @@ mod several_rigs;
 mod stale_answers;
 mod system_calls;
 mod watch;
+mod yaw_damper_problem;

@@ -1,6 +1,6 @@
 //! Why a study cannot be asked, or a point has no answer.
 
-use files::quoted;
+use files::{InputError, quoted};
 use firmware_core::damper::DamperError;
 use scenario::equilibrium::NoEquilibrium;
 use scenario::source::ScenarioError;
@@ -13,6 +13,19 @@ use std::path::{Path, PathBuf};
 pub enum StudyError {
     /// A scenario that cannot be read.
     Scenario(ScenarioError),
+    /// A table of a user that cannot be read.
+    Input(InputError),
+    /// A table of a user that does not fit.
+    Table {
+        /// The file.
+        file: PathBuf,
+        /// Its line, from one; none for the file as a whole.
+        line: Option<usize>,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
     /// A damper that cannot be.
     Damper(DamperError),
     /// A vehicle that does not run steadily.
@@ -35,6 +48,8 @@ pub enum StudyError {
     NoCurve,
     /// A track without irregularity.
     NoIrregularity,
+    /// A vehicle that does not do what it is compared with: its dampers, what it should do.
+    NoReference(&'static str, &'static str),
     /// No body with this name: expected, the names there are.
     NoBody(&'static str, Vec<String>),
     /// An error in a file that does not name it.
@@ -82,12 +97,15 @@ impl StudyError {
             | Self::Changed(..) => false,
             Self::Signal(why) => why.is_bad_input(),
             Self::Scenario(_)
+            | Self::Input(_)
+            | Self::Table { .. }
             | Self::Damper(_)
             | Self::NoDamper
             | Self::OtherBogie(..)
             | Self::NoDelay(_)
             | Self::NoCurve
             | Self::NoIrregularity
+            | Self::NoReference(..)
             | Self::NoBody(..)
             | Self::NoAxis(_)
             | Self::AxisCount(..)
@@ -103,6 +121,12 @@ impl fmt::Display for StudyError {
         let shown = |path: &Path| path.display().to_string();
         match self {
             Self::Scenario(why) => why.fmt(f),
+            Self::Input(why) => why.fmt(f),
+            Self::Table { file, line, found, expected } => {
+                let file = shown(file);
+                let place = line.map_or_else(String::new, |line| format!(":{line}"));
+                write!(f, "{}{place}: found {found}, expected {expected}", quoted(&file))
+            }
             Self::Damper(why) => why.fmt(f),
             Self::NoSteadyRunning(why) => why.fmt(f),
             Self::Signal(why) => why.fmt(f),
@@ -124,6 +148,11 @@ impl fmt::Display for StudyError {
             Self::NoIrregularity => {
                 write!(f, "the track has no irregularity, expected [track.irregularity]")
             }
+            Self::NoReference(damper, regime) => write!(
+                f,
+                "all-model run, {damper} dampers, {regime}: found no steady motion to compare with, \
+                 expected one on the track"
+            ),
             Self::NoBody(name, names) => {
                 write!(f, "no body is named \"{name}\", found {}", quoted(&names.join(", ")))
             }
@@ -163,6 +192,12 @@ impl std::error::Error for StudyError {}
 impl From<ScenarioError> for StudyError {
     fn from(why: ScenarioError) -> Self {
         Self::Scenario(why)
+    }
+}
+
+impl From<InputError> for StudyError {
+    fn from(why: InputError) -> Self {
+        Self::Input(why)
     }
 }
 

@@ -9,6 +9,7 @@
 //! | --- | --- |
 //! | [`trip`] | a vehicle under way: on one track at one speed, recorded at 1 kHz |
 //! | [`critical_speed`], [`rig_delay`], [`ride`], [`curve`] | the questions, each with its text and its page |
+//! | [`yaw_damper_problem`] | the reference problem for compensators: coupled runs against the all-model run |
 //! | [`modes`], `describing_function` | linear vibrations, with a damper as stiffness and damping |
 //! | [`receptance`] | poles and residues of the vehicle at the places of its dampers |
 //! | `one_force` | scenarios that no study of hunting or ride fits |
@@ -36,6 +37,7 @@ pub mod ride;
 pub mod rig_delay;
 pub mod study;
 pub mod trip;
+pub mod yaw_damper_problem;
 
 pub use error::StudyError;
 pub use over_seeds::OverSeeds;

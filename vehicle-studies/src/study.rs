@@ -24,7 +24,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 /// Hash over the sources of the crates that compute the answers, made by the build script.
-const PROGRAM: &str = env!("VEHICLE_STUDIES_SOURCES");
+pub(crate) const PROGRAM: &str = env!("VEHICLE_STUDIES_SOURCES");
 
 /// A question about a vehicle: how it is asked, what the answer is and how it is shown. Serialised,
 /// it is every number that the answers depend on apart from the scenario and its grid.

@@ -105,19 +105,11 @@ fn swinging(
     let shaken: Result<Vec<(Hunting, TripState)>, StudyError> = BURST_HZ
         .par_iter()
         .map(|burst_hz| {
-            let samples = burst(speed_m_per_s / burst_hz);
-            let track = Track {
-                layout: Layout::tangent(),
-                irregularity: Irregularity {
-                    samples: &samples,
-                    step_m: SAMPLE_M,
-                    ..Irregularity::default()
-                },
-            };
+            let samples = burst(speed_m_per_s / burst_hz, BURST_M);
+            let track = burst_track(&samples);
             let trip = Trip::new(equipped, &track, speed_m_per_s, procedure.substeps);
             let mut state = trip.begin(&[])?;
-            let burst_s = BURST_CYCLES / burst_hz + BURST_FROM_M / speed_m_per_s;
-            let times = [burst_s + procedure.hold_s, procedure.watched_s];
+            let times = [burst_s(*burst_hz, speed_m_per_s) + procedure.hold_s, procedure.watched_s];
             Ok((after(&trip, &mut state, times)?, state))
         })
         .collect();
@@ -131,14 +123,27 @@ fn swinging(
     shaken.into_iter().next().ok_or_else(|| none.into())
 }
 
-/// A sine of alignment that grows and fades over its length.
-fn burst(wavelength_m: f64) -> Vec<IrregularitySample> {
+/// Time until a burst of a frequency (Hz) is passed at a speed (m/s).
+pub(crate) fn burst_s(burst_hz: f64, speed_m_per_s: f64) -> f64 {
+    BURST_CYCLES / burst_hz + BURST_FROM_M / speed_m_per_s
+}
+
+/// The track of a burst, perfect behind it.
+pub(crate) fn burst_track(samples: &[IrregularitySample]) -> Track<'_> {
+    Track {
+        layout: Layout::tangent(),
+        irregularity: Irregularity { samples, step_m: SAMPLE_M, ..Irregularity::default() },
+    }
+}
+
+/// A sine of alignment of an amplitude (m) that grows and fades over its length.
+pub(crate) fn burst(wavelength_m: f64, amplitude_m: f64) -> Vec<IrregularitySample> {
     let length_m = BURST_CYCLES * wavelength_m;
     let count = ((BURST_FROM_M + length_m) / SAMPLE_M) as usize;
     let samples = (0..count).map(|index| {
         let along_m = index as f64 * SAMPLE_M - BURST_FROM_M;
         let envelope = libm::sin(0.5 * TAU * (along_m / length_m).clamp(0.0, 1.0));
-        let alignment_m = BURST_M * envelope * libm::sin(TAU * along_m / wavelength_m);
+        let alignment_m = amplitude_m * envelope * libm::sin(TAU * along_m / wavelength_m);
         IrregularitySample { alignment_m, ..IrregularitySample::default() }
     });
     samples.collect()

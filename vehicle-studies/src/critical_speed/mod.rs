@@ -29,6 +29,7 @@ pub use answer::{CriticalSpeeds, Point};
 pub use ascent::{Ascent, OnTrack, offset_wheelset, set_off};
 pub use bracket::Critical;
 pub use fold::{CyclePoint, Fold};
+pub(crate) use fold::{burst, burst_s, burst_track};
 pub use hunting::Hunting;
 pub use linear::{AtSpeed, LinearSpeed, Mode, STROKES_M};
 pub use procedure::{Criterion, Procedure};

@@ -5,7 +5,8 @@
 //! in software: `2a` adds up, compliances add up. With a clearance of a metre
 //! (`damper.clearance_2a_m = 1.0`) a damper never touches: that is a trip with dampers taken off.
 //!
-//! [`Rigs`] put some of its dampers behind emulated rigs instead, whose force is late.
+//! [`Rigs`] put some of its dampers behind emulated rigs instead, with a compensator or with a
+//! [`DiscreteFilter`] of somebody else's.
 //!
 //! A trip ends early with [`StudyError::Stopped`] when the flag of its vehicle is set
 //! ([`Equipped::until`]).
@@ -13,6 +14,7 @@
 //! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on, [`Pace`] is
 //! how fast trips are.
 
+mod filter;
 mod pace;
 mod rigs;
 pub mod signals;
@@ -21,13 +23,17 @@ mod tests;
 pub mod track;
 
 use crate::error::StudyError;
+pub use filter::{COEFFICIENTS_MAX, DiscreteFilter};
+use firmware_core::command::Command;
 use firmware_core::damper::{Damper, DamperError};
+use firmware_core::lanes::Lanes;
 use firmware_core::line::{DelayBlocks, Fade, Line, LineState, Slot};
 use firmware_core::track::Track;
-use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Vehicle};
+use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Running, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
 use pace::Odometer;
 pub use pace::Pace;
+use rig_emulator::Reading;
 pub use rigs::Rigs;
 use rigs::{Emulated, RigState};
 use scenario::equilibrium::{self, NoEquilibrium};
@@ -188,6 +194,11 @@ impl TripState {
     pub fn delays(&self) -> impl Iterator<Item = &DelayBlocks> {
         self.rigs.iter().map(|rig| &rig.delay)
     }
+
+    /// What the rigs have measured in the last cycle, in slot order; none before the first.
+    pub fn readings(&self) -> impl Iterator<Item = Option<Reading>> {
+        self.rigs.iter().map(|rig| rig.reading)
+    }
 }
 
 impl<'a> Trip<'a> {
@@ -262,6 +273,19 @@ impl<'a> Trip<'a> {
         duration_s: f64,
         mut see: impl FnMut(&LineState),
     ) -> Result<bool, StudyError> {
+        self.go_with_rigs(state, duration_s, |state| see(&state.line))
+    }
+
+    /// The same, and passes the rigs too.
+    ///
+    /// # Errors
+    /// As for [`Trip::go`].
+    pub fn go_with_rigs(
+        &self,
+        state: &mut TripState,
+        duration_s: f64,
+        mut see: impl FnMut(&TripState),
+    ) -> Result<bool, StudyError> {
         let cycles = libm::round(duration_s / CYCLE_S) as u64;
         let began = Instant::now();
         let mut done = 0;
@@ -277,11 +301,31 @@ impl<'a> Trip<'a> {
             if state.line.is_safe() {
                 break;
             }
-            see(&state.line);
+            see(state);
             done += 1;
         }
         self.equipped.odometer.count(done, began.elapsed());
         stopped.map(|()| done == cycles)
+    }
+
+    /// Extension of every damper slot from mid-stroke, and its rate, at the end of the last cycle.
+    pub fn damper_motions(&self, state: &LineState) -> [Command; DAMPER_SLOTS] {
+        let line = &self.line;
+        let running = Running {
+            speed_m_per_s: Lanes([line.speed_m_per_s]),
+            track: line.track,
+            contact: line.contact,
+            substep_s: line.cycle_s / f64::from(line.substeps),
+        };
+        let motions = line.vehicle.damper_motions(&state.vehicle, &running);
+        let mut found = [Command::default(); DAMPER_SLOTS];
+        for ((found, (extension, rate)), slot) in found.iter_mut().zip(motions).zip(&state.slots) {
+            *found = Command {
+                displacement_m: extension.lane(0) - slot.mid_stroke_m,
+                velocity_m_per_s: rate.lane(0),
+            };
+        }
+        found
     }
 
     /// The vehicle.

@@ -4,15 +4,19 @@
 //! cycle k    vehicle step, forces held -> command -> rig -> displacement and force
 //! cycle k+1  vehicle step with this force
 //! ```
-//! The order is that of a run on the memory bus. The rig is ideal: its ram is late by a set time
-//! and nothing else, its fixture is that of the scenario's rig. The force of a rig whose ram is
-//! half a cycle late has no delay in the mean ([`firmware_core::line`]). A force that is early is
-//! that of a compensator that extrapolates too far, on a ram half a cycle late.
+//! The order is that of a run on the memory bus. The force of a rig whose ram is half a cycle late
+//! has no delay in the mean ([`firmware_core::line`]).
 //!
-//! Limits: values are not rounded to the steps of frames, sensors have no noise, and commands have
-//! no limits.
+//! [`Rigs::late_by`] are ideal: their rams are late by a set time and nothing else, their fixture is
+//! that of the scenario's rig, their sensors have no noise. A force that is early is that of a
+//! compensator that extrapolates too far, on a ram half a cycle late. [`Rigs::compensated`] are any
+//! rig with any compensator, and [`Rigs::filtered`] one whose command comes from a linear filter of
+//! the wanted motion.
+//!
+//! Limits: values are not rounded to the steps of frames, and commands have no limits.
 
 use super::TripState;
+use super::filter::{DiscreteFilter, FilterState};
 use firmware_core::compensation::{Answer, Compensator, Feedforward};
 use firmware_core::damper::Damper;
 use firmware_core::guard::ForceInput;
@@ -28,13 +32,15 @@ const RAM_DELAY_S: f64 = -KNOWN_DELAY_CYCLES * CYCLE_S;
 /// Order of the polynomial of a compensator.
 const ORDER: u8 = 2;
 
-/// Rigs that are all late by the same time.
+/// Rigs that are all alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rigs {
     /// Delay of the force (s); negative where it is early.
     delay_s: f64,
     rig: RigSetup,
     compensator: Compensator,
+    /// What makes the command of the wanted motion in the place of the compensator.
+    filter: Option<DiscreteFilter>,
     slots: [bool; DAMPER_SLOTS],
 }
 
@@ -50,7 +56,22 @@ impl Rigs {
             Compensator::None
         };
         let rig = RigSetup { force_noise_n: 0.0, displacement_noise_m: 0.0, ..rig };
-        Some(Self { delay_s, rig, compensator, slots })
+        Some(Self { delay_s, rig, compensator, filter: None, slots })
+    }
+
+    /// Rigs like `rig` in some slots, each with its own noise, with a compensator that makes up for
+    /// them. Eigenvalues take them for rigs without delay.
+    pub fn compensated(
+        rig: &RigSetup,
+        compensator: Compensator,
+        slots: [bool; DAMPER_SLOTS],
+    ) -> Self {
+        Self { delay_s: 0.0, rig: rig.clone(), compensator, filter: None, slots }
+    }
+
+    /// The same with a linear filter in the place of a compensator.
+    pub fn filtered(rig: &RigSetup, filter: DiscreteFilter, slots: [bool; DAMPER_SLOTS]) -> Self {
+        Self { filter: Some(filter), ..Self::compensated(rig, Compensator::None, slots) }
     }
 
     /// Whether the damper of a slot is behind a rig.
@@ -76,7 +97,8 @@ impl Rigs {
     /// The rig of a slot with its damper.
     pub(super) fn emulated(&self, slot: usize, damper: &Damper) -> Emulated {
         let rig = RigSetup { damper: damper.clone(), ..self.rig.clone() };
-        Emulated { slot, emulator: Emulator::new(&rig, CYCLE_S, slot as u64) }
+        let emulator = Emulator::new(&rig, CYCLE_S, slot as u64);
+        Emulated { slot, emulator, filter: self.filter.clone() }
     }
 }
 
@@ -85,6 +107,7 @@ impl Rigs {
 pub(super) struct Emulated {
     slot: usize,
     emulator: Emulator,
+    filter: Option<DiscreteFilter>,
 }
 
 /// What the rig of a slot remembers.
@@ -92,16 +115,18 @@ pub(super) struct Emulated {
 pub(super) struct RigState {
     emulator: EmulatorState,
     /// What it has measured in the last cycle.
-    reading: Option<Reading>,
+    pub(super) reading: Option<Reading>,
     /// The delay of its force.
     pub(super) delay: DelayBlocks,
+    filter: FilterState,
 }
 
 impl Emulated {
     /// Its ram in the middle.
     pub(super) fn start(&self) -> RigState {
         let emulator = self.emulator.start();
-        RigState { emulator, reading: None, delay: DelayBlocks::default() }
+        let filter = self.filter.as_ref().map(DiscreteFilter::start).unwrap_or_default();
+        RigState { emulator, reading: None, delay: DelayBlocks::default(), filter }
     }
 }
 
@@ -129,9 +154,13 @@ pub(super) fn step(line: &Line<'_>, rigs: &[Emulated], state: &mut TripState) {
         let slot = &state.line.slots[rig.slot];
         let measured_m = memory.reading.map_or(f64::NAN, |reading| reading.displacement_m);
         memory.delay.take(slot.wanted.displacement_m, measured_m, CYCLE_S);
+        let command = match &rig.filter {
+            Some(filter) => filter.step(&mut memory.filter, slot.wanted),
+            None => slot.command,
+        };
         let command = Reference {
-            displacement_m: slot.command.displacement_m,
-            velocity_m_per_s: slot.command.velocity_m_per_s,
+            displacement_m: command.displacement_m,
+            velocity_m_per_s: command.velocity_m_per_s,
         };
         let reading = rig.emulator.cycle(&mut memory.emulator, Target::Follow(command));
         memory.reading = Some(reading);

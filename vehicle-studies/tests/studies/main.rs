@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 mod changed_files;
+mod from_below;
 mod late_rigs;
 mod no_dampers;
 mod stopped;
 mod support;
+mod yaw_damper;
