@@ -166,6 +166,7 @@ impl Line<'_> {
 
     /// The state at the start of a run, from a vehicle in steady motion: INIT, or RUN where no
     /// damper is on a rig.
+    #[expect(clippy::large_stack_arrays, reason = "once per run, where there is no heap")]
     pub fn start(&self, vehicle: VehicleState) -> LineState {
         self.assert_configured();
         debug_assert!(self.vehicle.check().is_ok(), "a vehicle that cannot run");

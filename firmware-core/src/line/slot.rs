@@ -17,6 +17,7 @@ const ROUNDING_SHARE: f64 = 0.8;
 
 /// Where the force of a slot comes from.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "four of them, made once, where there is no heap")]
 pub enum Slot {
     /// Nothing is mounted.
     Empty,

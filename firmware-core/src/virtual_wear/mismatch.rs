@@ -91,7 +91,7 @@ impl Scale {
     /// The share by which it is larger.
     fn share(&self) -> f64 {
         let held = FORCE_FLOOR_N * FORCE_FLOOR_N * FORGETTING_S;
-        (self.product / (self.square + held)).max(-SHARE_MAX).min(SHARE_MAX)
+        (self.product / (self.square + held)).clamp(-SHARE_MAX, SHARE_MAX)
     }
 }
 
