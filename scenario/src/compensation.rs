@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn every_kind_is_built_and_its_defaults_written_out_build_the_same() {
         let series = Series([1.0, 0.01, 5e-5, 0.0]);
-        let fixed = Compensator::Feedforward(Feedforward { series, known_delay_s: 0.0 });
+        let fixed = Compensator::Feedforward(Feedforward::inverse(series.0));
         let adaptive = Compensator::Adaptive(Adaptive::new(series, 60.0));
         for (text, expected) in [
             ("kind = \"none\"", Compensator::None),

@@ -1,11 +1,12 @@
 //! The system calls of the loop's thread, with a page and without.
 //!
 //! The test traces that thread alone, as `strace` does, by `ptrace`: it is stopped at every system
-//! call, and the number of the call is read. From the first tick of the clock to the last each
-//! cycle makes one call, the wait for its tick, in both cases. What this shows: whatever page, browser and recorder do, the loop's thread
-//! asks the kernel for the same things as often as without them; so it takes no lock that somebody
-//! else holds (a futex), writes nothing and starts nothing. What it does not show is the time that
-//! the processor and its caches lose to other threads: `yawbench rtcheck --serve` measures that.
+//! call, and the number of the call is read. From the first tick of the clock to the last, each
+//! cycle makes one call, the wait for its tick, in both cases. What this shows: whatever page,
+//! browser and recorder do, the loop's thread asks the kernel for the same things as often as
+//! without them; so it waits for no lock that somebody else holds (a futex), writes nothing and
+//! starts nothing. What it does not show is the time that the processor and its caches lose to
+//! other threads: `yawbench rtcheck --serve` measures that.
 
 use crate::support::command::{folder, read, repository, yawbench};
 use crate::support::live_page::ServedRun;

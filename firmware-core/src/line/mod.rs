@@ -297,6 +297,7 @@ impl Line<'_> {
 }
 
 #[cfg(all(test, debug_assertions))]
+#[expect(clippy::large_stack_arrays, reason = "slots of tests")]
 mod tests {
     use super::*;
     use crate::compensation::Compensator;

@@ -18,7 +18,9 @@ const KE: f64 = 12.5e6;
 fn damper(ke_n_per_m: f64, clearance_2a_m: f64, compliance_m_per_n: f64) -> Damper {
     let ke_n_per_m = 1.0 / (1.0 / ke_n_per_m + compliance_m_per_n);
     let clearance_2a_m = Nominal::NEW.clearance_2a_m + clearance_2a_m;
-    Damper::new(Nominal { ke_n_per_m, clearance_2a_m, ..Nominal::NEW }, &[]).unwrap()
+    let nominal = Nominal { ke_n_per_m, clearance_2a_m, ..Nominal::NEW };
+    let Ok(damper) = Damper::new(nominal, &[]) else { panic!("a damper") };
+    damper
 }
 
 /// The vehicle's motion in a cycle.
@@ -89,7 +91,7 @@ fn in_software(
     behaviour(|cycle| {
         let ahead = wear.step(&mut state, motion(cycle), reading, CYCLE_S);
         way.push_back(ahead.displacement_m);
-        let displacement_m = way.pop_front().unwrap();
+        let displacement_m = way.pop_front().unwrap_or(0.0);
         let force_n = on_rig.advance(&mut rig, Motion::new(displacement_m, 0.0), CYCLE_S);
         reading = arrives(cycle).then_some(Reading { displacement_m, force_n });
         force_n

@@ -133,8 +133,7 @@ function axes(canvas, [left, right], [bottom, top], label, isLog = false) {
     pen.fillText(words(value), x0 - 5, y(value) + 4);
   }
   pen.stroke();
-  pen.textAlign = "left";
-  pen.fillText(label, x0 + 4, y1 + 10);
+  pen.fillText(label, x1 - 4, y1 + 10);
   return { pen, x, y };
 }
 

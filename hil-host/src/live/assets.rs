@@ -1,5 +1,7 @@
 //! The page itself: a document, its style and its script, all of them in the program.
 
+use std::fmt::Write as _;
+
 /// What holds the token in the document.
 const TOKEN: &str = "TOKEN-OF-THIS-RUN";
 
@@ -14,9 +16,11 @@ pub(super) struct Assets {
 impl Assets {
     /// The page of a run with this token.
     pub(super) fn new(token: &str) -> Self {
-        let colours = report::PALETTE.iter().enumerate();
-        let colours: String =
-            colours.map(|(slot, colour)| format!("  --slot-{slot}: {colour};\n")).collect();
+        let mut colours = String::new();
+        for (slot, colour) in report::PALETTE.iter().enumerate() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(colours, "  --slot-{slot}: {colour};");
+        }
         Self {
             page: include_str!("../../assets/live/page.html").replace(TOKEN, token),
             style: format!(":root {{\n{colours}}}\n{}", include_str!("../../assets/live/page.css")),

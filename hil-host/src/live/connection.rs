@@ -19,7 +19,7 @@ const TAKEN: Duration = Duration::from_secs(10);
 /// Time that a browser has to hang up after its answer.
 const HANG_UP: Duration = Duration::from_secs(1);
 
-/// Bytes that are read at once, and how often in a round: one that never stops keeps nobody waiting.
+/// Bytes that are read at once, and how often in a round: whoever never stops keeps nobody waiting.
 const BATCH: usize = 2048;
 const BATCHES: usize = 8;
 
@@ -96,7 +96,8 @@ impl<L: Line> Connection<L> {
 
     /// Whether everything that there was to tell has been taken.
     pub(super) const fn is_taken(&self) -> bool {
-        !self.is_writing() && !(self.is_stream() && self.has_missed)
+        let is_told = !self.is_stream() || !self.has_missed;
+        is_told && !self.is_writing()
     }
 
     /// Whether there is something to write.

@@ -23,8 +23,8 @@ const SUM: Duration = Duration::from_secs(1);
 /// Cycles between two rows that are drawn: 200 Hz.
 const STRIDE: u64 = 5;
 
-/// Most rows of an update.
-const SAMPLES_MAX: usize = 32;
+/// Most rows of an update: at twenty times the pace of the clock 10 ms apart, which shows a loop.
+const SAMPLES_MAX: usize = 256;
 
 /// Makes the updates of a run.
 #[derive(Debug)]
@@ -189,8 +189,9 @@ mod tests {
         feed.push(&counts, &none, Instant::now());
         let times: Vec<i64> =
             feed.board.take().unwrap().samples.iter().map(|row| row[0].unwrap()).collect();
-        assert!((16..SAMPLES_MAX).contains(&times.len()), "{}", times.len());
-        assert!(times.windows(2).all(|pair| pair[1] - pair[0] == 160), "{times:?}");
+        // 640 were halved at 256, twice.
+        assert_eq!(times.len(), 160);
+        assert!(times.windows(2).all(|pair| pair[1] - pair[0] == 20), "{times:?}");
     }
 
     #[test]

@@ -47,6 +47,7 @@ use crate::record::{
 use crate::statistics::Statistics;
 use crate::summary::{Outcome, Summary};
 pub(crate) use about::{RunAbout, check_format, read_about, read_json};
+use can_protocol::Pace as WirePace;
 use files::{FolderError, ResultFolder};
 use handshake::{Epoch, Heard};
 pub(crate) use in_memory::in_memory;
@@ -122,18 +123,7 @@ pub fn run(
 
     let track = run.track.view();
     let mut pace = pace(options);
-    // Without a clock a rig is as late as on the memory bus, bit for bit.
-    let has_clock = pace.on_the_wire() == can_protocol::Pace::Clock && plan.real_bus().is_some();
-    let hunting_hz = options.linear.as_ref().map(|linear| linear.hunting.frequency_hz);
-    let terms = Terms {
-        profile: options.profile,
-        pace: pace.on_the_wire(),
-        slow_down: options.slow_down,
-        arming: arming(&plan.buses, options)?,
-        gate_hz: hunting_hz.filter(|_| has_clock),
-        shows_progress: true,
-    };
-    let session = session(run, &track, &plan.rigs, terms)?;
+    let session = session(run, &track, &plan.rigs, terms(options, &plan, pace.on_the_wire())?)?;
     StabilityCheck::of(&session, run, options.linear.as_ref()).pass(plan.real_bus())?;
     if let (Some(ram), Some(linear)) = (&options.measured, &options.linear) {
         for line in measured_delay::judge(run, ram, linear)? {
@@ -224,6 +214,21 @@ pub fn run(
         files::say!("interrupted: the comparison is omitted");
     }
     Ok(Finished { summary, folder: folder.path().to_owned(), interrupted })
+}
+
+/// What the rigs are given in the handshake.
+fn terms(options: &RunOptions, plan: &Plan, pace: WirePace) -> Result<Terms, BenchError> {
+    // Without a clock a rig is as late as on the memory bus, bit for bit.
+    let has_clock = pace == WirePace::Clock && plan.real_bus().is_some();
+    let hunting_hz = options.linear.as_ref().map(|linear| linear.hunting.frequency_hz);
+    Ok(Terms {
+        profile: options.profile,
+        pace,
+        slow_down: options.slow_down,
+        arming: arming(&plan.buses, options)?,
+        gate_hz: hunting_hz.filter(|_| has_clock),
+        shows_progress: true,
+    })
 }
 
 /// What a page shows that does not change.

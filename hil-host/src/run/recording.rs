@@ -248,7 +248,9 @@ impl Shown<'_> {
             self.progress.take(last, counts);
         }
         if let (Some(feed), Some(agreed)) = (&mut self.feed, self.agreed.get()) {
-            rows.iter().for_each(|row| feed.take(row, agreed));
+            for row in rows {
+                feed.take(row, agreed);
+            }
             feed.push(counts, agreed, Instant::now());
         }
     }

@@ -58,9 +58,9 @@ impl Driven {
         thread::spawn(move || receive(from, &sender));
         let (session, calls) = (None, 0);
         let mut driven = Self { child, to, messages, session, calls, _profile: profile };
-        let target = driven.call("Target.createTarget", json!({"url": address}))?;
+        let target = driven.call("Target.createTarget", &json!({"url": address}))?;
         let attach = json!({"targetId": target["targetId"], "flatten": true});
-        let attached = driven.call("Target.attachToTarget", attach)?;
+        let attached = driven.call("Target.attachToTarget", &attach)?;
         driven.session = attached["sessionId"].as_str().map(str::to_owned);
         let is_there = "location.href !== 'about:blank' && document.readyState === 'complete'";
         // The page takes the place of an empty one, and its scripts with it.
@@ -80,7 +80,7 @@ impl Driven {
     /// A script that fails, a browser that does not answer.
     pub fn evaluate(&mut self, script: &str) -> io::Result<Value> {
         let params = json!({"expression": script, "awaitPromise": true, "returnByValue": true});
-        let mut answer = self.call("Runtime.evaluate", params)?;
+        let mut answer = self.call("Runtime.evaluate", &params)?;
         if !answer["exceptionDetails"].is_null() {
             return Err(io::Error::other(answer["exceptionDetails"].to_string()));
         }
@@ -102,7 +102,7 @@ impl Driven {
     }
 
     /// Sends a command and waits for its answer; what else the browser says is passed over.
-    fn call(&mut self, method: &str, params: Value) -> io::Result<Value> {
+    fn call(&mut self, method: &str, params: &Value) -> io::Result<Value> {
         self.calls += 1;
         let mut message = json!({"id": self.calls, "method": method, "params": params});
         if let Some(session) = &self.session {

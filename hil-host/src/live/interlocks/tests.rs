@@ -53,7 +53,9 @@ fn a_limit_that_was_passed_is_shown_as_tripped() {
     let Some(own) = &mut checks[0] else { panic!("no rig in slot 0") };
     own.force.limit = 1.0;
     let mut interlocks = Interlocks::default();
-    rows.iter().for_each(|row| interlocks.take(row, &checks));
+    for row in &rows {
+        interlocks.take(row, &checks);
+    }
     let found = interlocks.reached(&checks);
     let force = found.iter().find(|lock| lock.check == "force").unwrap();
     assert!(force.has_tripped && force.margin_percent.is_some_and(|margin| margin < 0.0));
