@@ -80,6 +80,7 @@ fn line(vehicle: &Vehicle, track: &Track<'_>, table: &ContactTable) {
     black_box(state.on(black_box(Event::Agreed)));
     black_box(line.couple(&mut state, black_box([0.0; DAMPER_SLOTS])).is_ok());
     state.delay_run(black_box(0));
+    state.drop_out(black_box(0));
     line.step(&mut state, &black_box([ForceInput::Missing; DAMPER_SLOTS]));
     let answers = black_box([None; DAMPER_SLOTS]);
     line.step_on(track, &mut state, &black_box([ForceInput::Missing; DAMPER_SLOTS]), &answers);

@@ -24,7 +24,8 @@ pub(crate) struct Counts {
     pub(crate) stale: [u64; DAMPER_SLOTS],
     /// Cycles in which a new measurement with a valid force arrived.
     pub(crate) fresh: [u64; DAMPER_SLOTS],
-    /// Time from which a slot ran on its model, its rig or the one that stood for it being lost (s).
+    /// Time from which a slot ran on its model, as its rig or the one that stood for it was lost
+    /// (s).
     pub(crate) model_from_s: [Option<f64>; DAMPER_SLOTS],
     /// Ticks that were skipped.
     pub(crate) skipped: u64,

@@ -60,7 +60,7 @@ impl Found {
             .text("as expected");
         let mut lines: Vec<String> = table.rows(self.rows).lines();
         lines.extend(self.violations);
-        print(&lines.join("\n"))
+        Ok(print(&lines.join("\n"))?)
     }
 }
 

@@ -50,8 +50,8 @@ impl Ramp {
         if self.progress >= 1.0 { 1.0 } else { 0.5 * (1.0 - libm::cos(PI * self.progress)) }
     }
 
-    /// What is faded from one value to another: `(1 - g) from + g to`, and at its upper end the other
-    /// one itself.
+    /// What is faded from one value to another: `(1 - g) from + g to`, and at its upper end the
+    /// other one itself.
     ///
     /// ```
     /// use firmware_core::supervision::Ramp;

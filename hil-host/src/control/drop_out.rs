@@ -4,9 +4,9 @@
 //! cause of one rig -> the slot may drop out? -> SAFE to this rig, urgent fade to the model, RUN
 //!                  -> no, or no rig is left  -> the run ends as the cause asks for, or ramps out
 //! ```
-//! A slot drops out in RUN and in RAMP_OUT, where the scenario says so, and for a cause that is
-//! this rig's own. In RAMP_IN nothing has been measured yet: that ends the run. A second sender is
-//! somebody on the bus and no lost rig; it ends the run too.
+//! A slot drops out in RUN and in `RAMP_OUT`, where the scenario says so, and for a cause that is
+//! this rig's own. In `RAMP_IN` nothing has been measured yet: that ends the run. A second sender
+//! is somebody on the bus and no lost rig; it ends the run too.
 //!
 //! The rig that has dropped out is sent SAFE and HOLD until the session ends, so that one that was
 //! only away is at rest as soon as it hears again. What it sends is recorded and not used, and it

@@ -11,8 +11,8 @@
 //! [`Session::greet`] meets the rigs and arms them. A [`Port`] is the host's end of one rig: what
 //! is believed of it, what it says of itself, and a [`Watch`] over its damper. A [`DelayGate`]
 //! keeps a session from RUN whose delay costs too much of the damping. The first cause that ends a
-//! run is a [`Stop`]; `drop_out` has the rigs without which one goes on. [`Session::notify`] hands it to the events of the run, and what a
-//! check has noted.
+//! run is a [`Stop`]; `drop_out` has the rigs without which one goes on. [`Session::notify`] hands
+//! it to the events of the run, and what a check has noted.
 
 mod arming;
 mod buses;

@@ -114,7 +114,7 @@ impl FaultyBus {
     fn on_command(&mut self, fault: Fault, since: u64) {
         if fault == Fault::Reboot && since == 0 {
             let rig = RigNode::new(&self.setup, self.node, Profile::Classical);
-            self.bus = MemoryBus::new([rig].into_iter().chain(self.rigs_beside()));
+            self.bus = MemoryBus::new(std::iter::once(rig).chain(self.rigs_beside()));
         }
         if fault == Fault::Gone && since == 0 {
             self.bus = MemoryBus::new(self.rigs_beside());

@@ -91,7 +91,7 @@ pub(crate) fn dampers(
     let dampers = slots.map(|(slot, place)| {
         let tracking = TrackingSummary::of(&place.force, hunting, &sums.slots[slot]);
         let stand_in = StandInSummary::of(run, slot, sums);
-        DamperSummary { tracking, stand_in, ..damper(place, slot, counts, sums) }
+        DamperSummary { stand_in, tracking, ..damper(place, slot, counts, sums) }
     });
     dampers.collect()
 }

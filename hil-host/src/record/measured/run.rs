@@ -25,9 +25,9 @@ struct Sample {
 }
 
 /// One damper slot (0 to 3) of a run's `record.npy`: what the rig measured in the cycles that had a
-/// fresh answer, or motion and force of the model for a slot without a rig. A slot for which the rig
-/// of another one stood is no test of a damper. The file and the parts
-/// that follow it are read as a stream.
+/// fresh answer, or motion and force of the model for a slot without a rig. A slot for which the
+/// rig of another one stood is no test of a damper. The file and the parts that follow it are read
+/// as a stream.
 ///
 /// # Errors
 /// The file cannot be read, is no record of this version, or the slot has no such rows.
