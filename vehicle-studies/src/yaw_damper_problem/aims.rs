@@ -28,7 +28,8 @@ pub(super) fn of(scores: &[Score]) -> Vec<Aim> {
     let asked: Vec<&Score> = scores.iter().filter(is_asked).collect();
     let Some(first) = asked.first() else { return Vec::new() };
     let on_rigs = asked.iter().any(|score| score.perturbed.is_some());
-    let mut overs: Vec<(&'static str, OverRigs)> = vec![("nominal rig", nominal)];
+    let mut overs: Vec<(&'static str, OverRigs)> =
+        vec![("nominal rig", |score| Some(score.nominal))];
     if on_rigs {
         overs.push(("perturbed rigs", perturbed));
     }
@@ -60,10 +61,6 @@ pub(super) fn of(scores: &[Score]) -> Vec<Aim> {
         }
     }
     aims
-}
-
-fn nominal(score: &Score) -> Option<InRegimes<Option<Errors>>> {
-    Some(score.nominal)
 }
 
 fn perturbed(score: &Score) -> Option<InRegimes<Option<Errors>>> {
