@@ -1,14 +1,19 @@
 //! What is asked of the scores: the worst of every criterion over dampers, regimes and dead times.
 
-use super::answer::{Aim, InRegimes, Score};
+use super::answer::{Aim, InRegimes, Score, Spread};
 use super::compensators::Ours;
 use super::errors::{AIMS, Errors};
 
 /// The compensator that the aims are asked of.
 pub(super) const ASKED: Ours = Ours::Adaptive;
 
-/// The criteria, with the units and the errors that they are.
-const CRITERIA: [(&str, &str, fn(&Errors) -> f64); 3] = [
+/// A criterion: its name, its unit, and the error that it is.
+type Criterion = (&'static str, &'static str, fn(&Errors) -> f64);
+
+/// The errors of a score over some rigs; none where they were not asked for.
+type OverRigs = fn(&Score) -> Option<InRegimes<Option<Errors>>>;
+
+const CRITERIA: [Criterion; 3] = [
     ("work per cycle", "%", |errors| errors.work_percent),
     ("stroke", "%", |errors| errors.stroke_percent),
     ("phase", "degrees", |errors| errors.phase_deg),
@@ -23,16 +28,10 @@ pub(super) fn of(scores: &[Score]) -> Vec<Aim> {
     let asked: Vec<&Score> = scores.iter().filter(is_asked).collect();
     let Some(first) = asked.first() else { return Vec::new() };
     let on_rigs = asked.iter().any(|score| score.perturbed.is_some());
-    let nominal = |score: &Score| Some(score.nominal);
-    let perturbed = |score: &Score| {
-        let InRegimes { track, hunting } = score.perturbed?;
-        let worst = |spread: super::answer::Spread| spread.worst.filter(|_| spread.lost == 0);
-        Some(InRegimes { track: worst(track), hunting: worst(hunting) })
-    };
-    let mut overs: Vec<(&'static str, &dyn Fn(&Score) -> Option<InRegimes<Option<Errors>>>)> =
-        vec![("nominal rig", &nominal)];
+    let mut overs: Vec<(&'static str, OverRigs)> =
+        vec![("nominal rig", |score| Some(score.nominal))];
     if on_rigs {
-        overs.push(("perturbed rigs", &perturbed));
+        overs.push(("perturbed rigs", perturbed));
     }
     let mut aims = Vec::new();
     for (over, errors) in overs {
@@ -47,7 +46,7 @@ pub(super) fn of(scores: &[Score]) -> Vec<Aim> {
                     let is_worse = match (size, found) {
                         (_, None) => false,
                         (None, Some(_)) => true,
-                        (Some(size), Some(most)) => !(size <= most),
+                        (Some(size), Some(most)) => size.is_nan() || size > most,
                     };
                     if is_worse {
                         found = size.filter(|size| size.is_finite());
@@ -62,6 +61,12 @@ pub(super) fn of(scores: &[Score]) -> Vec<Aim> {
         }
     }
     aims
+}
+
+fn perturbed(score: &Score) -> Option<InRegimes<Option<Errors>>> {
+    let InRegimes { track, hunting } = score.perturbed?;
+    let worst = |spread: Spread| spread.worst.filter(|_| spread.lost == 0);
+    Some(InRegimes { track: worst(track), hunting: worst(hunting) })
 }
 
 #[cfg(test)]

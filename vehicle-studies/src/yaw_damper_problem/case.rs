@@ -151,7 +151,8 @@ impl<'a> Case<'a> {
     fn procedure(&self, resolution_kmh: f64) -> Procedure {
         let to_kmh = self.condition.from_above_kmh();
         let from_kmh = to_kmh - RANGE_KMH;
-        Procedure { from_kmh, to_kmh, resolution_kmh, hold_s: HOLD_S, ..Procedure::default() }
+        let (step_kmh, hold_s) = (STEP_KMH, HOLD_S);
+        Procedure { from_kmh, to_kmh, step_kmh, resolution_kmh, hold_s, ..Procedure::default() }
     }
 }
 
@@ -161,8 +162,10 @@ const RESOLUTION_KMH: f64 = 0.5;
 const FINE_KMH: f64 = 0.1;
 /// Range of speeds that is searched (km/h).
 const RANGE_KMH: f64 = 100.0;
-/// Time at each speed (s).
-const HOLD_S: f64 = 8.0;
+/// Distance between speeds (km/h), and the time at each (s). A cycle that has lost its balance dies
+/// slowly; in a shorter time it is taken along to a speed at which it does not exist any more.
+const STEP_KMH: f64 = 2.5;
+const HOLD_S: f64 = 24.0;
 
 /// A damper whose dashpot and relief give so many times the force at every speed.
 fn damped(nominal: &Nominal, factor: f64) -> Nominal {

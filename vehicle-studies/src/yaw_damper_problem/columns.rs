@@ -11,7 +11,7 @@ pub(super) struct Columns {
     /// Line of every row.
     lines: Vec<usize>,
     /// Column by column; none for a column that is not there.
-    columns: Vec<Option<Vec<Option<f64>>>>,
+    cells: Vec<Option<Vec<Option<f64>>>>,
 }
 
 impl Columns {
@@ -78,7 +78,7 @@ impl Columns {
                 column.push(value);
             }
         }
-        Ok(Self { file: path.to_owned(), lines, columns })
+        Ok(Self { file: path.to_owned(), lines, cells: columns })
     }
 
     /// Rows below the head.
@@ -91,7 +91,7 @@ impl Columns {
     /// # Errors
     /// An empty cell.
     pub(super) fn full(&self, column: usize) -> Result<Option<Vec<f64>>, StudyError> {
-        let Some(Some(cells)) = self.columns.get(column) else { return Ok(None) };
+        let Some(Some(cells)) = self.cells.get(column) else { return Ok(None) };
         let number = |(row, cell): (usize, &Option<f64>)| {
             cell.ok_or_else(|| self.wrong(row, "an empty cell".to_owned(), "a finite number"))
         };
@@ -103,7 +103,7 @@ impl Columns {
     /// # Errors
     /// A number below an empty cell.
     pub(super) fn leading(&self, column: usize) -> Result<Vec<f64>, StudyError> {
-        let Some(Some(cells)) = self.columns.get(column) else { return Ok(Vec::new()) };
+        let Some(Some(cells)) = self.cells.get(column) else { return Ok(Vec::new()) };
         let values: Vec<f64> = cells.iter().map_while(|cell| *cell).collect();
         match cells.iter().skip(values.len()).position(Option::is_some) {
             None => Ok(values),

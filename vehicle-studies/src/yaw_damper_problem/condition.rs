@@ -53,8 +53,8 @@ impl Condition {
     pub const fn from_above_kmh(self) -> f64 {
         match self {
             Self::New => 260.0,
-            Self::Worn => 220.0,
-            Self::Soft => 240.0,
+            Self::Worn => 200.0,
+            Self::Soft => 225.0,
         }
     }
 

@@ -72,13 +72,10 @@ fn command_of(columns: &Columns, rows: usize) -> Result<Vec<Command>, StudyError
         let expected = format!("at most {} m, the stroke of the rig", number(STROKE_M));
         return Err(columns.wrong(row, found, &expected));
     }
-    let rates = match columns.full(2)? {
-        Some(rates) => rates,
-        None => {
-            let before = std::iter::once(0.0).chain(displacements_m.iter().copied());
-            displacements_m.iter().zip(before).map(|(now, last)| (now - last) / CYCLE_S).collect()
-        }
-    };
+    let rates = columns.full(2)?.unwrap_or_else(|| {
+        let before = std::iter::once(0.0).chain(displacements_m.iter().copied());
+        displacements_m.iter().zip(before).map(|(now, last)| (now - last) / CYCLE_S).collect()
+    });
     let command = |(displacement_m, velocity_m_per_s)| Command { displacement_m, velocity_m_per_s };
     Ok(displacements_m.into_iter().zip(rates).map(command).collect())
 }

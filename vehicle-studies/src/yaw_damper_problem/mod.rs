@@ -45,8 +45,6 @@ mod page;
 mod perturbed;
 mod problem;
 mod problem_files;
-#[cfg(test)]
-mod prototype;
 mod question;
 mod recording;
 mod regime;

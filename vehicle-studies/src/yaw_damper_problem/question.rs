@@ -37,11 +37,11 @@ const CLIMB: Climb = Climb {
     step_kmh: 2.5,
     margin: 0.05,
     release: Release {
-        burst_m: 5e-3,
+        burst_m: 4e-3,
         burst_hz: 3.4,
         window_m: [1e-3, 4e-3],
         watched_s: 6.0,
-        stroke_limit_m: 12e-3,
+        stroke_limit_m: 15e-3,
     },
 };
 

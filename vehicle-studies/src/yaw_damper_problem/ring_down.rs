@@ -101,7 +101,7 @@ impl RingDown {
             .skip_while(|half| half.extreme.abs() > high_m)
             .take_while(|half| half.extreme.abs() >= low_m);
         let points: Vec<(f64, f64)> = counted
-            .map(|half| (0.5 * (half.start + half.end) * CYCLE_S, half.extreme.abs().ln()))
+            .map(|half| (0.5 * (half.start + half.end) * CYCLE_S, libm::log(half.extreme.abs())))
             .collect();
         if points.len() < HALF_CYCLES_MIN {
             return None;
@@ -149,7 +149,7 @@ mod tests {
         for (decay_per_s, hz) in [(1.0, 3.3), (0.3, 3.3), (2.5, 4.0)] {
             let found = RingDown::seen(&fading(decay_per_s, hz), &RELEASE, (200.0, 0.0)).unwrap();
             // From 2 mm to 0.5 mm, a quarter, in half cycles.
-            let expected = 4.0_f64.ln() / decay_per_s * 2.0 * hz;
+            let expected = libm::log(4.0) / decay_per_s * 2.0 * hz;
             assert!((found.half_cycles as f64 - expected).abs() <= 1.5, "{found:?} {expected}");
             assert!((found.decay_per_s / decay_per_s - 1.0).abs() < 5e-3, "{found:?}");
             assert!((found.frequency_hz / hz - 1.0).abs() < 5e-3, "{found:?}");
