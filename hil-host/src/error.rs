@@ -377,17 +377,10 @@ impl fmt::Display for BenchError {
                  goes on there, and a second host would end it",
                 quoted(bus)
             ),
-            Self::Unstable { bus, place, found, margin } => write!(
-                f,
-                "{place} on {}: found {found}, expected a gain margin of {margin:.0} at every \
-                 delay: compensate less, or use a faster rig",
-                quoted(bus)
-            ),
-            Self::MeasuredDelay { place, found } => write!(
-                f,
-                "{place}: found {found}, expected at most 5 %: set delay_s of its compensation, or \
-                 accept_delay_error = true"
-            ),
+            Self::Unstable { bus, place, found, margin } => {
+                unstable(f, [bus, place, found], *margin)
+            }
+            Self::MeasuredDelay { place, found } => not_compensated(f, place, found),
             Self::BusLoad { bus, load } => write!(
                 f,
                 "bus {}: found a load of {:.0} %, expected at most 80 %: use --profile fd, or \
@@ -555,6 +548,27 @@ fn no_space(
 fn bytes(count: u64) -> String {
     let count = count as f64;
     if count < 1e9 { format!("{:.1} MB", count * 1e-6) } else { format!("{:.1} GB", count * 1e-9) }
+}
+
+fn not_compensated(f: &mut fmt::Formatter<'_>, place: &str, found: &str) -> fmt::Result {
+    write!(
+        f,
+        "{place}: found {found}, expected at most 5 %: set delay_s of its compensation, or \
+         accept_delay_error = true"
+    )
+}
+
+fn unstable(
+    f: &mut fmt::Formatter<'_>,
+    [bus, place, found]: [&str; 3],
+    margin: f64,
+) -> fmt::Result {
+    write!(
+        f,
+        "{place} on {}: found {found}, expected a gain margin of {margin:.0} at every delay: \
+         compensate less, or use a faster rig",
+        quoted(bus)
+    )
 }
 
 #[cfg(test)]

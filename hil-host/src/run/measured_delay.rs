@@ -10,20 +10,30 @@
 use crate::BenchError;
 use crate::control::{COST_REFUSED, COST_WARNED};
 use crate::linear_vehicle::LinearVehicle;
+use crate::options::RunOptions;
 use crate::rehearsal::MeasuredRam;
 use firmware_core::compensation::{Compensator, damping_energy_lost};
 use firmware_core::line::{KNOWN_DELAY_CYCLES, Sensitivity};
 use scenario::run::{CYCLE_S, Run, SlotForce};
 
+/// Prints one line for each rig of a run whose delay was measured before.
+///
+/// # Errors
+/// What is left costs more of the damping than the gate before RUN lets through.
+pub(super) fn pass(run: &Run, options: &RunOptions) -> Result<(), BenchError> {
+    if let (Some(ram), Some(linear)) = (&options.measured, &options.linear) {
+        for line in judge(run, ram, linear)? {
+            files::say!("{line}");
+        }
+    }
+    Ok(())
+}
+
 /// Judges every rig of a run by one measured delay; a line for each.
 ///
 /// # Errors
 /// What is left costs more of the damping than the gate before RUN lets through.
-pub(super) fn judge(
-    run: &Run,
-    ram: &MeasuredRam,
-    linear: &LinearVehicle,
-) -> Result<Vec<String>, BenchError> {
+fn judge(run: &Run, ram: &MeasuredRam, linear: &LinearVehicle) -> Result<Vec<String>, BenchError> {
     let frequency_hz = linear.hunting.frequency_hz;
     let mut lines = Vec::new();
     for slot in &run.slots {

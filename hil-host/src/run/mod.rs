@@ -125,11 +125,7 @@ pub fn run(
     let mut pace = pace(options);
     let session = session(run, &track, &plan.rigs, terms(options, &plan, pace.on_the_wire())?)?;
     StabilityCheck::of(&session, run, options.linear.as_ref()).pass(plan.real_bus())?;
-    if let (Some(ram), Some(linear)) = (&options.measured, &options.linear) {
-        for line in measured_delay::judge(run, ram, linear)? {
-            files::say!("{line}");
-        }
-    }
+    measured_delay::pass(run, options)?;
     let mut state = session.start(session.line.start(run.start.state.clone()));
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;

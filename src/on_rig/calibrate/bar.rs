@@ -7,7 +7,7 @@
 use super::Shown;
 use super::sines::{pairs, sine};
 use crate::on_rig::Bench;
-use crate::on_rig::calibration_file::CalibrationFile;
+use crate::calibration_file::CalibrationFile;
 use firmware_core::supervision::CommandLimits;
 use hil_host::calibration::BarFit;
 use hil_host::run::{MeasuredTest, OpenLoopPlan, Origin};

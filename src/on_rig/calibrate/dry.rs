@@ -3,7 +3,7 @@
 use super::Shown;
 use super::sines::{pairs, sine};
 use crate::on_rig::Bench;
-use crate::on_rig::calibration_file::CalibrationFile;
+use crate::calibration_file::CalibrationFile;
 use hil_host::calibration::EndMassFit;
 use hil_host::run::{MeasuredTest, OpenLoopPlan};
 use std::f64::consts::TAU;

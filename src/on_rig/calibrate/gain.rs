@@ -5,7 +5,7 @@
 use super::Shown;
 use super::sines::MEASURED_S;
 use crate::on_rig::Bench;
-use crate::on_rig::calibration_file::CalibrationFile;
+use crate::calibration_file::CalibrationFile;
 use firmware_core::command::Command;
 use firmware_core::supervision::CommandLimits;
 use hil_host::calibration::{GainFit, Reading};

@@ -13,7 +13,7 @@ mod dry;
 mod gain;
 mod sines;
 
-use super::calibration_file::{CALIBRATION, CalibrationFile};
+use crate::calibration_file::{CALIBRATION, CalibrationFile};
 use super::records::{counted, csv_names, files_in, write_records, write_tracking};
 use super::tracking::TRACKING;
 use super::{Bench, ended_early};
