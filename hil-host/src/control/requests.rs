@@ -106,7 +106,7 @@ impl Requests {
     }
 
     /// Says that the rigs are ready and wait for somebody who arms them.
-    pub(super) fn wait_for_arming(&self) {
+    pub(crate) fn wait_for_arming(&self) {
         self.waits.store(true, Ordering::Relaxed);
     }
 

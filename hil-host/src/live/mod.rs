@@ -119,3 +119,49 @@ impl Drop for LivePage {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{BufRead as _, BufReader, Write as _};
+    use std::net::TcpStream;
+
+    /// Reads events until one says something.
+    fn read_until(events: &mut BufReader<TcpStream>, text: &str) -> String {
+        let mut line = String::new();
+        while !line.contains(text) {
+            line.clear();
+            assert!(events.read_line(&mut line).unwrap() > 0, "no event with \"{text}\"");
+        }
+        line
+    }
+
+    #[test]
+    fn a_page_follows_a_run_from_its_preparation_to_its_end() {
+        let requests: &'static Requests = Box::leak(Box::default());
+        let page = LivePage::serve("127.0.0.1:0".parse().unwrap(), requests).unwrap();
+        let mut line = TcpStream::connect(page.address()).unwrap();
+        write!(line, "GET /events HTTP/1.1\r\nHost: {}\r\n\r\n", page.address()).unwrap();
+        let mut events = BufReader::new(line);
+        let prepared = read_until(&mut events, "the run is being prepared");
+        assert!(prepared.starts_with("data: {\"state\":\"INIT\""), "{prepared}");
+        page.enter(Phase::Meeting);
+        read_until(&mut events, "the rigs are being met");
+        requests.wait_for_arming();
+        let awaited = read_until(&mut events, "wait to be armed: key a in the terminal");
+        assert!(awaited.contains("\"state\":\"STANDBY\""), "{awaited}");
+        requests.arm();
+        page.enter(Phase::Arming);
+        read_until(&mut events, "the rigs are being armed");
+        page.end(RunEnd { words: "over".to_owned(), why: None, files: None, is_good: true });
+        let end = read_until(&mut events, "\"words\":\"over\"");
+        assert!(end.contains("\"note\":\"\""), "{end}");
+        // What is put before the end is told, and then the line is closed.
+        page.end(RunEnd { words: "last".to_owned(), why: None, files: None, is_good: true });
+        drop(page);
+        read_until(&mut events, "\"words\":\"last\"");
+        let mut rest = String::new();
+        while events.read_line(&mut rest).is_ok_and(|count| count > 0) {}
+        assert_eq!(requests.asker(), None);
+    }
+}
