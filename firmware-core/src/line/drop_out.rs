@@ -64,8 +64,8 @@ mod tests {
     }
 
     /// A line in RUN.
-    fn running<'a>(vehicle: &'a Vehicle, track: &'a Track<'a>, slots: [Slot; 2]) -> Coupled<'a> {
-        let mut line = Coupled::new(vehicle, track, slots, FADE);
+    fn running<'a>(vehicle: &'a Vehicle, track: &'a Track<'a>, second: Slot) -> Coupled<'a> {
+        let mut line = Coupled::new(vehicle, track, second, FADE);
         (0..250).for_each(|_| line.cycle(measured));
         assert_eq!(line.state.state, State::Run);
         line
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn the_force_goes_over_to_the_model_without_a_step_and_the_ram_rests() {
         let (vehicle, track) = (bogie(), Track::default());
-        let mut line = running(&vehicle, &track, [rig(), rig()]);
+        let mut line = running(&vehicle, &track, rig());
         let speed = line.state.slots[0].command.velocity_m_per_s.abs();
         assert!(speed > 1e-3, "{speed} m/s");
         line.state.drop_out(0);
@@ -106,7 +106,7 @@ mod tests {
         let (vehicle, track) = (bogie(), Track::default());
         // A rig that measures what the model computes: dropping out changes nothing.
         let course = |drops_out: bool| {
-            let mut line = Coupled::new(&vehicle, &track, [rig(), rig()], FADE);
+            let mut line = Coupled::new(&vehicle, &track, rig(), FADE);
             let mut last_n = [0.0; 2];
             for cycle in 0..600 {
                 if cycle == 300 && drops_out {
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn what_the_rig_stood_for_goes_over_to_its_own_model() {
         let (vehicle, track) = (bogie(), Track::default());
-        let mut line = running(&vehicle, &track, [rig(), stands_in(true)]);
+        let mut line = running(&vehicle, &track, stands_in(true));
         line.state.drop_out(0);
         (0..20).for_each(|_| line.cycle(absurd));
         for _ in 0..50 {
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn an_orderly_end_does_not_wait_for_a_ram_that_is_lost() {
         let (vehicle, track) = (bogie(), Track::default());
-        let mut line = running(&vehicle, &track, [rig(), rig()]);
+        let mut line = running(&vehicle, &track, rig());
         line.state.drop_out(0);
         (0..50).for_each(|_| line.cycle(absurd));
         let rests_at = line.state.slots[0].command;
@@ -151,7 +151,7 @@ mod tests {
         }
         assert_eq!((cycles, line.state.slots[0].command), (200, rests_at));
         // Coupled anew, it is a rig like any other.
-        let mut again = Coupled::new(&vehicle, &track, [rig(), rig()], FADE);
+        let mut again = Coupled::new(&vehicle, &track, rig(), FADE);
         again.cycle(measured);
         assert!(!again.state.slots[0].has_dropped_out);
     }

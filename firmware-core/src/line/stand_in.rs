@@ -58,8 +58,8 @@ mod tests {
     #[test]
     fn in_pure_yaw_one_rig_and_its_partner_are_two_rigs_to_rounding() {
         let (vehicle, track) = (bogie(), Track::default());
-        let mut two = Coupled::new(&vehicle, &track, [rig(), rig()], FADE);
-        let mut one = Coupled::new(&vehicle, &track, [rig(), stands_in(true)], FADE);
+        let mut two = Coupled::new(&vehicle, &track, rig(), FADE);
+        let mut one = Coupled::new(&vehicle, &track, stands_in(true), FADE);
         let mut most_n = 0.0_f64;
         for cycle in 0..3000 {
             // Fades in, runs, and fades out again.
@@ -82,8 +82,8 @@ mod tests {
     fn with_the_wrong_sign_the_pair_takes_no_energy_out_of_yaw() {
         let (vehicle, track) = (bogie(), Track::default());
         let energy_left = |is_reversed: bool| {
-            let slots = [rig(), stands_in(is_reversed)];
-            let mut line = Coupled::new(&vehicle, &track, slots, Fade::default());
+            let second = stands_in(is_reversed);
+            let mut line = Coupled::new(&vehicle, &track, second, Fade::default());
             let mut last_s_rad = 0.0_f64;
             for cycle in 0..2000 {
                 line.cycle(|_, force_n| ForceInput::Fresh(force_n));

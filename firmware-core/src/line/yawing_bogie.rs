@@ -69,7 +69,8 @@ pub(super) fn bogie() -> Vehicle {
     vehicle
 }
 
-/// A line that has been coupled with the bogie turned by 2 mrad, and the dampers on its rigs.
+/// A line that has been coupled with the bogie turned by 2 mrad, and the dampers on its rigs: one
+/// in slot 0, and perhaps a second.
 pub(super) struct Coupled<'a> {
     pub(super) line: Line<'a>,
     pub(super) state: LineState,
@@ -81,13 +82,11 @@ impl<'a> Coupled<'a> {
     pub(super) fn new(
         vehicle: &'a Vehicle,
         track: &'a Track<'a>,
-        slots: [Slot; 2],
+        second: Slot,
         fade: Fade,
     ) -> Self {
         let mut all = core::array::from_fn(|_| Slot::Empty);
-        for (place, slot) in all.iter_mut().zip(slots) {
-            *place = slot;
-        }
+        (all[0], all[1]) = (rig(), second);
         let line = Line {
             vehicle,
             track,
