@@ -7,8 +7,8 @@
 //! The order is that of a run on the memory bus. The force of a rig whose ram is half a cycle late
 //! has no delay in the mean ([`firmware_core::line`]).
 //!
-//! [`Rigs::late_by`] are ideal: their rams are late by a set time and nothing else, their fixture is
-//! that of the scenario's rig, their sensors have no noise. A force that is early is that of a
+//! [`Rigs::late_by`] are ideal: their rams are late by a set time and nothing else, their fixture
+//! is that of the scenario's rig, their sensors have no noise. A force that is early is that of a
 //! compensator that extrapolates too far, on a ram half a cycle late. [`Rigs::compensated`] are any
 //! rig with any compensator, and [`Rigs::filtered`] one whose command comes from a linear filter of
 //! the wanted motion.
