@@ -41,7 +41,6 @@ impl SlotState {
 }
 
 #[cfg(test)]
-#[expect(clippy::large_stack_arrays, reason = "slots of tests")]
 mod tests {
     use super::super::yawing_bogie::{Coupled, bogie, rig, stands_in};
     use super::super::{Fade, Slot};

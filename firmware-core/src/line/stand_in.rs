@@ -45,7 +45,6 @@ impl StandIn {
 }
 
 #[cfg(test)]
-#[expect(clippy::large_stack_arrays, reason = "slots of tests")]
 mod tests {
     use super::super::Fade;
     use super::super::yawing_bogie::{Coupled, bogie, rig, stands_in};

@@ -6,8 +6,8 @@
 
 use super::Shown;
 use super::sines::{pairs, sine};
-use crate::on_rig::Bench;
 use crate::calibration_file::CalibrationFile;
+use crate::on_rig::Bench;
 use firmware_core::supervision::CommandLimits;
 use hil_host::calibration::BarFit;
 use hil_host::run::{MeasuredTest, OpenLoopPlan, Origin};

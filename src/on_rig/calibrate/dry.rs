@@ -2,8 +2,8 @@
 
 use super::Shown;
 use super::sines::{pairs, sine};
-use crate::on_rig::Bench;
 use crate::calibration_file::CalibrationFile;
+use crate::on_rig::Bench;
 use hil_host::calibration::EndMassFit;
 use hil_host::run::{MeasuredTest, OpenLoopPlan};
 use std::f64::consts::TAU;

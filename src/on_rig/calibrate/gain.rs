@@ -4,8 +4,8 @@
 
 use super::Shown;
 use super::sines::MEASURED_S;
-use crate::on_rig::Bench;
 use crate::calibration_file::CalibrationFile;
+use crate::on_rig::Bench;
 use firmware_core::command::Command;
 use firmware_core::supervision::CommandLimits;
 use hil_host::calibration::{GainFit, Reading};

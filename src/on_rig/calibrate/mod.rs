@@ -13,10 +13,10 @@ mod dry;
 mod gain;
 mod sines;
 
-use crate::calibration_file::{CALIBRATION, CalibrationFile};
 use super::records::{counted, csv_names, files_in, write_records, write_tracking};
 use super::tracking::TRACKING;
 use super::{Bench, ended_early};
+use crate::calibration_file::{CALIBRATION, CalibrationFile};
 use crate::error::CommandError;
 use crate::exit::FAILED;
 use crate::output::{self, print};
