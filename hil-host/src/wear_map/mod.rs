@@ -159,14 +159,19 @@ pub fn wear_map(
 
 /// Ideal rigs of every delay and lag, and the scenario's own where it is none of these.
 fn rigs(run: &Run, question: &Question, compensator: Compensator) -> Vec<Rig> {
-    let mut rigs = Vec::new();
+    let mut rigs: Vec<Rig> = Vec::new();
     for delay_s in &question.delays_s {
         for lag_s in &question.lags_s {
             let cycles = libm::round((delay_s - lag_s).max(0.0) / CYCLE_S);
             let delay_cycles = (cycles as u16).min(DELAY_CYCLES_MAX);
             let late_s = lag_s + f64::from(delay_cycles) * CYCLE_S;
+            let name = format!("{:.1} ms late, lag {:.1} ms", 1e3 * late_s, 1e3 * lag_s);
+            // A lag that is longer than the delay makes the rig of another delay.
+            if rigs.iter().any(|rig| rig.name == name) {
+                continue;
+            }
             rigs.push(Rig {
-                name: format!("{:.1} ms late, lag {:.1} ms", 1e3 * late_s, 1e3 * lag_s),
+                name,
                 setup: RigSetup {
                     drive: Drive::Ideal,
                     lag_s: *lag_s,
