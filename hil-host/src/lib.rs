@@ -45,6 +45,7 @@ mod force_group;
 pub mod gateway;
 mod linear_vehicle;
 pub mod live;
+mod measured_ram;
 mod options;
 mod page;
 mod progress_bar;
@@ -66,8 +67,9 @@ pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};
 pub use draw::Draw;
 pub use error::BenchError;
 pub use linear_vehicle::{Hunting, LinearMode, LinearVehicle};
+pub use measured_ram::MeasuredRam;
 pub use options::{PaceChoice, RunOptions};
-pub use rehearsal::{CheckMargin, LimitOf, MeasuredRam, Rehearsal, TRACKING, Verdict, rehearse};
+pub use rehearsal::{CheckMargin, LimitOf, Rehearsal, TRACKING, Verdict, rehearse};
 pub use reset::{reset_over, reset_rig};
 pub use summary::{
     Acceleration, Accelerations, ArmedSession, BusCount, DamperSummary, ForceRange, Frames,

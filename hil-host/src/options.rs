@@ -3,8 +3,8 @@
 use crate::bus::BusChoice;
 use crate::gateway::GatewayPlan;
 use crate::linear_vehicle::LinearVehicle;
+use crate::measured_ram::MeasuredRam;
 use crate::realtime::RealtimeOptions;
-use crate::rehearsal::MeasuredRam;
 use can_protocol::Profile;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU8;

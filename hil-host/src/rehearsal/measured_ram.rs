@@ -5,19 +5,11 @@
 //! (`summary.json`). The largest one counts: a servo rig is late by its load.
 
 use crate::BenchError;
+use crate::measured_ram::MeasuredRam;
 use crate::run::{SUMMARY, check_format, read_json};
 use files::quoted;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use std::path::Path;
-
-/// A delay with its source.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MeasuredRam {
-    /// The delay (s).
-    pub delay_s: f64,
-    /// Where it is from.
-    pub source: String,
-}
 
 /// How the ram has followed the tests of an open loop: a file in its folder.
 pub const TRACKING: &str = "tracking.json";

@@ -17,12 +17,13 @@ mod measured_ram;
 mod text;
 
 pub use checks::{CheckMargin, LimitOf, Verdict};
-pub use measured_ram::{MeasuredRam, TRACKING};
+pub use measured_ram::TRACKING;
 
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::control::{End, PortState, Session, SessionState, StopSummary};
 use crate::linear_vehicle::LinearVehicle;
+use crate::measured_ram::MeasuredRam;
 use crate::progress_bar::LateBar;
 use crate::record::Row;
 use crate::run::{Plan, StabilityCheck, Terms, in_memory, needed_bytes};

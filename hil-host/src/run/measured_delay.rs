@@ -10,8 +10,8 @@
 use crate::BenchError;
 use crate::control::{COST_REFUSED, COST_WARNED};
 use crate::linear_vehicle::LinearVehicle;
+use crate::measured_ram::MeasuredRam;
 use crate::options::RunOptions;
-use crate::rehearsal::MeasuredRam;
 use firmware_core::compensation::{Compensator, damping_energy_lost};
 use firmware_core::line::{KNOWN_DELAY_CYCLES, Sensitivity};
 use scenario::run::{CYCLE_S, Run, SlotForce};

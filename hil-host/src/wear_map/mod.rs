@@ -7,9 +7,9 @@
 //! Every cell drives two rigs with the same motion and the same compensator: one with a damper that
 //! has the wear in its joint, one with a healthy damper behind [`firmware_core::virtual_wear`]. The
 //! host knows a model of the healthy damper; what is mounted may differ from it. A cell holds where
-//! the force is within [`FORCE_ERROR_MAX`] of the healthy damper's, and the work within [`WORK_SHARE`]
-//! of its work. The work is also given over the worn damper's own, which may be little: at
-//! 3 MN/m a stroke of 4 mm is spring nearly alone.
+//! the force is within [`FORCE_ERROR_MAX`] of the healthy damper's, and the work within
+//! [`WORK_SHARE`] of its work. The work is also given over the worn damper's own, which may be
+//! little: at 3 MN/m a stroke of 4 mm is spring nearly alone.
 //!
 //! Limits: emulated rigs, one sine. The vehicle is not coupled.
 

@@ -2,6 +2,7 @@
 
 use crate::support::locomotive::{NODE, scenario_with, session};
 use can_protocol::{Pace as WirePace, Profile};
+use firmware_core::damper::{Damper, Nominal};
 use firmware_core::line::{Sensitivity, Slot};
 use firmware_core::supervision::{Action, Signal, State};
 use hil_host::bus::MemoryBus;
@@ -106,4 +107,30 @@ fn the_default_rig_needs_no_compensation() {
     assert_eq!(end, End::Completed);
     let delay = state.gate.delays[0].residual(CYCLE_S).unwrap();
     assert!(cost < 0.005 && delay.mean_s.abs() < 0.05e-3, "{cost} {delay:?}");
+}
+
+/// Wear before the damper of a rig whose delay is compensated.
+const WORN: &str = "virtual_wear = { clearance_2a_m = 2e-3, stiffness_n_per_m = 8e6 }\n\
+    [slot.compensation]\nkind = \"polynomial\"\norder = 2\ndelay_s = 6.5e-3";
+
+#[test]
+fn wear_before_a_damper_that_is_known_runs_and_its_numbers_are_kept() {
+    let (end, state, cost) = gated(&late_rig(WORN));
+    let found = state.gate.wear[0].unwrap();
+    assert_eq!((end, state.stop), (End::Completed, None), "{found:?}");
+    assert!(found.loop_gain < 0.05 && found.force_error < 0.02, "{found:?}");
+    assert!(cost < 0.02, "{cost}");
+}
+
+#[test]
+fn wear_before_a_damper_that_is_half_as_stiff_is_refused_before_the_force_acts() {
+    let mut run = late_rig(WORN);
+    let known = *run.rig.damper.nominal();
+    let soft = Nominal { ke_n_per_m: 0.5 * known.ke_n_per_m, ..known };
+    run.rig.damper = Damper::new(soft, run.rig.damper.effects()).unwrap();
+    let (end, state, _) = gated(&run);
+    let stop = state.stop.unwrap();
+    assert_eq!((end, stop.cause.signal), (End::RampedOut, Signal::WearForceError), "{stop}");
+    assert_eq!(stop.cause.limit, 0.03);
+    assert_eq!(stop.cycle, u64::from(run.motion.ramp_cycles + MEASURING_CYCLES));
 }
