@@ -38,9 +38,8 @@ fn the_log_and_the_record_of_a_run_hold_the_same_test() {
         record.displacement_m[record.len() - common..],
         "other displacements"
     );
-    // The emulated load cell has 5 N of noise.
-    let floor = noise::noise(&log).unwrap();
-    assert!((3.0..12.0).contains(&floor.rms_n), "{floor:?}");
+    // Under a locomotive no ram rests and no motion repeats: the noise floor is not known.
+    assert_eq!(noise::noise(&log).map(|floor| floor.rms_n), None);
     let modelled = Measurement::from_series(read_record(&out.join("record.npy"), 1).unwrap());
     assert!(modelled.unwrap().repairs.is_empty());
     std::fs::remove_dir_all(out).unwrap();
