@@ -1,15 +1,17 @@
 //! Options that the commands of the bench share: numbers of the scenario, frames on the wire, real
 //! time.
 
+use crate::error::CommandError;
+use crate::output::stem;
 use crate::value::{ValueError, number};
 use can_protocol::Profile;
 use clap::{Args, ValueEnum};
-use files::quoted;
+use files::{ResultFolder, quoted};
 use hil_host::realtime::RealtimeOptions;
 use scenario::run::Overrides;
 use std::fmt;
 use std::num::NonZeroU8;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -18,6 +20,39 @@ pub(crate) enum ProfileChoice {
     Classical,
     /// CAN FD with bit-rate switch, 16 bytes.
     Fd,
+}
+
+/// A result that is printed, and written where a folder is named.
+#[derive(Debug, Args)]
+pub(crate) struct PrintedArgs {
+    /// Folder for the files of the result [default: nothing is written].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace an earlier result in that folder.
+    #[arg(long, requires = "out")]
+    overwrite: bool,
+    /// Print the result as JSON.
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+impl PrintedArgs {
+    /// The folder for these files, which does not hold the scenario; none where none is named.
+    ///
+    /// # Errors
+    /// The folder holds other files, or the scenario.
+    pub(crate) fn folder(
+        &self,
+        scenario: &Path,
+        command: &'static str,
+        files: &[&str],
+    ) -> Result<Option<ResultFolder>, CommandError> {
+        let Some(out) = &self.out else { return Ok(None) };
+        let folder = ResultFolder::fresh(Some(out), &stem(scenario), command, self.overwrite)?;
+        folder.check(files)?;
+        folder.refuse_inputs([scenario])?;
+        Ok(Some(folder))
+    }
 }
 
 /// Numbers in the place of the scenario's.

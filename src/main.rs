@@ -162,15 +162,9 @@ enum Command {
     Curve(curve::CurveArgs),
 }
 
-/// Stack of the threads of studies: a line holds its dampers by value, 180 kB of them, and an
-/// unoptimised build copies it several times (bytes).
-const STUDY_STACK: usize = 16 << 20;
-
 /// Runs the command line.
 fn main() -> ExitCode {
     stop::listen();
-    // Only a second pool could fail, and this is the first.
-    let _ = rayon::ThreadPoolBuilder::new().stack_size(STUDY_STACK).build_global();
     let cli = match parsed() {
         Ok(cli) => cli,
         Err(why)

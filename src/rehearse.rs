@@ -1,7 +1,7 @@
 //! `yawbench rehearse`: how far every limit of a run is away, on emulated rigs, before anything is
 //! armed.
 
-use crate::bench_options::OverrideArgs;
+use crate::bench_options::{OverrideArgs, PrintedArgs};
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
 use crate::linear_vehicle::linear_vehicle;
@@ -34,15 +34,8 @@ pub(crate) struct RehearseArgs {
     measured: Option<PathBuf>,
     #[command(flatten)]
     overrides: OverrideArgs,
-    /// Folder for rehearsal.json [default: nothing is written].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace an earlier rehearsal in that folder.
-    #[arg(long, requires = "out")]
-    overwrite: bool,
-    /// Print the result as JSON.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    printed: PrintedArgs,
 }
 
 /// Runs the command. Exit code 1 means that a limit was passed.
@@ -63,16 +56,7 @@ pub(crate) fn command(args: &RehearseArgs) -> Result<ExitCode, CommandError> {
             CommandError::Input { file: ram.source.as_str().into(), found, expected }
         })?;
     }
-    let mut folder = match &args.out {
-        Some(out) => {
-            let name = stem(&args.scenario);
-            let folder = ResultFolder::fresh(Some(out), &name, "rehearse", args.overwrite)?;
-            folder.check(&[REHEARSAL])?;
-            folder.refuse_inputs([args.scenario.as_path()])?;
-            Some(folder)
-        }
-        None => None,
-    };
+    let mut folder = args.printed.folder(&args.scenario, "rehearse", &[REHEARSAL])?;
     warn(&run.warnings);
     // A run would write there, unless it is told otherwise.
     let free_bytes = ResultFolder::fresh(None, &stem(&args.scenario), "run", false)?.free_bytes();
@@ -86,6 +70,6 @@ pub(crate) fn command(args: &RehearseArgs) -> Result<ExitCode, CommandError> {
         folder.create()?;
         folder.write(REHEARSAL, &format!("{json}\n"))?;
     }
-    print(&if args.json { json } else { found.to_string() })?;
+    print(&if args.printed.json { json } else { found.to_string() })?;
     Ok(if found.holds { ExitCode::SUCCESS } else { ExitCode::from(FAILED) })
 }

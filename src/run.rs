@@ -175,8 +175,8 @@ fn ended_with(why: &BenchError) -> RunEnd {
     } else {
         "The run has ended with an error."
     };
-    let told = (!why.is_interrupted()).then(|| why.to_string());
-    RunEnd { words: words.to_owned(), why: told, files: None, is_good: why.is_interrupted() }
+    let error = (!why.is_interrupted()).then(|| why.to_string());
+    RunEnd { words: words.to_owned(), why: error, files: None, is_good: why.is_interrupted() }
 }
 
 /// How a run has ended: its exit code, and the last line on standard error.

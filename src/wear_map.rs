@@ -1,14 +1,13 @@
 //! `yawbench wear-map`: where does wear in software stand for wear in the joint of the damper?
 
-use crate::bench_options::OverrideArgs;
+use crate::bench_options::{OverrideArgs, PrintedArgs};
 use crate::error::CommandError;
 use crate::exit::{FAILED, INTERRUPTED};
-use crate::output::{print, stem, warn};
+use crate::output::{print, warn};
 use crate::progress::{bar, show};
 use crate::stop;
 use crate::value::number;
 use clap::Args;
-use files::ResultFolder;
 use hil_host::{Sine, WearMap, WearQuestion, wear_map};
 use report::Report;
 use scenario::run::Run;
@@ -48,15 +47,8 @@ pub(crate) struct WearMapArgs {
     frequency_hz: f64,
     #[command(flatten)]
     overrides: OverrideArgs,
-    /// Folder for wear-map.json and report.html [default: nothing is written].
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace an earlier map in that folder.
-    #[arg(long, requires = "out")]
-    overwrite: bool,
-    /// Print the numbers as JSON.
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    printed: PrintedArgs,
 }
 
 /// Runs the command. Exit code 1 means that a cell which a run accepts does not hold.
@@ -65,16 +57,7 @@ pub(crate) struct WearMapArgs {
 /// Bad input, before anything is written; a disk that fails.
 pub(crate) fn command(args: &WearMapArgs) -> Result<ExitCode, CommandError> {
     let run = Run::load(&args.scenario, args.overrides.overrides())?;
-    let mut folder = match &args.out {
-        Some(out) => {
-            let name = stem(&args.scenario);
-            let folder = ResultFolder::fresh(Some(out), &name, "wear-map", args.overwrite)?;
-            folder.check(&FILES)?;
-            folder.refuse_inputs([args.scenario.as_path()])?;
-            Some(folder)
-        }
-        None => None,
-    };
+    let mut folder = args.printed.folder(&args.scenario, "wear-map", &FILES)?;
     warn(&run.warnings);
     let progress = bar("dampers on rigs");
     let done = |done: usize, of: usize| show(&progress, [done, of], "dampers on rigs".to_owned());
@@ -91,7 +74,7 @@ pub(crate) fn command(args: &WearMapArgs) -> Result<ExitCode, CommandError> {
         folder.write(FILES[0], &format!("{json}\n"))?;
         folder.write(FILES[1], &page)?;
     }
-    print(&if args.json { json } else { text(&found) })?;
+    print(&if args.printed.json { json } else { text(&found) })?;
     let is_broken = found.broken().next().is_some();
     Ok(if is_broken { ExitCode::from(FAILED) } else { ExitCode::SUCCESS })
 }

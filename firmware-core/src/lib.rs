@@ -45,6 +45,7 @@ pub mod fnv;
 pub mod guard;
 pub mod lanes;
 pub mod line;
+mod ring;
 pub mod supervision;
 pub mod track;
 pub mod vehicle;

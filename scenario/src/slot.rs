@@ -1,5 +1,6 @@
 //! The damper slots of a run: modelled, or on a rig.
 
+use crate::cycle::CYCLE_S;
 use crate::damper::DamperFile;
 use crate::damper_mass;
 use crate::error::ScenarioError;
@@ -150,7 +151,7 @@ impl SlotFile {
         let model = self.model.clone().unwrap_or_default().over(&file.damper).build(source)?;
         let refused =
             |error: DamperError| source.whole_error(format!("slot \"{place}\": model: {error}"));
-        let specimen = damper_mass::without(model).map_err(refused)?;
+        let specimen = damper_mass::without(model).map_err(refused)?.prepared(CYCLE_S);
         let model = worn(&specimen, clearance, compliance).map_err(refused)?;
         let watch = match &self.watch {
             Some(watch) => Some(Box::new(watch.build(source, &file.damper)?)),

@@ -23,6 +23,7 @@ use super::filter::Filter;
 use super::regression::Regression;
 use super::series::Series;
 use crate::command::Command;
+use crate::ring::Ring;
 use core::f64::consts::TAU;
 
 /// How long an estimate may stay beyond its reach, s.
@@ -78,9 +79,8 @@ pub struct Adaptive {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptiveState {
     coefficients: [f64; 3],
-    /// The last commands, a ring.
-    sent_m: [f64; KEPT],
-    newest: usize,
+    /// The last commands, as many as are known.
+    sent_m: Ring<f64, KEPT>,
     known: usize,
     /// Age of the last answer that was used.
     age_cycles: Option<u32>,
@@ -125,8 +125,7 @@ impl Adaptive {
         let [a0, a1, a2, _] = self.start.0;
         AdaptiveState {
             coefficients: [a0, a1, a2],
-            sent_m: [0.0; KEPT],
-            newest: 0,
+            sent_m: Ring::filled(0.0),
             known: 0,
             age_cycles: None,
             command: Filter::resting(0.0),
@@ -286,17 +285,14 @@ impl AdaptiveState {
 
     /// Corrects the command of this cycle to what was sent.
     pub(super) fn correct(&mut self, displacement_m: f64) {
-        if let Some(sent) = self.sent_m.get_mut(self.newest) {
-            *sent = displacement_m;
-        }
+        self.sent_m.correct(displacement_m);
     }
 
     /// Keeps the command of a cycle, which makes the last answer a cycle older.
     fn keep(&mut self, displacement_m: f64) {
         self.age_cycles = self.age_cycles.map(|age| age.saturating_add(1));
-        self.newest = (self.newest + 1) % KEPT;
         self.known = (self.known + 1).min(KEPT);
-        self.correct(displacement_m);
+        self.sent_m.keep(displacement_m);
     }
 
     /// The command so many cycles ago, if it is kept and a number.
@@ -305,7 +301,6 @@ impl AdaptiveState {
         if age >= self.known {
             return None;
         }
-        let place = (self.newest + KEPT - age) % KEPT;
-        self.sent_m.get(place).copied().filter(|sent| sent.is_finite())
+        self.sent_m.ago(age).filter(|sent| sent.is_finite())
     }
 }

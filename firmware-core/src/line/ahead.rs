@@ -1,39 +1,24 @@
 //! Motions that were computed ahead, until their time has come.
 
 use crate::command::Command;
+use crate::ring::Ring;
 use crate::virtual_wear::MOST_AHEAD_CYCLES;
 
-/// One for each cycle.
-const KEPT: usize = MOST_AHEAD_CYCLES as usize + 1;
-
-/// The last motions, a ring.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ahead {
-    kept: [Command; KEPT],
-    newest: usize,
-}
-
-impl Default for Ahead {
-    fn default() -> Self {
-        Self::resting(Command::default())
-    }
-}
+/// The last motions, one for each cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Ahead(Ring<Command, { MOST_AHEAD_CYCLES as usize + 1 }>);
 
 impl Ahead {
     /// Rest at one place.
     pub(super) const fn resting(command: Command) -> Self {
-        Self { kept: [command; KEPT], newest: 0 }
+        Self(Ring::filled(command))
     }
 
     /// Takes a motion that is wanted in so many cycles, and gives the one for now.
     pub(super) fn take(&mut self, command: Command, ahead_cycles: u8) -> Command {
         debug_assert!(ahead_cycles <= MOST_AHEAD_CYCLES, "{ahead_cycles} cycles ahead");
-        self.newest = (self.newest + 1) % KEPT;
-        if let Some(place) = self.kept.get_mut(self.newest) {
-            *place = command;
-        }
-        let place = (self.newest + KEPT - usize::from(ahead_cycles) % KEPT) % KEPT;
-        self.kept.get(place).copied().unwrap_or(command)
+        self.0.keep(command);
+        self.0.ago(usize::from(ahead_cycles)).unwrap_or(command)
     }
 }
 

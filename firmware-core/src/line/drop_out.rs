@@ -63,7 +63,7 @@ mod tests {
     }
 
     /// A line in RUN.
-    fn running<'a>(vehicle: &'a Vehicle, track: &'a Track<'a>, second: Slot) -> Coupled<'a> {
+    fn running<'a>(vehicle: &'a Vehicle, track: &'a Track<'a>, second: Slot<'a>) -> Coupled<'a> {
         let mut line = Coupled::new(vehicle, track, second, FADE);
         (0..250).for_each(|_| line.cycle(measured));
         assert_eq!(line.state.state, State::Run);

@@ -75,7 +75,7 @@ pub struct Line<'a> {
     /// Substeps per cycle.
     pub substeps: u32,
     /// The damper slots.
-    pub slots: [Slot; DAMPER_SLOTS],
+    pub slots: [Slot<'a>; DAMPER_SLOTS],
     /// How long the coupling of rigs is faded in and out.
     pub fade: Fade,
 }
@@ -306,7 +306,7 @@ mod tests {
     use crate::track::Track;
     use crate::vehicle::DamperForces as _;
 
-    fn rig() -> RigSlot {
+    fn rig() -> RigSlot<'static> {
         let Ok(model) = Damper::new(Nominal::NEW, &[]) else { panic!("a new damper") };
         RigSlot {
             model,

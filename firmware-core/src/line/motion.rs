@@ -17,7 +17,7 @@ use crate::virtual_wear::Reading;
 
 impl SlotState {
     /// A ram in the middle of its stroke that is coupled from the first cycle on.
-    pub fn coupled(rig: &RigSlot) -> Self {
+    pub fn coupled(rig: &RigSlot<'_>) -> Self {
         let mut state = Self {
             limits: rig.limits,
             compensator: rig.compensator.start(),
@@ -32,7 +32,7 @@ impl SlotState {
     /// The command to a coupled rig for the vehicle's motion between the eyes.
     pub fn follow(
         &mut self,
-        rig: &RigSlot,
+        rig: &RigSlot<'_>,
         vehicle: Command,
         arrived: (ForceInput, Option<Answer>),
         cycle_s: f64,
@@ -45,7 +45,7 @@ impl SlotState {
     /// From the vehicle's motion between the eyes to the command: wear, fade, compensator, limits.
     pub(super) fn take_motion(
         &mut self,
-        rig: &RigSlot,
+        rig: &RigSlot<'_>,
         vehicle: Command,
         (input, answer): (ForceInput, Option<Answer>),
         (fade, phase): (Fade, State),

@@ -17,19 +17,18 @@ const ROUNDING_SHARE: f64 = 0.8;
 
 /// Where the force of a slot comes from.
 #[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "four of them, made once, where there is no heap")]
-pub enum Slot {
+pub enum Slot<'a> {
     /// Nothing is mounted.
     Empty,
     /// The model, inside the vehicle step.
     Modelled(Damper),
     /// A rig.
-    Rig(RigSlot),
+    Rig(RigSlot<'a>),
     /// The rig in another slot.
     StandIn(StandIn),
 }
 
-impl Slot {
+impl Slot<'_> {
     /// Puts the model of a rig, or of a damper for which one stands, in its place.
     pub fn use_model(&mut self) {
         if let Self::Rig(RigSlot { model, .. }) | Self::StandIn(StandIn { model, .. }) = self {
@@ -40,18 +39,18 @@ impl Slot {
 
 /// A slot whose damper is on a rig.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RigSlot {
+pub struct RigSlot<'a> {
     /// The damper that acts while the measured force is faded in and out.
     pub model: Damper,
     /// Wear in software.
-    pub wear: Option<VirtualWear>,
+    pub wear: Option<VirtualWear<'a>>,
     /// How the delay of the rig is compensated.
     pub compensator: Compensator,
     /// Limits of the commands that the bench asks for.
     pub limits: CommandLimits,
 }
 
-impl RigSlot {
+impl<'a> RigSlot<'a> {
     /// A rig whose compensator also takes out what is known of the delay outside of it.
     pub fn new(
         model: Damper,
@@ -63,14 +62,15 @@ impl RigSlot {
         Self { model, wear: None, compensator, limits }
     }
 
-    /// The same rig with clearance and compliance put before its damper. The motion is computed
-    /// ahead by the delay of the rig, in whole cycles, and the compensator is left with the rest.
+    /// The same rig with clearance and compliance put before its damper, which is known as
+    /// `specimen`. The motion is computed ahead by the delay of the rig, in whole cycles, and the
+    /// compensator is left with the rest.
     #[must_use]
     pub fn behind_wear(
         self,
         clearance_2a_m: f64,
         compliance_m_per_n: f64,
-        specimen: &Damper,
+        specimen: &'a Damper,
         cycle_s: f64,
     ) -> Self {
         let known_delay_s = KNOWN_DELAY_CYCLES * cycle_s;
@@ -78,7 +78,7 @@ impl RigSlot {
         let wear = VirtualWear {
             clearance_2a_m,
             compliance_m_per_n,
-            specimen: specimen.clone().prepared(cycle_s),
+            specimen,
             ahead_cycles,
             rounding_cycles: 0,
         };

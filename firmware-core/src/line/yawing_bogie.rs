@@ -26,7 +26,7 @@ pub(super) fn damper() -> Damper {
     damper
 }
 
-pub(super) fn rig() -> Slot {
+pub(super) fn rig() -> Slot<'static> {
     Slot::Rig(RigSlot {
         model: damper().prepared(CYCLE_S / 4.0),
         wear: None,
@@ -35,7 +35,7 @@ pub(super) fn rig() -> Slot {
     })
 }
 
-pub(super) fn stands_in(is_reversed: bool) -> Slot {
+pub(super) fn stands_in(is_reversed: bool) -> Slot<'static> {
     Slot::StandIn(StandIn { model: damper().prepared(CYCLE_S / 4.0), of: 0, is_reversed })
 }
 
@@ -82,7 +82,7 @@ impl<'a> Coupled<'a> {
     pub(super) fn new(
         vehicle: &'a Vehicle,
         track: &'a Track<'a>,
-        second: Slot,
+        second: Slot<'a>,
         fade: Fade,
     ) -> Self {
         let mut all = core::array::from_fn(|_| Slot::Empty);

@@ -7,6 +7,7 @@
 use super::rounding::MOST_ROUNDING_CYCLES;
 use super::{MOST_AHEAD_CYCLES, Reading};
 use crate::damper::{Damper, DamperState, Motion};
+use crate::ring::Ring;
 use core::f64::consts::TAU;
 
 /// Cut-off of the difference (Hz): well above hunting, well below the loop.
@@ -31,7 +32,7 @@ pub(super) struct Mismatch {
     missing: u32,
     scale: Scale,
     force_n: f64,
-    /// The low-passed difference of the last cycles, a ring.
+    /// The low-passed difference of the last cycles.
     kept_n: Kept,
     squares: Squares,
 }
@@ -46,31 +47,46 @@ struct Squares {
     readings: u32,
 }
 
-/// Forces of the last cycles.
+/// Forces, all rms (N).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Kept {
-    n: [f64; KEPT],
-    newest: usize,
+#[expect(clippy::struct_field_names, reason = "their unit is the end of their names")]
+pub(super) struct Sizes {
+    /// Measured less modelled.
+    pub(super) difference_n: f64,
+    /// What the difference was off from the one that was foreseen.
+    pub(super) missed_n: f64,
+    /// What the ram strayed from the wanted motion, as a force of the model.
+    pub(super) strayed_n: f64,
+    /// Of the model.
+    pub(super) model_n: f64,
 }
 
-impl Default for Kept {
-    fn default() -> Self {
-        Self { n: [0.0; KEPT], newest: 0 }
-    }
-}
+/// Forces of the last cycles (N).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Kept(Ring<f64, KEPT>);
 
 impl Kept {
     pub(super) fn keep(&mut self, force_n: f64) {
-        self.newest = (self.newest + 1) % KEPT;
-        if let Some(place) = self.n.get_mut(self.newest) {
-            *place = force_n;
-        }
+        self.0.keep(force_n);
     }
 
     pub(super) fn ago_n(&self, cycles: u8) -> f64 {
         debug_assert!(usize::from(cycles) < KEPT, "{cycles} cycles ago");
-        let place = (self.newest + KEPT - usize::from(cycles) % KEPT) % KEPT;
-        self.n.get(place).copied().unwrap_or(0.0)
+        self.0.ago(usize::from(cycles)).unwrap_or(0.0)
+    }
+}
+
+/// What the model's force needs to be that of the damper on the rig.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Correction {
+    scale: f64,
+    difference_n: f64,
+}
+
+impl Correction {
+    /// The force of the damper on the rig where its model has another one (N).
+    pub(super) fn of(&self, model_n: f64) -> f64 {
+        self.scale * model_n + self.difference_n
     }
 }
 
@@ -106,13 +122,10 @@ impl Mismatch {
     ) {
         self.kept_n.keep(self.force_n);
         self.arrived_n = None;
-        let Some(Reading { displacement_m, force_n }) = reading else {
+        let Some(Reading { displacement_m, force_n }) = reading.filter(Reading::is_finite) else {
             self.missing = self.missing.saturating_add(1);
             return;
         };
-        if !(displacement_m.is_finite() && force_n.is_finite()) {
-            return;
-        }
         let motion = Motion::new(displacement_m, 0.0);
         let known = self.measured.filter(|_| self.missing <= GAP_MAX);
         let mut model = known.unwrap_or(DamperState::starting(motion));
@@ -133,9 +146,9 @@ impl Mismatch {
         self.force_n += angle / (1.0 + angle) * (difference_n - self.force_n);
     }
 
-    /// The force of the damper on the rig where its model has another one (N).
-    pub(super) fn corrected_n(&self, model_n: f64) -> f64 {
-        (1.0 + self.scale.share()) * model_n + self.force_n
+    /// As far as it is known.
+    pub(super) fn correction(&self) -> Correction {
+        Correction { scale: 1.0 + self.scale.share(), difference_n: self.force_n }
     }
 
     /// Takes the force that was foreseen for the motion of this cycle: what the model says of the
@@ -147,20 +160,16 @@ impl Mismatch {
         }
     }
 
-    /// Difference and force of the model, both rms since [`Mismatch::clear`] (N).
-    pub(super) fn sizes_n(&self) -> Option<(f64, f64)> {
-        Some((self.rms_n(self.squares.difference)?, self.rms_n(self.squares.model)?))
-    }
-
-    fn rms_n(&self, squares: f64) -> Option<f64> {
-        let readings = self.squares.readings;
-        (readings > 0).then(|| libm::sqrt(squares / f64::from(readings)))
-    }
-
-    /// What the difference was off from the one that was foreseen, and what the ram strayed, as a
-    /// force, both rms since [`Mismatch::clear`] (N).
-    pub(super) fn errors_n(&self) -> Option<(f64, f64)> {
-        Some((self.rms_n(self.squares.missed)?, self.rms_n(self.squares.strayed)?))
+    /// Sizes since [`Mismatch::clear`]; none before the first reading.
+    pub(super) fn sizes(&self) -> Option<Sizes> {
+        let Squares { difference, missed, strayed, model, readings } = self.squares;
+        let rms = |squares: f64| libm::sqrt(squares / f64::from(readings));
+        (readings > 0).then(|| Sizes {
+            difference_n: rms(difference),
+            missed_n: rms(missed),
+            strayed_n: rms(strayed),
+            model_n: rms(model),
+        })
     }
 
     /// Begins the sums anew.

@@ -13,12 +13,14 @@
 //!
 //! ```text
 //! x(t + h)   extrapolated from the vehicle's displacement, velocity, acceleration and jerk
-//! F(t + h) = M[w](t + h) + dF(t)        dF = low-pass(F_measured - M[x_measured])
+//! F(t + h) = (1 + q) M[w](t + h) + dF(t)
+//! q          least squares of F_measured - M[x_measured] on M[x_measured], over a second
+//! dF         low-pass of what q leaves of the difference
 //! ```
 //! `M` is a model of the healthy damper, once driven by what the joint wants and once by what the
 //! rig measured (a predictor after O. J. M. Smith, 1957). The delay lies outside of the loop that
 //! is closed over `dF`, so it does not make it unstable; what does is a damper that is stiffer or
-//! softer than its model ([`loop_gain`]).
+//! softer than its model ([`WearFound`]).
 //!
 //! Extrapolating `w` instead of `x` would carry every contact beyond its flank, and feeding the
 //! force straight back, `x - F / K_v`, has a gain of the damper's stiffness over `K_v`, which is
@@ -32,12 +34,11 @@
 //! gap as preload would in the joint of a worn damper.
 
 mod joint;
-mod loop_gain;
 mod mismatch;
 mod rounding;
+mod verdict;
 
-pub use loop_gain::{FORCE_ERROR_MAX, LOOP_GAIN_MAX, loop_gain};
-pub use rounding::MOST_ROUNDING_CYCLES;
+pub use verdict::{FORCE_ERROR_MAX, LOOP_GAIN_MAX, WearFound, loop_gain};
 
 use crate::command::Command;
 use crate::compensation::{Compensator, Differences, Feedforward};
@@ -50,20 +51,18 @@ use rounding::{Rounding, rounding_cycles};
 pub const MOST_AHEAD_CYCLES: u8 = 63;
 /// Speed at which a gap closes at the working point of the SS9 study: 3.5 Hz with 3.46 mm (m/s).
 const CONTACT_SPEED_M_PER_S: f64 = 0.076;
-/// Share of the healthy damper's force below which a mismatch is small, whatever the model's is.
-const LEAST_SHARE: f64 = 0.1;
 /// Order of the extrapolation of the vehicle's motion.
 const ORDER: u8 = 3;
 
 /// Parameters of the wear.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VirtualWear {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VirtualWear<'a> {
     /// Extra total clearance (m).
     pub clearance_2a_m: f64,
     /// Extra series compliance (m/N).
     pub compliance_m_per_n: f64,
     /// The damper on the rig, as the host knows it.
-    pub specimen: Damper,
+    pub specimen: &'a Damper,
     /// Cycles by which the motion is computed ahead.
     pub ahead_cycles: u8,
     /// Cycles on either side over which contacts are rounded.
@@ -77,6 +76,12 @@ pub struct Reading {
     pub displacement_m: f64,
     /// Its force (N).
     pub force_n: f64,
+}
+
+impl Reading {
+    fn is_finite(&self) -> bool {
+        self.displacement_m.is_finite() && self.force_n.is_finite()
+    }
 }
 
 /// What the wear remembers.
@@ -113,7 +118,7 @@ pub fn ahead_cycles(compensator: &Compensator, known_delay_s: f64, cycle_s: f64)
     cycles.max(0.0).min(f64::from(MOST_AHEAD_CYCLES)) as u8
 }
 
-impl VirtualWear {
+impl VirtualWear<'_> {
     /// The same with contacts rounded to an acceleration (m/s2).
     #[must_use]
     pub fn rounded(self, acceleration_m_per_s2: f64, cycle_s: f64) -> Self {
@@ -139,8 +144,8 @@ impl VirtualWear {
         debug_assert!(self.clearance_2a_m >= 0.0, "clearance of {} m", self.clearance_2a_m);
         debug_assert!(self.compliance_m_per_n >= 0.0, "{} m/N", self.compliance_m_per_n);
         let ahead_cycles = self.ahead_cycles.saturating_add(self.rounding_cycles);
-        state.mismatch.take(&self.specimen, reading, ahead_cycles, cycle_s);
-        state.take_healthy(&self.specimen, vehicle, cycle_s);
+        state.mismatch.take(self.specimen, reading, ahead_cycles, cycle_s);
+        state.take_healthy(self.specimen, vehicle, cycle_s);
         let motion = state.differences.take(vehicle, cycle_s);
         let ahead_s = f64::from(ahead_cycles) * cycle_s;
         let ahead = Feedforward::polynomial(ORDER, ahead_s).series.command(&motion);
@@ -153,11 +158,11 @@ impl VirtualWear {
             compliance_m_per_n: self.compliance_m_per_n,
         };
         let before = state.wanted;
-        let mismatch = state.mismatch;
+        let correction = state.mismatch.correction();
         let force_n = |displacement_m: f64| {
             let mut next = before;
             let moved = Motion::new(displacement_m, 0.0);
-            mismatch.corrected_n(self.specimen.advance(&mut next, moved, cycle_s))
+            correction.of(self.specimen.advance(&mut next, moved, cycle_s))
         };
         let stiffness = self.specimen.nominal().ke_n_per_m;
         let from_m = before.motion().displacement_m;
@@ -182,20 +187,12 @@ impl VirtualWearState {
         (self.healthy_squares, self.healthy_cycles) = (0.0, 0);
     }
 
-    /// The force of the specimen less that of its model, over the latter or a tenth of the healthy
-    /// damper's, both rms since [`VirtualWearState::clear`]; nothing before it has moved.
-    pub fn mismatch_ratio(&self) -> Option<f64> {
-        let (difference_n, model_n) = self.mismatch.sizes_n()?;
-        let over_n = model_n.max(LEAST_SHARE * self.healthy_n());
-        (over_n > 0.0).then_some(difference_n / over_n)
-    }
-
-    /// The error of the force that the mismatch makes, over the force of the healthy damper;
-    /// nothing before it has moved.
-    pub fn force_error(&self, wear: &VirtualWear) -> Option<f64> {
+    /// What is judged of a wear, since [`VirtualWearState::clear`]; nothing before the damper has
+    /// moved.
+    pub fn found(&self, wear: &VirtualWear<'_>) -> Option<WearFound> {
         let healthy_n = self.healthy_n();
-        let errors_n = self.mismatch.errors_n().filter(|_| healthy_n > 0.0)?;
-        Some(wear.force_error(errors_n, healthy_n))
+        let sizes = self.mismatch.sizes().filter(|_| healthy_n > 0.0)?;
+        Some(WearFound::of(wear, &sizes, healthy_n))
     }
 
     fn healthy_n(&self) -> f64 {

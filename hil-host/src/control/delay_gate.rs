@@ -12,6 +12,7 @@
 
 use firmware_core::line::{BLOCK_CYCLES, DelayBlocks, FEWEST_BLOCKS};
 use firmware_core::vehicle::DAMPER_SLOTS;
+use firmware_core::virtual_wear::WearFound;
 use scenario::run::MEASURING_CYCLES;
 
 /// Share of the damping from which on a run is warned of.
@@ -32,15 +33,6 @@ pub struct DelayGate {
     pub hunting_hz: f64,
     /// Slots whose cost is accepted whatever it is.
     pub accepted: [bool; DAMPER_SLOTS],
-}
-
-/// What was found of wear in software before its force acts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WearFound {
-    /// Gain of the loop over the mismatch.
-    pub loop_gain: f64,
-    /// Error of the force, over that of the healthy damper.
-    pub force_error: f64,
 }
 
 /// What the gate has measured.

@@ -2,12 +2,12 @@
 //! as the gate asks, and how far its damper is off the model that wear in software relies on.
 
 use super::cycle::Inputs;
-use super::delay_gate::{COST_REFUSED, DelayGate, SETTLING_CYCLES, WearFound};
+use super::delay_gate::{COST_REFUSED, DelayGate, SETTLING_CYCLES};
 use super::session::{Session, SessionState};
 use firmware_core::compensation::delay_that_costs;
 use firmware_core::line::{Sensitivity, Slot};
 use firmware_core::supervision::{Action, Cause, Signal, State};
-use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX, loop_gain};
+use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX};
 
 impl Session<'_> {
     /// Measures the delay of every rig between the fades, and judges it once.
@@ -60,8 +60,11 @@ impl Session<'_> {
 
     fn judge_wear(&self, state: &mut SessionState) {
         for port in &self.ports {
-            let Some(found) = self.wear_found(state, port.slot) else { continue };
-            state.gate.wear[port.slot] = Some(found);
+            let Slot::Rig(rig) = &self.line.slots[port.slot] else { continue };
+            let Some(wear) = &rig.wear else { continue };
+            let found = state.line.slots[port.slot].wear.found(wear);
+            state.gate.wear[port.slot] = found;
+            let Some(found) = found else { continue };
             let causes = [
                 (Signal::WearLoopGain, found.loop_gain, LOOP_GAIN_MAX),
                 (Signal::WearForceError, found.force_error, FORCE_ERROR_MAX),
@@ -72,18 +75,6 @@ impl Session<'_> {
                 self.stop(state, Some(port.node.number()), cause, Action::RampOut);
             }
         }
-    }
-
-    /// What the damper of a slot with wear in software has shown since it was cleared.
-    fn wear_found(&self, state: &SessionState, slot: usize) -> Option<WearFound> {
-        let Slot::Rig(rig) = self.line.slots.get(slot)? else { return None };
-        let (wear, memory) = (rig.wear.as_ref()?, &state.line.slots.get(slot)?.wear);
-        let stiffness = wear.specimen.nominal().ke_n_per_m;
-        let share = memory.mismatch_ratio()?;
-        Some(WearFound {
-            loop_gain: loop_gain(wear.compliance_m_per_n, stiffness, share),
-            force_error: memory.force_error(wear)?,
-        })
     }
 
     /// What the damper of a slot makes of a delay, by the slot's model.

@@ -40,7 +40,7 @@ mod watch;
 
 pub use buses::Buses;
 pub use course::{Course, NoStretch};
-pub use delay_gate::{COST_REFUSED, COST_WARNED, DelayGate, DelayGateState, WearFound};
+pub use delay_gate::{COST_REFUSED, COST_WARNED, DelayGate, DelayGateState};
 pub use no_answer::NoAnswer;
 pub use notices::Notices;
 pub use open_loop::{Motion, Seen};

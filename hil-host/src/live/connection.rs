@@ -19,7 +19,7 @@ const TAKEN: Duration = Duration::from_secs(10);
 /// Time that a browser has to hang up after its answer.
 const HANG_UP: Duration = Duration::from_secs(1);
 
-/// Bytes that are read at once, and how often in a round: whoever never stops keeps nobody waiting.
+/// Bytes that are read at once, and how often in a round: an endless request then blocks nothing.
 const BATCH: usize = 2048;
 const BATCHES: usize = 8;
 
@@ -261,7 +261,7 @@ mod tests {
         connection.line.room = 10_000;
         connection.write(late);
         assert!(connection.line.taken.starts_with(b"HTTP/1.1 408 ") && connection.line.is_ended);
-        // Whoever does not hang up is hung up on.
+        // The answer is out: a connection that the browser leaves open is closed from here.
         connection.line.comes.push_back(b"\nmore".to_vec());
         assert!(connection.read().is_none() && !connection.is_closed());
         connection.expire(late + HANG_UP + Duration::from_millis(1));

@@ -13,8 +13,7 @@
 //! The button also needs the token of this run, which only the page itself holds. Besides the page
 //! and its data the button is all that there is: nothing can be armed, started or set.
 //!
-//! Limit: whoever runs a program on this machine can read the page and press the button, as at the
-//! terminal.
+//! Limit: any program on this machine can read the page and press the button, as at the terminal.
 
 use super::request::{Refusal, Request};
 use crate::draw::Draw;

@@ -8,15 +8,15 @@
 //! The loop does not know of it: it fills the queue that it fills without a page, and reads the
 //! request for an end that it reads without one. The recorder's thread takes copies of the rows
 //! that it has written, decimates them and puts an update on a board, ten times a second
-//! (`feed.rs`). The thread of the page takes the newest update (`server.rs`). Whoever is slow loses
-//! updates; nobody waits for anybody.
+//! (`feed.rs`). The thread of the page takes the newest update (`server.rs`). A slow browser
+//! loses updates; nobody waits for anybody.
 //!
 //! The page is three files in the program and a stream of server-sent events. The only command is
 //! the ramp-out, as by key `s`: nothing can be armed, started or set (`gate.rs`). It is no safety
 //! function; between the button and the loop are a browser and an ordinary thread.
 //!
-//! Limits: loopback only, without encryption. Whoever runs a program on this machine can do what
-//! the page does.
+//! Limits: loopback only, without encryption. Any program on this machine can do what the page
+//! does.
 
 mod address;
 mod answer;

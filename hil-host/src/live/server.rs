@@ -44,11 +44,11 @@ pub(super) struct Server {
     requests: &'static Requests,
     connections: Vec<Connection<TcpStream>>,
     shown: Shown,
-    /// When the streams were told something.
-    told: Instant,
+    /// When something was last sent to the streams.
+    sent: Instant,
 }
 
-/// What the page was told last.
+/// What was last sent to the page.
 #[derive(Debug, Default, PartialEq)]
 struct Shown {
     facts: bool,
@@ -75,8 +75,8 @@ impl Server {
         requests: &'static Requests,
     ) -> Self {
         let assets = Assets::new(gate.token());
-        let (connections, shown, told) = (Vec::new(), Shown::default(), Instant::now());
-        let mut server = Self { listener, gate, assets, board, requests, connections, shown, told };
+        let (connections, shown, sent) = (Vec::new(), Shown::default(), Instant::now());
+        let mut server = Self { listener, gate, assets, board, requests, connections, shown, sent };
         server.look();
         server
     }
@@ -188,9 +188,9 @@ impl Server {
             self.shown.facts = true;
             events.extend(self.facts());
         }
-        if is_new || now.saturating_duration_since(self.told) >= SIGN_OF_LIFE {
+        if is_new || now.saturating_duration_since(self.sent) >= SIGN_OF_LIFE {
             events.extend(self.now());
-            self.told = now;
+            self.sent = now;
         }
         if !events.is_empty() {
             self.connections.iter_mut().for_each(|connection| connection.push(&events, now));

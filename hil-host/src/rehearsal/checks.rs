@@ -1,13 +1,13 @@
 //! One check of a rehearsal: what was reached, the limit, and what is left of it.
 
-use crate::control::{COST_REFUSED, WearFound};
+use crate::control::COST_REFUSED;
 use crate::linear_vehicle::LinearVehicle;
 use crate::run::StabilityCheck;
 use crate::stability::{LEAST_MARGIN, Stability};
 use crate::summary::is_worn;
 use firmware_core::line::{DelayBlocks, Sensitivity, SlotState};
 use firmware_core::supervision::Reached;
-use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX};
+use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX, WearFound};
 use scenario::run::{CYCLE_S, Slot, SlotForce};
 use serde::Serialize;
 
@@ -173,7 +173,7 @@ pub(super) fn of_stability(found: &StabilityCheck) -> Vec<CheckMargin> {
 
 /// What the gate before RUN judges of wear in software.
 pub(super) fn of_wear(slot: &Slot, found: Option<WearFound>) -> Vec<CheckMargin> {
-    let Some(WearFound { loop_gain, force_error }) = found else { return Vec::new() };
+    let Some(WearFound { loop_gain, force_error, .. }) = found else { return Vec::new() };
     let checks = [
         value("wear_loop_gain", None, Some(loop_gain), LOOP_GAIN_MAX),
         value("wear_force_error", None, Some(force_error), FORCE_ERROR_MAX),

@@ -56,7 +56,7 @@ impl StabilityCheck {
 }
 
 /// The slots in which the force of a rig acts.
-fn group_of(rig: usize, slots: &[Slot; DAMPER_SLOTS]) -> ForceGroup {
+fn group_of(rig: usize, slots: &[Slot<'_>; DAMPER_SLOTS]) -> ForceGroup {
     let mut group = ForceGroup::alone(rig);
     for (sign, slot) in group.signs.iter_mut().zip(slots) {
         match slot {
@@ -67,7 +67,7 @@ fn group_of(rig: usize, slots: &[Slot; DAMPER_SLOTS]) -> ForceGroup {
     group
 }
 
-fn of_rig(rig: &RigSlot, group: ForceGroup, vehicle: &LinearVehicle) -> Stability {
+fn of_rig(rig: &RigSlot<'_>, group: ForceGroup, vehicle: &LinearVehicle) -> Stability {
     let series = match rig.compensator {
         Compensator::None => Series::IDENTITY,
         compensator => {

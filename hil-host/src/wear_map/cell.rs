@@ -10,6 +10,7 @@ use firmware_core::damper::{Damper, DamperError};
 use firmware_core::guard::ForceInput;
 use firmware_core::line::{RigSlot, SlotState};
 use firmware_core::supervision::CommandLimits;
+use firmware_core::virtual_wear::WearFound;
 use rig_emulator::{Emulator, Reading, Reference, Target};
 use scenario::rig::RigSetup;
 use scenario::run::{CYCLE_S, worn};
@@ -34,10 +35,8 @@ pub(super) struct Bench {
 pub(super) struct Driven {
     forces_n: Vec<f64>,
     pub(super) work_j: f64,
-    /// The specimen's force over that of its model, less one.
-    pub(super) mismatch: Option<f64>,
-    /// The error of the force that the gate expects.
-    pub(super) expected: Option<f64>,
+    /// What the gate of a run would find.
+    pub(super) found: Option<WearFound>,
     limited: u64,
 }
 
@@ -86,20 +85,20 @@ impl Bench {
         let speed = omega * libm::sqrt((stroke_m * stroke_m - half_m * half_m).max(0.0));
         let is_crossed = half_m > 0.0;
         let rounding =
-            |slot: RigSlot| slot.wear.map_or(0.0, |wear| wear.rounding_m(speed, CYCLE_S));
+            |slot: RigSlot<'_>| slot.wear.map_or(0.0, |wear| wear.rounding_m(speed, CYCLE_S));
         if is_crossed { rounding(self.worn_slot(wear)) } else { 0.0 }
     }
 
-    fn worn_slot(&self, (clearance_2a_m, compliance_m_per_n): (f64, f64)) -> RigSlot {
+    fn worn_slot(&self, (clearance_2a_m, compliance_m_per_n): (f64, f64)) -> RigSlot<'_> {
         self.slot().behind_wear(clearance_2a_m, compliance_m_per_n, &self.model, CYCLE_S)
     }
 
-    fn slot(&self) -> RigSlot {
+    fn slot(&self) -> RigSlot<'_> {
         RigSlot::new(self.model.clone(), self.compensator, self.limits, CYCLE_S)
     }
 }
 
-fn drive(slot: &RigSlot, rig: &RigSetup, specimen: &Damper, sine: Sine) -> Driven {
+fn drive(slot: &RigSlot<'_>, rig: &RigSetup, specimen: &Damper, sine: Sine) -> Driven {
     let rig = RigSetup { damper: specimen.clone(), ..rig.clone() };
     let emulator = Emulator::new(&rig, CYCLE_S, 0);
     let (mut ram, mut memory) = (emulator.start(), SlotState::coupled(slot));
@@ -109,8 +108,7 @@ fn drive(slot: &RigSlot, rig: &RigSetup, specimen: &Damper, sine: Sine) -> Drive
     let mut driven = Driven {
         forces_n: Vec::with_capacity((end - begin) as usize),
         work_j: 0.0,
-        mismatch: None,
-        expected: None,
+        found: None,
         limited: 0,
     };
     let mut arrived = (ForceInput::Missing, None);
@@ -138,8 +136,7 @@ fn drive(slot: &RigSlot, rig: &RigSetup, specimen: &Damper, sine: Sine) -> Drive
         arrived = (ForceInput::Fresh(force_n), Some(Answer { displacement_m, age_cycles: 0 }));
     }
     if let Some(wear) = &slot.wear {
-        driven.mismatch = memory.wear.mismatch_ratio();
-        driven.expected = memory.wear.force_error(wear);
+        driven.found = memory.wear.found(wear);
     }
     driven.limited = memory.limited - driven.limited;
     driven

@@ -24,7 +24,7 @@ use crate::BenchError;
 use cell::{Bench, Driven};
 use firmware_core::compensation::{Compensator, Feedforward};
 use firmware_core::damper::Damper;
-use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX, loop_gain};
+use firmware_core::virtual_wear::{FORCE_ERROR_MAX, WearFound};
 use rayon::prelude::*;
 use scenario::rig::{DELAY_CYCLES_MAX, Drive, RigSetup};
 use scenario::run::{CYCLE_S, Run, SlotForce};
@@ -213,11 +213,9 @@ fn cells(
             let wear = (*clearance_2a_m, compliance_m_per_n);
             let joint = bench.in_joint(wear, *sine).map_err(BenchError::Damper)?;
             let software = bench.in_software(wear, *sine);
-            let judged = Judged { healthy: &healthy, joint: &joint, software: &software };
-            let gain = software
-                .mismatch
-                .map(|share| loop_gain(compliance_m_per_n, model.nominal().ke_n_per_m, share));
-            let [force, work, own_work] = judged.errors();
+            let [force, work, own_work] = errors(&healthy, &joint, &software);
+            let percent =
+                |of: fn(&WearFound) -> f64| software.found.map(|found| 100.0 * of(&found));
             cells.push(Cell {
                 rig: rig.name.clone(),
                 specimen: specimen.name,
@@ -226,13 +224,12 @@ fn cells(
                 force_error_percent: 100.0 * force,
                 work_error_percent: 100.0 * work,
                 own_work_error_percent: 100.0 * own_work,
-                mismatch_percent: software.mismatch.map(|share| 100.0 * share),
-                loop_gain: gain,
-                expected_error_percent: software.expected.map(|error| 100.0 * error),
+                mismatch_percent: percent(|found| found.mismatch),
+                loop_gain: software.found.map(|found| found.loop_gain),
+                expected_error_percent: percent(|found| found.force_error),
                 rounding_mm: 1e3 * bench.rounding_m(wear, *sine),
                 limited_percent: 100.0 * software.limited_share(),
-                is_accepted: gain.is_none_or(|gain| gain <= LOOP_GAIN_MAX)
-                    && software.expected.is_none_or(|error| error <= FORCE_ERROR_MAX),
+                is_accepted: software.found.is_none_or(|found| found.is_accepted()),
                 holds: force <= FORCE_ERROR_MAX && work.abs() <= WORK_SHARE,
             });
         }
@@ -240,18 +237,9 @@ fn cells(
     Ok(cells)
 }
 
-/// The runs of a cell.
-struct Judged<'a> {
-    healthy: &'a Driven,
-    joint: &'a Driven,
-    software: &'a Driven,
-}
-
-impl Judged<'_> {
-    /// Errors of force, work, and work over the worn damper's own.
-    fn errors(&self) -> [f64; 3] {
-        let force = self.software.differs_n(self.joint) / self.healthy.rms_n();
-        let work_j = self.software.work_j - self.joint.work_j;
-        [force, work_j / self.healthy.work_j, work_j / self.joint.work_j]
-    }
+/// Errors of force and work over the healthy damper's, and of the work over the worn damper's own.
+fn errors(healthy: &Driven, joint: &Driven, software: &Driven) -> [f64; 3] {
+    let force = software.differs_n(joint) / healthy.rms_n();
+    let work_j = software.work_j - joint.work_j;
+    [force, work_j / healthy.work_j, work_j / joint.work_j]
 }

@@ -85,7 +85,7 @@ impl Rigs {
     }
 
     /// The slot of a line whose damper is behind a rig.
-    pub(super) fn slot(&self, model: Damper) -> RigSlot {
+    pub(super) fn slot(&self, model: Damper) -> RigSlot<'static> {
         RigSlot {
             model,
             wear: None,

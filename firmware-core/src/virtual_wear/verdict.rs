@@ -1,4 +1,4 @@
-//! Whether the loop over the mismatch is stable, and what its lateness costs.
+//! Whether wear is accepted: is the loop over the mismatch stable, and what does the mismatch cost?
 //!
 //! With the damper's stiffness `K` at short notice, that of its model `K_m` and the joint's `K_v`,
 //! a change of `dF` moves the eye by `-dF / (K_v + K_m)`, and the rig answers with
@@ -21,9 +21,47 @@
 //! a better model of the damper is needed, or a rig that follows better.
 
 use super::VirtualWear;
+use super::mismatch::Sizes;
 
 /// Most loop gain that is accepted.
 pub const LOOP_GAIN_MAX: f64 = 0.5;
+/// Most error of the force that is accepted, over the force of the healthy damper.
+pub const FORCE_ERROR_MAX: f64 = 0.03;
+/// Share of the healthy damper's force below which a mismatch is small, whatever the model's is.
+const LEAST_SHARE: f64 = 0.1;
+
+/// What a damper on a rig makes of the wear before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WearFound {
+    /// The force of the damper less that of its model, over the latter or a tenth of the healthy
+    /// damper's, both rms.
+    pub mismatch: f64,
+    /// Gain of the loop over the mismatch.
+    pub loop_gain: f64,
+    /// Error of the force, over that of the healthy damper.
+    pub force_error: f64,
+}
+
+impl WearFound {
+    /// From the sizes of the mismatch, with the force of the healthy damper (N).
+    pub(super) fn of(wear: &VirtualWear<'_>, sizes: &Sizes, healthy_n: f64) -> Self {
+        debug_assert!(healthy_n > 0.0, "{healthy_n} N");
+        let (compliance, stiffness) = (wear.compliance_m_per_n, wear.specimen.nominal().ke_n_per_m);
+        let mismatch = sizes.difference_n / sizes.model_n.max(LEAST_SHARE * healthy_n);
+        // A missed force is passed on by the joint like any other part of the mismatch.
+        let passed_on_n = loop_gain(compliance, stiffness, sizes.missed_n);
+        Self {
+            mismatch,
+            loop_gain: loop_gain(compliance, stiffness, mismatch),
+            force_error: libm::hypot(passed_on_n, sizes.strayed_n) / healthy_n,
+        }
+    }
+
+    /// Whether a run takes it.
+    pub fn is_accepted(&self) -> bool {
+        self.loop_gain <= LOOP_GAIN_MAX && self.force_error <= FORCE_ERROR_MAX
+    }
+}
 
 /// The loop gain of a joint before a damper of a stiffness (N/m) whose model is off by a share.
 ///
@@ -38,17 +76,4 @@ pub fn loop_gain(compliance_m_per_n: f64, model_n_per_m: f64, share: f64) -> f64
     // Both numerator and denominator over K_v.
     let softness = compliance_m_per_n * model_n_per_m;
     share * softness / (1.0 + softness)
-}
-
-/// Most error of the force that is accepted, over the force of the healthy damper.
-pub const FORCE_ERROR_MAX: f64 = 0.03;
-
-impl VirtualWear {
-    /// The error that a missed difference and a stray ram make (N), over the force of the healthy
-    /// damper (N).
-    pub(super) fn force_error(&self, (missed_n, strayed_n): (f64, f64), healthy_n: f64) -> f64 {
-        debug_assert!(healthy_n > 0.0, "{healthy_n} N");
-        let softness = self.compliance_m_per_n * self.specimen.nominal().ke_n_per_m;
-        libm::hypot(missed_n * softness / (1.0 + softness), strayed_n) / healthy_n
-    }
 }
