@@ -80,7 +80,7 @@ fn a_damper_compared_with_itself_changes_no_quantity() {
     for (name, args) in [("self-fast", ["--pace", "fast"]), ("self-paced", ["--pace", "realtime"])]
     {
         let (out, summary, code) = run(name, &scenario, &args);
-        assert_eq!(code, Some(0));
+        assert_eq!(code, Some(0), "{}", summary["cause"]);
         assert_eq!(quantities(&summary).len(), 30);
         for quantity in quantities(&summary) {
             assert_eq!(quantity["before"], quantity["after"], "{quantity}");

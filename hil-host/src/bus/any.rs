@@ -40,6 +40,14 @@ impl Bus for AnyBus {
         }
     }
 
+    fn has_own_time(&self) -> bool {
+        match self {
+            Self::Memory(bus) => bus.has_own_time(),
+            Self::SocketCan(bus) => bus.has_own_time(),
+            Self::Gateway(bus) => bus.has_own_time(),
+        }
+    }
+
     fn counters(&self) -> BusCounters {
         match self {
             Self::Memory(bus) => bus.counters(),

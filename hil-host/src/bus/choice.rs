@@ -21,6 +21,11 @@ pub enum BusChoice {
 }
 
 impl BusChoice {
+    /// Whether the rigs on it go on in cycles that the host misses.
+    pub(crate) const fn has_own_time(&self) -> bool {
+        !matches!(self, Self::Memory)
+    }
+
     /// The interface as `bus.log` names it.
     pub(crate) fn interface(&self) -> &str {
         match self {

@@ -96,6 +96,10 @@ impl Bus for MemoryBus {
         !self.queue.is_empty()
     }
 
+    fn has_own_time(&self) -> bool {
+        false
+    }
+
     fn counters(&self) -> BusCounters {
         self.counters
     }

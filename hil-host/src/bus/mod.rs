@@ -40,6 +40,11 @@ pub trait Bus {
     /// in memory returns at once: a wait is one cycle of its rigs that nobody commands.
     fn wait(&mut self, timeout: Duration) -> bool;
 
+    /// Whether its rigs go on in cycles that the host misses, as every rig with a clock does.
+    fn has_own_time(&self) -> bool {
+        true
+    }
+
     /// What went over the bus so far.
     fn counters(&self) -> BusCounters;
 }

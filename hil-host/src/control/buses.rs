@@ -70,6 +70,11 @@ impl<'a, 'r, B: Bus> Buses<'a, 'r, B> {
         }
     }
 
+    /// Whether the rigs of a bus go on in cycles that the host misses.
+    pub(super) fn has_own_time(&self, bus: usize) -> bool {
+        self.all.get(bus).is_some_and(Bus::has_own_time)
+    }
+
     fn keep(&mut self, bus: usize, direction: Direction, frame: WireFrame) {
         let time_ns = self.begin.elapsed().as_nanos() as u64;
         self.recorder.event(BusEvent { time_ns, bus: bus as u8, direction, frame });

@@ -88,7 +88,11 @@ impl Session<'_> {
         if tick.skipped > 0 {
             state.skips.skip(state.line.cycle, tick.skipped);
             let cycles = u32::try_from(tick.skipped).unwrap_or(u32::MAX);
-            state.ports.iter_mut().for_each(|memory| memory.belief.skip(cycles));
+            for (port, memory) in self.ports.iter().zip(&mut state.ports) {
+                if buses.has_own_time(port.bus) {
+                    memory.belief.skip(cycles);
+                }
+            }
         }
         self.receive(state, buses);
         let inputs = self.decode(state);

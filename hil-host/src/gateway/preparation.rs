@@ -13,7 +13,8 @@
 //! The ram creeps at 5 mm/s towards mid-stroke for 120 cycles, 0.55 mm. After the declared time and
 //! 20 cycles its place is averaged over two halves of 200 cycles; a ram that runs on has moved by
 //! 0.5 mm between them. It is held where the means differ by no more than the measured noise, the
-//! resolution of the signal and 20 um.
+//! resolution of the signal and 20 um. A part with too few measurements, of a rig or a host that
+//! stood still for a moment, is repeated, three times at most.
 //!
 //! Limits: a rig that follows positions and holds the last one passes without any clock of its own,
 //! and rightly so: it stops. That it also drops its pressure or its enable is not seen.
@@ -37,8 +38,10 @@ const WATCH_CYCLES: u32 = 200;
 /// Cycles within which a rig has to run, or its ram to be back.
 const PATIENCE_CYCLES: u32 = 700;
 
-/// Fewest measurements of a part that is judged.
+/// Fewest measurements of each half of a part that is judged, and how often a part that has fewer
+/// is repeated.
 const FEWEST: u32 = 10;
+const MOST_REPEATS: u32 = 3;
 
 /// Displacement that counts as none beyond noise and resolution (m).
 const HELD_M: f64 = 20e-6;
@@ -148,6 +151,8 @@ pub(super) struct Trial {
     reference: Command,
     noise_m: f64,
     seen: Seen,
+    /// How often this part was begun again for want of measurements.
+    repeats: u32,
     last_m: Option<f64>,
     /// Whether the rig is stopped once, to be enabled again.
     is_again: bool,
@@ -211,6 +216,7 @@ impl Preparation {
             reference: Command::default(),
             noise_m: 0.0,
             seen: Seen::default(),
+            repeats: 0,
             last_m: None,
             is_again: false,
         })
@@ -292,7 +298,18 @@ impl Trial {
 
     fn go_on(&mut self, part: Part) {
         (self.part, self.cycles, self.began) = (part, 0, None);
-        self.seen = Seen::default();
+        (self.seen, self.repeats) = (Seen::default(), 0);
+    }
+
+    /// Repeats a part that has too few measurements.
+    fn repeat(&mut self) -> Result<(), Unready> {
+        if self.repeats == MOST_REPEATS {
+            return Err(Unready::NoMeasurement);
+        }
+        let repeats = self.repeats + 1;
+        self.go_on(self.part);
+        self.repeats = repeats;
+        Ok(())
     }
 
     /// One cycle; where the rig is ready, the place where it holds.
@@ -303,10 +320,11 @@ impl Trial {
         match self.part {
             Part::Enable => return self.enable(state),
             Part::Noise if self.has_lasted(NOISE_CYCLES) => {
-                self.noise_m = self.seen.high_m - self.seen.low_m;
                 if self.seen.drift_m().is_none() {
-                    return Err(Unready::NoMeasurement);
+                    self.repeat()?;
+                    return Ok(None);
                 }
+                self.noise_m = self.seen.high_m - self.seen.low_m;
                 if self.noise_m > MOST_NOISE_M {
                     return Err(Unready::Noisy(self.noise_m));
                 }
@@ -363,7 +381,10 @@ impl Trial {
     }
 
     fn judge(&mut self) -> Result<Option<f64>, Unready> {
-        let Some(drift_m) = self.seen.drift_m() else { return Err(Unready::NoMeasurement) };
+        let Some(drift_m) = self.seen.drift_m() else {
+            self.repeat()?;
+            return Ok(None);
+        };
         if drift_m.abs() > self.noise_m + self.offer.resolution_m + HELD_M {
             return Err(Unready::RunsOn(drift_m.abs()));
         }
@@ -408,5 +429,33 @@ mod tests {
         assert!(matches!(preparation, Preparation::Going(_)), "{preparation:?}");
         preparation.cycle(None, Duration::from_millis(5000 + u64::from(PATIENCE_CYCLES)));
         assert_eq!(preparation, Preparation::Refused(Unready::NotRunning));
+    }
+
+    /// A ram that runs on at 5 mm/s, of a rig that says nothing in the cycles of `is_silent`; what
+    /// comes of its preparation.
+    fn prepared(is_silent: impl Fn(u64) -> bool) -> Preparation {
+        let offer = Offer { time_out_cycles: Some(100), has_state: false, resolution_m: 1e-6 };
+        let mut preparation = Preparation::begin(offer);
+        for cycle in 0..5000 {
+            if !is_silent(cycle) {
+                preparation.measured(-10e-3 + cycle.saturating_sub(120) as f64 * 5e-6);
+            }
+            preparation.cycle(None, Duration::from_millis(cycle));
+            if !matches!(preparation, Preparation::Going(_)) {
+                return preparation;
+            }
+        }
+        preparation
+    }
+
+    #[test]
+    fn a_rig_that_stood_still_for_a_moment_is_watched_again() {
+        // The noise is taken from cycle 20 to 120, the ram is watched from 360 to 560.
+        for silent in [30..110, 380..460, 380..700, 500..600] {
+            let found = prepared(|cycle| silent.contains(&cycle));
+            assert!(matches!(found, Preparation::Refused(Unready::RunsOn(_))), "{found:?}");
+        }
+        let found = prepared(|cycle| cycle > 380);
+        assert_eq!(found, Preparation::Refused(Unready::NoMeasurement));
     }
 }

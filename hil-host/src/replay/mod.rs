@@ -149,8 +149,11 @@ pub fn replay(folder: &Path, progress: &mut dyn FnMut(u64, u64)) -> Result<Repla
     arming::arm(&session, &mut state, &mut script.borrow_mut(), &first)
         .map_err(|why| kept(&log, why.found(), "the log of the run in this folder"))?;
 
-    let number_of_buses = plan.buses.len();
-    let buses = (0..number_of_buses).map(|number| ReplayedBus { number, script: &script });
+    let buses = plan.buses.iter().enumerate().map(|(number, bus)| ReplayedBus {
+        number,
+        script: &script,
+        has_own_time: bus.has_own_time(),
+    });
     let mut buses: Vec<_> = buses.collect();
     let mut queues = Queues::for_rigs(session.ports.len());
     // Nobody reads them: what the replay records is dropped.

@@ -155,6 +155,7 @@ impl Script {
 pub(super) struct ReplayedBus<'a> {
     pub(super) number: usize,
     pub(super) script: &'a RefCell<Script>,
+    pub(super) has_own_time: bool,
 }
 
 impl Bus for ReplayedBus<'_> {
@@ -168,6 +169,10 @@ impl Bus for ReplayedBus<'_> {
 
     fn wait(&mut self, _timeout: Duration) -> bool {
         self.script.borrow_mut().is_received_next()
+    }
+
+    fn has_own_time(&self) -> bool {
+        self.has_own_time
     }
 
     fn counters(&self) -> BusCounters {

@@ -69,6 +69,10 @@ impl<B: Bus> Bus for Heard<'_, B> {
         self.bus.wait(timeout)
     }
 
+    fn has_own_time(&self) -> bool {
+        self.bus.has_own_time()
+    }
+
     fn counters(&self) -> BusCounters {
         self.bus.counters()
     }

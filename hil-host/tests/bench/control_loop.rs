@@ -69,6 +69,9 @@ impl Bus for Disturbed {
     fn wait(&mut self, timeout: Duration) -> bool {
         !self.from_outside.is_empty() || self.bus.wait(timeout)
     }
+    fn has_own_time(&self) -> bool {
+        self.bus.has_own_time()
+    }
     fn counters(&self) -> BusCounters {
         self.bus.counters()
     }
@@ -115,6 +118,29 @@ fn garbage_wrong_crc_and_old_frames_change_nothing_but_a_counter() {
     assert_eq!((rig.received, rig.lost), (clean_rig.received, 0));
     assert!((2001..2010).contains(&rig.received), "{}", rig.received);
     assert_eq!(bus.bus.rigs()[0].physics(), clean_bus.bus.rigs()[0].physics());
+}
+
+#[test]
+fn a_late_host_found_the_measurements_of_rigs_in_memory_old() {
+    let run = scenario();
+    let track = run.track.view();
+    let session = session(&run, &track, WirePace::Clock);
+    let mut queues = Queues::default();
+    let (mut recorder, _drain) = queues.split();
+    let mut course = |skipped: u64| {
+        let (mut state, mut bus) = greeted(&session, &run);
+        for cycle in 0..1000 {
+            let tick = Tick { skipped: if cycle == 500 { skipped } else { 0 }, ..Tick::default() };
+            let buses = std::slice::from_mut(&mut bus);
+            session.cycle(&mut state, &mut Buses::new(buses, &mut recorder), tick);
+        }
+        assert_eq!(state.stop, None);
+        state.hash
+    };
+    let on_time = course(0);
+    for skipped in [1, 6, 7, 14, 15, 1000] {
+        assert_eq!(course(skipped), on_time, "{skipped} ticks skipped");
+    }
 }
 
 #[test]
