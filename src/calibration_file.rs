@@ -34,6 +34,25 @@ pub(crate) const CALIBRATION: &str = "calibration.toml";
 /// Version of the file.
 const FORMAT: u32 = 1;
 
+/// Days by which the date of another time zone may be ahead.
+const DAYS_AHEAD: i64 = 1;
+
+/// A value of the file with its key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Entry {
+    key: &'static str,
+    value: f64,
+    /// Whether it is above zero; an error may be zero.
+    is_size: bool,
+}
+
+impl Entry {
+    fn is_wrong(&self) -> bool {
+        let is_inside = if self.is_size { self.value > 0.0 } else { self.value >= 0.0 };
+        !(is_inside && self.value.is_finite())
+    }
+}
+
 /// What is known of a rig.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -116,7 +135,57 @@ impl CalibrationFile {
                 "a day such as 2026-11-29".to_owned(),
             );
         }
+        let today = Date::today();
+        let is_ahead =
+            |date: &str| date.parse::<Date>().is_ok_and(|date| today.days_until(date) > DAYS_AHEAD);
+        if let Some((part, date)) = file.dates().find(|(_, date)| is_ahead(date)) {
+            return refused(
+                format!("date = \"{}\" of the {part}", quoted(date)),
+                "a day that has been".to_owned(),
+            );
+        }
+        if let Some(Entry { key, value, is_size }) = file.values().find(Entry::is_wrong) {
+            let expected = if is_size { "a number above 0" } else { "a number from 0 on" };
+            return refused(format!("{key} = {}", number(value)), expected.to_owned());
+        }
+        if file.dates().next().is_none() {
+            let expected = "[fixture], [end_mass] or [load_cell]";
+            return refused("no part".to_owned(), expected.to_owned());
+        }
         Ok(file)
+    }
+
+    /// Its values that cannot have any sign, with their keys.
+    fn values(&self) -> impl Iterator<Item = Entry> {
+        let size = |key, value| Entry { key, value, is_size: true };
+        let error = |key, value| Entry { key, value, is_size: false };
+        let fixture = self.fixture.iter().flat_map(move |part| {
+            [
+                size("stiffness_n_per_m", part.stiffness_n_per_m),
+                error("stiffness_error_n_per_m", part.stiffness_error_n_per_m),
+                // A force may be early: its size says whether it is a number.
+                error("skew_s", part.skew_s.abs()),
+                error("skew_error_s", part.skew_error_s),
+                error("residual", part.residual),
+            ]
+        });
+        let end_mass = self.end_mass.iter().flat_map(move |part| {
+            [
+                error("mass_kg", part.mass_kg),
+                error("mass_error_kg", part.mass_error_kg),
+                error("residual", part.residual),
+            ]
+        });
+        let load_cell = self.load_cell.iter().flat_map(move |part| {
+            let values = [
+                part.gain.map(|gain| size("gain", gain)),
+                part.gain_error.map(|value| error("gain_error", value)),
+                part.offset_n.map(|offset_n| error("offset_n", offset_n.abs())),
+                part.offset_error_n.map(|value| error("offset_error_n", value)),
+            ];
+            values.into_iter().flatten()
+        });
+        fixture.chain(end_mass).chain(load_cell)
     }
 
     /// With the fixture as a bar has shown it today.
@@ -270,6 +339,7 @@ mod tests {
             Source::from_text(Path::new("calibration.toml"), &text).parse().unwrap();
         assert_eq!(read, file);
         assert_eq!(read.readings(), readings);
+        assert_eq!(read.values().find(Entry::is_wrong), None);
         let lines = read.lines();
         assert!(lines[0].starts_with("end mass of ") && lines[0].contains("certificate K-1"));
         assert!(lines[1].contains("offset not known"), "{lines:?}");
@@ -278,5 +348,33 @@ mod tests {
             file.end_mass.clone().map(|part| EndMass { date: "2001-02-03".to_owned(), ..part });
         let old = CalibrationFile { end_mass, ..file }.old(365.0);
         assert!(old.len() == 1 && old[0].contains("end mass is of 2001-02-03"), "{old:?}");
+    }
+
+    #[test]
+    fn a_calibration_that_cannot_be_right_stood_in_the_report() {
+        let name = format!("calibration-{}.toml", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        let fixture = "format = 1\nnode = 1\n[fixture]\ndate = \"2026-11-29\"\n\
+                       stiffness_n_per_m = 90e6\nstiffness_error_n_per_m = 1e4\n\
+                       skew_s = -4e-4\nskew_error_s = 2e-6\nresidual = 1e-3\n";
+        let load = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            CalibrationFile::load(&path, &[1])
+        };
+        assert!(load(fixture).is_ok());
+        for (from, to, found) in [
+            ("90e6", "nan", "stiffness_n_per_m = NaN"),
+            ("90e6", "-5.0", "stiffness_n_per_m = -5"),
+            ("1e4", "inf", "stiffness_error_n_per_m = inf"),
+            ("-4e-4", "nan", "skew_s = NaN"),
+            ("1e-3", "-1.0", "residual = -1"),
+            ("2026-11-29", "2099-01-01", "2099-01-01"),
+        ] {
+            let why = load(&fixture.replace(from, to)).unwrap_err().to_string();
+            assert!(why.contains(found), "{why}");
+        }
+        let why = load("format = 1\nnode = 1\n").unwrap_err().to_string();
+        assert!(why.contains("no part"), "{why}");
+        std::fs::remove_file(path).unwrap();
     }
 }

@@ -16,7 +16,9 @@ use hil_host::control::{Asker, End};
 use hil_host::gateway::{GatewayError, GatewayPlan, Loss, loss_lines};
 use hil_host::live::{LiveAddress, RunEnd};
 use hil_host::run::Finished;
-use hil_host::{BenchError, DamperSummary, MeasuredRam, PaceChoice, RunOptions, Summary, run};
+use hil_host::{
+    BenchError, DamperSummary, MeasuredRams, PaceChoice, RunOptions, Summary, WearSummary, run,
+};
 use report::{Cell, Table};
 use scenario::run::{Run, SlotForce};
 use std::num::NonZeroU8;
@@ -69,10 +71,11 @@ pub(crate) struct RunArgs {
     /// stand in run.json, summary.json and the report.
     #[arg(long, value_name = "FILE")]
     calibration: Vec<PathBuf>,
-    /// Folder of the open loop, or of an earlier run, in which the delay of the rig was measured. A
-    /// delay that the scenario does not compensate is refused before anything is armed.
+    /// Folder of the open loop, or of an earlier run, in which the delay of a rig was measured; once
+    /// for each rig. Tests near the hunting frequency count. A delay that the scenario does not
+    /// compensate is refused before anything is armed.
     #[arg(long, value_name = "DIR")]
-    measured: Option<PathBuf>,
+    measured: Vec<PathBuf>,
     /// Age at which a calibration is called old (days).
     #[arg(long, value_name = "DAYS", default_value_t = 365.0, requires = "calibration",
         value_parser = number("an age from 0 days on", |days| days >= 0.0))]
@@ -109,10 +112,11 @@ pub(crate) struct RunArgs {
 pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     let scenario = Run::load(&args.scenario, args.overrides.overrides())?;
     let gateway = gateway(args)?;
+    refuse_without_a_rig(args, &scenario)?;
     let calibrations = calibrations(args, &scenario)?;
     let mut inputs = vec![args.scenario.clone()];
     inputs.extend([&args.dbc, &args.dbc_map].into_iter().flatten().cloned());
-    inputs.extend(args.calibration.iter().cloned());
+    inputs.extend(args.calibration.iter().chain(&args.measured).cloned());
     let options = RunOptions {
         bus: args.bus.clone(),
         gateway,
@@ -125,7 +129,10 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
         inputs,
         name: stem(&args.scenario),
         calibrations,
-        measured: args.measured.as_deref().map(MeasuredRam::read).transpose()?,
+        measured: match args.measured.as_slice() {
+            [] => None,
+            folders => Some(MeasuredRams::read(folders)?),
+        },
         linear: if on_rigs(&scenario) { linear_vehicle(&scenario)? } else { None },
         realtime: args.realtime.options(),
     };
@@ -257,6 +264,13 @@ fn on_rigs(run: &Run) -> bool {
 fn tracking_lines(dampers: &[DamperSummary]) -> Vec<String> {
     let mut lines = Vec::new();
     for damper in dampers {
+        let wear = damper.virtual_wear.as_ref();
+        if let Some(words) = wear.and_then(WearSummary::in_words) {
+            lines.push(format!("{}: {words}", damper.name));
+        }
+        if let Some(warning) = wear.and_then(WearSummary::warning) {
+            lines.push(format!("warning: {}: {warning}", damper.name));
+        }
         let Some(tracking) = &damper.tracking else { continue };
         let measured = [("before RUN", tracking.before_run), ("in RUN", tracking.delay)];
         for (when, delay) in measured {
@@ -408,21 +422,41 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
 
 /// What is known of the rigs by calibration, one line for each part; one that is old is warned of.
 fn calibrations(args: &RunArgs, scenario: &Run) -> Result<Vec<String>, CommandError> {
-    let nodes = scenario.slots.iter().filter_map(|slot| match slot.force {
-        SlotForce::Rig { node, .. } => Some(node),
-        SlotForce::Modelled(_) | SlotForce::StandIn { .. } => None,
-    });
-    let nodes: Vec<u8> = nodes.collect();
-    if let (Some(file), true) = (args.calibration.first(), nodes.is_empty()) {
-        let found = format!("--calibration {}", files::quoted(&file.display().to_string()));
-        return Err(CommandError::option(found, "none: no damper is on a rig"));
-    }
+    let nodes: Vec<u8> = nodes(scenario).collect();
     let mut lines = Vec::new();
+    let mut known = Vec::new();
     for path in &args.calibration {
         let file = CalibrationFile::load(path, &nodes)?;
+        if known.contains(&file.node()) {
+            let found = format!("a second calibration of node {}", file.node());
+            let expected = "one for each rig".to_owned();
+            return Err(CommandError::Input { file: path.to_owned(), found, expected });
+        }
+        known.push(file.node());
         warn(&file.old(args.calibration_days));
         let node = file.node();
         lines.extend(file.lines().into_iter().map(|line| format!("node {node}: {line}")));
     }
     Ok(lines)
+}
+
+/// Numbers of the rigs of a scenario.
+fn nodes(scenario: &Run) -> impl Iterator<Item = u8> {
+    scenario.slots.iter().filter_map(|slot| match slot.force {
+        SlotForce::Rig { node, .. } => Some(node),
+        SlotForce::Modelled(_) | SlotForce::StandIn { .. } => None,
+    })
+}
+
+/// What is known of a rig says nothing of a run without one.
+fn refuse_without_a_rig(args: &RunArgs, scenario: &Run) -> Result<(), CommandError> {
+    let calibration = args.calibration.first().map(|file| ("--calibration", file));
+    let known = calibration.or(args.measured.first().map(|folder| ("--measured", folder)));
+    match known {
+        Some((option, path)) if nodes(scenario).next().is_none() => {
+            let found = format!("{option} {}", files::quoted(&path.display().to_string()));
+            Err(CommandError::option(found, "none: no damper is on a rig"))
+        }
+        _ => Ok(()),
+    }
 }

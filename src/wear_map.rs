@@ -33,7 +33,8 @@ pub(crate) struct WearMapArgs {
     #[arg(long, value_name = "MS,MS", value_delimiter = ',', default_value = "1,3,5,10,15",
         value_parser = number("delays from 0.1 to 60 ms", |ms| (0.1..=60.0).contains(&ms)))]
     delay_ms: Vec<f64>,
-    /// Lags of ideal rigs (ms), a part of the delay: a bandwidth of 1 / (2 pi lag).
+    /// Least lags of ideal rigs (ms), a part of the delay: a bandwidth of 1 / (2 pi lag). Whole
+    /// cycles make the rest; a lag that is longer than a delay is left out for it.
     #[arg(long, value_name = "MS,MS", value_delimiter = ',', default_value = "0.5,3",
         value_parser = number("lags from 0.1 to 20 ms", |ms| (0.1..=20.0).contains(&ms)))]
     lag_ms: Vec<f64>,
@@ -81,7 +82,11 @@ pub(crate) fn command(args: &WearMapArgs) -> Result<ExitCode, CommandError> {
 
 impl WearMapArgs {
     fn question(&self) -> WearQuestion {
-        let si = |values: &[f64], unit: f64| values.iter().map(|value| unit * value).collect();
+        // Each once, in the order in which they are given.
+        let si = |values: &[f64], unit: f64| -> Vec<f64> {
+            let is_first = |place: &usize| !values[..*place].contains(&values[*place]);
+            (0..values.len()).filter(is_first).map(|place| unit * values[place]).collect()
+        };
         WearQuestion {
             sine: Sine { stroke_m: 1e-3 * self.stroke_mm, frequency_hz: self.frequency_hz },
             clearances_m: si(&self.clearance_mm, 1e-3),

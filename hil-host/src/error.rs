@@ -73,6 +73,13 @@ pub enum BenchError {
         /// What was found.
         found: String,
     },
+    /// The delays that were measured before are those of other rigs, or of other motions.
+    OtherRams {
+        /// What was measured.
+        found: String,
+        /// That of hunting (Hz).
+        frequency_hz: f64,
+    },
     /// A disk without room for the run.
     Space {
         /// The result folder.
@@ -243,6 +250,7 @@ impl BenchError {
             | Self::BusLoad { .. }
             | Self::Unstable { .. }
             | Self::MeasuredDelay { .. }
+            | Self::OtherRams { .. }
             | Self::Space { .. }
             | Self::Kept { .. }
             | Self::RealtimeRefused => true,
@@ -381,6 +389,7 @@ impl fmt::Display for BenchError {
                 unstable(f, [bus, place, found], *margin)
             }
             Self::MeasuredDelay { place, found } => not_compensated(f, place, found),
+            Self::OtherRams { found, frequency_hz } => other_rams(f, found, *frequency_hz),
             Self::BusLoad { bus, load } => write!(
                 f,
                 "bus {}: found a load of {:.0} %, expected at most 80 %: use --profile fd, or \
@@ -558,6 +567,14 @@ fn not_compensated(f: &mut fmt::Formatter<'_>, place: &str, found: &str) -> fmt:
     )
 }
 
+fn other_rams(f: &mut fmt::Formatter<'_>, found: &str, frequency_hz: f64) -> fmt::Result {
+    write!(
+        f,
+        "--measured: found delays of {found}, expected one of a rig of this run at about \
+         {frequency_hz:.1} Hz"
+    )
+}
+
 fn unstable(
     f: &mut fmt::Formatter<'_>,
     [bus, place, found]: [&str; 3],
@@ -609,6 +626,10 @@ mod tests {
                     place: "front left".to_owned(),
                     found: "tracking.json: a ram that is 9 ms late".to_owned(),
                 },
+                [true, false, false],
+            ),
+            (
+                BenchError::OtherRams { found: "node 3 at 0.4 Hz".to_owned(), frequency_hz: 3.4 },
                 [true, false, false],
             ),
             (BenchError::Bus(BusError::NoCan), [true, false, false]),

@@ -67,7 +67,7 @@ pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};
 pub use draw::Draw;
 pub use error::BenchError;
 pub use linear_vehicle::{Hunting, LinearMode, LinearVehicle};
-pub use measured_ram::MeasuredRam;
+pub use measured_ram::{MeasuredRam, MeasuredRams};
 pub use options::{PaceChoice, RunOptions};
 pub use rehearsal::{CheckMargin, LimitOf, Rehearsal, TRACKING, Verdict, rehearse};
 pub use reset::{reset_over, reset_rig};

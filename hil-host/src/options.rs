@@ -3,7 +3,7 @@
 use crate::bus::BusChoice;
 use crate::gateway::GatewayPlan;
 use crate::linear_vehicle::LinearVehicle;
-use crate::measured_ram::MeasuredRam;
+use crate::measured_ram::MeasuredRams;
 use crate::realtime::RealtimeOptions;
 use can_protocol::Profile;
 use serde::{Deserialize, Serialize};
@@ -59,7 +59,7 @@ pub struct RunOptions {
     /// What is known of the rigs by calibration, one line for each part.
     pub calibrations: Vec<String>,
     /// How late the rams were in an open loop or an earlier run; none where that is not known.
-    pub measured: Option<MeasuredRam>,
+    pub measured: Option<MeasuredRams>,
     /// The vehicle about steady running; without it no delay is judged.
     pub linear: Option<LinearVehicle>,
     /// Real-time set-up.

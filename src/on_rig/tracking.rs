@@ -49,6 +49,8 @@ pub(super) struct TrackingFile {
 #[derive(Debug, Serialize)]
 struct TrackedTest {
     name: String,
+    /// That of a sine of the same displacement and speed, rms; none where nothing has moved.
+    frequency_hz: Option<f64>,
     delay_s: Option<f64>,
     delay_standard_error_s: Option<f64>,
     /// Rms of the error over the standard deviation of the command.
@@ -65,6 +67,7 @@ impl TrackingFile {
         let whole = Delay::over(tests);
         let tracked = |test: &MeasuredTest| TrackedTest {
             name: test.name.clone(),
+            frequency_hz: finite(test.frequency_hz),
             delay_s: finite(test.delay.mean_s),
             delay_standard_error_s: test.delay.standard_error_s,
             error_rms: finite(test.tracking_nrmse),

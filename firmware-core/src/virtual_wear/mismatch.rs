@@ -4,16 +4,12 @@
 //! difference of the forces of one instant is low-passed: a damper differs slowly, a load cell is
 //! noisy, and the noise would shake the ram by `noise / stiffness` in every cycle.
 
-use super::rounding::MOST_ROUNDING_CYCLES;
-use super::{MOST_AHEAD_CYCLES, Reading};
+use super::Reading;
 use crate::damper::{Damper, DamperState, Motion};
-use crate::ring::Ring;
 use core::f64::consts::TAU;
 
 /// Cut-off of the difference (Hz): well above hunting, well below the loop.
 const CUT_OFF_HZ: f64 = 25.0;
-/// Cycles that a motion is computed ahead at most, its rounding included, and two more.
-const KEPT: usize = MOST_AHEAD_CYCLES as usize + MOST_ROUNDING_CYCLES as usize + 2;
 /// Time constant with which the scale forgets (s): three periods of hunting.
 const FORGETTING_S: f64 = 1.0;
 /// Force below which nothing is learned of the scale (N).
@@ -27,13 +23,9 @@ const GAP_MAX: u32 = 100;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Mismatch {
     measured: Option<DamperState>,
-    /// Force of the model in the last reading, in the cycle in which it has arrived (N).
-    arrived_n: Option<f64>,
     missing: u32,
     scale: Scale,
     force_n: f64,
-    /// The low-passed difference of the last cycles.
-    kept_n: Kept,
     squares: Squares,
 }
 
@@ -41,39 +33,17 @@ pub(super) struct Mismatch {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Squares {
     difference: f64,
-    missed: f64,
-    strayed: f64,
     model: f64,
     readings: u32,
 }
 
-/// Forces, all rms (N).
+/// A measured force beside that of the model on the same motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(clippy::struct_field_names, reason = "their unit is the end of their names")]
-pub(super) struct Sizes {
-    /// Measured less modelled.
-    pub(super) difference_n: f64,
-    /// What the difference was off from the one that was foreseen.
-    pub(super) missed_n: f64,
-    /// What the ram strayed from the wanted motion, as a force of the model.
-    pub(super) strayed_n: f64,
-    /// Of the model.
+pub(super) struct Compared {
+    /// Force of the model (N).
     pub(super) model_n: f64,
-}
-
-/// Forces of the last cycles (N).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Kept(Ring<f64, KEPT>);
-
-impl Kept {
-    pub(super) fn keep(&mut self, force_n: f64) {
-        self.0.keep(force_n);
-    }
-
-    pub(super) fn ago_n(&self, cycles: u8) -> f64 {
-        debug_assert!(usize::from(cycles) < KEPT, "{cycles} cycles ago");
-        self.0.ago(usize::from(cycles)).unwrap_or(0.0)
-    }
+    /// What makes it the measured one.
+    pub(super) correction: Correction,
 }
 
 /// What the model's force needs to be that of the damper on the rig.
@@ -112,19 +82,16 @@ impl Scale {
 }
 
 impl Mismatch {
-    /// Takes what has arrived since the last cycle, of a motion computed so many cycles ahead.
+    /// Takes what has arrived since the last cycle; nothing where nothing has.
     pub(super) fn take(
         &mut self,
         specimen: &Damper,
         reading: Option<Reading>,
-        ahead_cycles: u8,
         cycle_s: f64,
-    ) {
-        self.kept_n.keep(self.force_n);
-        self.arrived_n = None;
+    ) -> Option<Compared> {
         let Some(Reading { displacement_m, force_n }) = reading.filter(Reading::is_finite) else {
             self.missing = self.missing.saturating_add(1);
-            return;
+            return None;
         };
         let motion = Motion::new(displacement_m, 0.0);
         let known = self.measured.filter(|_| self.missing <= GAP_MAX);
@@ -133,17 +100,16 @@ impl Mismatch {
         self.missing = 0;
         let model_n = specimen.advance(&mut model, motion, since_s);
         self.measured = Some(model);
-        self.arrived_n = Some(model_n);
         let difference_n = force_n - model_n;
         self.squares.difference += difference_n * difference_n;
         self.squares.model += model_n * model_n;
+        self.squares.readings = self.squares.readings.saturating_add(1);
         self.scale.take(model_n, difference_n, since_s);
         let difference_n = difference_n - self.scale.share() * model_n;
-        let missed_n = difference_n - self.kept_n.ago_n(ahead_cycles);
-        self.squares.missed += missed_n * missed_n;
-        self.squares.readings = self.squares.readings.saturating_add(1);
         let angle = TAU * CUT_OFF_HZ * since_s;
         self.force_n += angle / (1.0 + angle) * (difference_n - self.force_n);
+        let correction = Correction { scale: 1.0 + self.scale.share(), difference_n };
+        Some(Compared { model_n, correction })
     }
 
     /// As far as it is known.
@@ -151,25 +117,12 @@ impl Mismatch {
         Correction { scale: 1.0 + self.scale.share(), difference_n: self.force_n }
     }
 
-    /// Takes the force that was foreseen for the motion of this cycle: what the model says of the
-    /// measured motion differs from it where the ram does not follow.
-    pub(super) fn stray(&mut self, foreseen_n: f64) {
-        if let Some(model_n) = self.arrived_n {
-            let strayed_n = model_n - foreseen_n;
-            self.squares.strayed += strayed_n * strayed_n;
-        }
-    }
-
-    /// Sizes since [`Mismatch::clear`]; none before the first reading.
-    pub(super) fn sizes(&self) -> Option<Sizes> {
-        let Squares { difference, missed, strayed, model, readings } = self.squares;
+    /// Measured less modelled force and the modelled one, rms since [`Mismatch::clear`] (N); none
+    /// before the first reading.
+    pub(super) fn sizes_n(&self) -> Option<(f64, f64)> {
+        let Squares { difference, model, readings } = self.squares;
         let rms = |squares: f64| libm::sqrt(squares / f64::from(readings));
-        (readings > 0).then(|| Sizes {
-            difference_n: rms(difference),
-            missed_n: rms(missed),
-            strayed_n: rms(strayed),
-            model_n: rms(model),
-        })
+        (readings > 0).then(|| (rms(difference), rms(model)))
     }
 
     /// Begins the sums anew.

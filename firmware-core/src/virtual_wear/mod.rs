@@ -35,6 +35,7 @@
 
 mod joint;
 mod mismatch;
+mod reference;
 mod rounding;
 mod verdict;
 
@@ -44,7 +45,8 @@ use crate::command::Command;
 use crate::compensation::{Compensator, Differences, Feedforward};
 use crate::damper::{Damper, DamperState, Motion};
 use joint::Joint;
-use mismatch::{Kept, Mismatch};
+use mismatch::{Correction, Mismatch};
+use reference::Reference;
 use rounding::{Rounding, rounding_cycles};
 
 /// The motion is computed by at most so many cycles ahead.
@@ -90,16 +92,17 @@ pub struct VirtualWearState {
     differences: Differences,
     /// The model that is driven by what the joint wants.
     wanted: DamperState,
-    /// The force of that model in the last cycles.
-    foreseen_n: Kept,
     /// Where it was last, contacts not rounded.
     targets: Rounding,
     /// The model on the vehicle's own motion, as if there were no joint.
     healthy: DamperState,
     healthy_squares: f64,
     healthy_cycles: u32,
+    fastest_m_per_s: f64,
     /// What the specimen differs from its model.
     mismatch: Mismatch,
+    /// What a worn damper would have done.
+    reference: Reference,
 }
 
 /// Cycles by which a compensator's rig is late, to the nearest; the rest is left to it.
@@ -143,22 +146,40 @@ impl VirtualWear<'_> {
     ) -> Command {
         debug_assert!(self.clearance_2a_m >= 0.0, "clearance of {} m", self.clearance_2a_m);
         debug_assert!(self.compliance_m_per_n >= 0.0, "{} m/N", self.compliance_m_per_n);
-        let ahead_cycles = self.ahead_cycles.saturating_add(self.rounding_cycles);
-        state.mismatch.take(self.specimen, reading, ahead_cycles, cycle_s);
+        let arrived = state.mismatch.take(self.specimen, reading, cycle_s);
+        let correction = state.mismatch.correction();
         state.take_healthy(self.specimen, vehicle, cycle_s);
         let motion = state.differences.take(vehicle, cycle_s);
+        let ahead_cycles = self.ahead_cycles.saturating_add(self.rounding_cycles);
         let ahead_s = f64::from(ahead_cycles) * cycle_s;
         let ahead = Feedforward::polynomial(ORDER, ahead_s).series.command(&motion);
         if !ahead.is_finite() {
             // The state of a diverged model: the line stops by itself.
             return ahead;
         }
+        state.reference.take(self, vehicle.displacement_m, arrived, correction, cycle_s);
+        let (target_m, _) =
+            self.balance(&mut state.wanted, ahead.displacement_m, &correction, cycle_s);
+        let (displacement_m, rate_m) = state.targets.take(target_m, self.rounding_cycles);
+        let command = Command { displacement_m, velocity_m_per_s: rate_m / cycle_s };
+        debug_assert!(command.is_finite(), "a finite motion gives a finite command");
+        command
+    }
+
+    /// Moves a model of the damper to where it stands behind the joint, with the vehicle's end at
+    /// `x_m`; its place (m) and its force, not corrected (N).
+    fn balance(
+        &self,
+        damper: &mut DamperState,
+        x_m: f64,
+        correction: &Correction,
+        cycle_s: f64,
+    ) -> (f64, f64) {
         let joint = Joint {
             half_clearance_m: 0.5 * self.clearance_2a_m,
             compliance_m_per_n: self.compliance_m_per_n,
         };
-        let before = state.wanted;
-        let correction = state.mismatch.correction();
+        let before = *damper;
         let force_n = |displacement_m: f64| {
             let mut next = before;
             let moved = Motion::new(displacement_m, 0.0);
@@ -166,17 +187,9 @@ impl VirtualWear<'_> {
         };
         let stiffness = self.specimen.nominal().ke_n_per_m;
         let from_m = before.motion().displacement_m;
-        let target_m = joint.balance(ahead.displacement_m, from_m, stiffness, force_n);
-        let moved = Motion::new(target_m, 0.0);
-        state.foreseen_n.keep(self.specimen.advance(&mut state.wanted, moved, cycle_s));
-        // A rig that follows is half a cycle behind what is wanted in the cycle of its answer.
-        let [now_n, before_n] =
-            [ahead_cycles, ahead_cycles + 1].map(|cycles| state.foreseen_n.ago_n(cycles));
-        state.mismatch.stray(0.5 * (now_n + before_n));
-        let (displacement_m, rate_m) = state.targets.take(target_m, self.rounding_cycles);
-        let command = Command { displacement_m, velocity_m_per_s: rate_m / cycle_s };
-        debug_assert!(command.is_finite(), "a finite motion gives a finite command");
-        command
+        let target_m = joint.balance(x_m, from_m, stiffness, force_n);
+        let model_n = self.specimen.advance(damper, Motion::new(target_m, 0.0), cycle_s);
+        (target_m, model_n)
     }
 }
 
@@ -184,15 +197,22 @@ impl VirtualWearState {
     /// Begins what is judged anew.
     pub fn clear(&mut self) {
         self.mismatch.clear();
-        (self.healthy_squares, self.healthy_cycles) = (0.0, 0);
+        self.reference.clear();
+        (self.healthy_squares, self.healthy_cycles, self.fastest_m_per_s) = (0.0, 0, 0.0);
+    }
+
+    /// The fastest motion of the vehicle since [`VirtualWearState::clear`] (m/s): no contact is
+    /// faster.
+    pub const fn fastest_m_per_s(&self) -> f64 {
+        self.fastest_m_per_s
     }
 
     /// What is judged of a wear, since [`VirtualWearState::clear`]; nothing before the damper has
     /// moved.
     pub fn found(&self, wear: &VirtualWear<'_>) -> Option<WearFound> {
         let healthy_n = self.healthy_n();
-        let sizes = self.mismatch.sizes().filter(|_| healthy_n > 0.0)?;
-        Some(WearFound::of(wear, &sizes, healthy_n))
+        let sizes_n = self.mismatch.sizes_n().filter(|_| healthy_n > 0.0)?;
+        Some(WearFound::of(wear, sizes_n, self.reference.error_n(), healthy_n))
     }
 
     fn healthy_n(&self) -> f64 {
@@ -203,6 +223,7 @@ impl VirtualWearState {
         let motion = Motion::new(vehicle.displacement_m, vehicle.velocity_m_per_s);
         let force_n = specimen.advance(&mut self.healthy, motion, cycle_s);
         self.healthy_squares += force_n * force_n;
+        self.fastest_m_per_s = self.fastest_m_per_s.max(vehicle.velocity_m_per_s.abs());
         self.healthy_cycles = self.healthy_cycles.saturating_add(1);
     }
 }

@@ -12,6 +12,10 @@ use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX};
 impl Session<'_> {
     /// Measures the delay of every rig between the fades, and judges it once.
     pub(super) fn measure_delay(&self, state: &mut SessionState, inputs: &Inputs) {
+        if state.line.run_cycles() == 1 {
+            // What is found from here on is that of RUN.
+            state.line.slots.iter_mut().for_each(|slot| slot.wear.clear());
+        }
         let Some(gate) = &self.delay_gate else { return };
         let fade = state.line.fade;
         let begin = u64::from(fade.motion_cycles);

@@ -1,11 +1,11 @@
 //! `run.json`: what a run was asked for, written before its first cycle.
 
+use super::measured_delay::KnownRam;
 use super::plan::{BusLoad, Plan};
 use crate::BenchError;
 use crate::control::Session;
 use crate::gateway::GatewayPlan;
 use crate::linear_vehicle::Hunting;
-use crate::measured_ram::MeasuredRam;
 use crate::options::{PaceChoice, RunOptions};
 use crate::record::ABOUT;
 use files::{Limit, ResultFolder, input};
@@ -40,9 +40,9 @@ pub(crate) struct RunAbout {
     /// What is known of the rigs by calibration, one line for each part.
     #[serde(default)]
     pub(crate) calibrations: Vec<String>,
-    /// How late the rams were before the run, and where the figure is from.
+    /// How late the rams were before the run, and where the figures are from.
     #[serde(default)]
-    pub(crate) measured: Option<MeasuredRam>,
+    pub(crate) rams: Vec<KnownRam>,
     /// Control cycles that were asked for.
     pub(crate) cycles: u64,
     /// Places of the damper slots on the vehicle; none in a file of an earlier version.
@@ -69,6 +69,7 @@ impl RunAbout {
         plan: &Plan,
         load: &BusLoad,
         started_ns: u64,
+        rams: Vec<KnownRam>,
     ) -> Self {
         Self {
             format: 1,
@@ -88,7 +89,7 @@ impl RunAbout {
                 .map(|loss| loss.name().to_owned())
                 .collect(),
             calibrations: options.calibrations.clone(),
-            measured: options.measured.clone(),
+            rams,
             cycles: run.cycles(),
             places: run.slots.iter().map(|slot| slot.place.clone()).collect(),
             rig_slots: plan.rigs.iter().map(|rig| rig.slot + 1).collect(),

@@ -10,51 +10,90 @@
 use crate::BenchError;
 use crate::control::{COST_REFUSED, COST_WARNED};
 use crate::linear_vehicle::LinearVehicle;
-use crate::measured_ram::MeasuredRam;
+use crate::measured_ram::{MeasuredRam, MeasuredRams};
 use crate::options::RunOptions;
 use firmware_core::compensation::{Compensator, damping_energy_lost};
 use firmware_core::line::{KNOWN_DELAY_CYCLES, Sensitivity};
 use scenario::run::{CYCLE_S, Run, SlotForce};
+use serde::{Deserialize, Serialize};
 
-/// Prints one line for each rig of a run whose delay was measured before.
-///
-/// # Errors
-/// What is left costs more of the damping than the gate before RUN lets through.
-pub(super) fn pass(run: &Run, options: &RunOptions) -> Result<(), BenchError> {
-    if let (Some(ram), Some(linear)) = (&options.measured, &options.linear) {
-        for line in judge(run, ram, linear)? {
-            files::say!("{line}");
-        }
-    }
-    Ok(())
+/// How late the ram of a rig was before a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct KnownRam {
+    /// The slot.
+    place: String,
+    /// The delay, of several the one that costs most.
+    #[serde(flatten)]
+    ram: MeasuredRam,
 }
 
-/// Judges every rig of a run by one measured delay; a line for each.
+/// Prints one line for each rig of a run whose delay was measured before; what is kept of it.
 ///
 /// # Errors
-/// What is left costs more of the damping than the gate before RUN lets through.
-fn judge(run: &Run, ram: &MeasuredRam, linear: &LinearVehicle) -> Result<Vec<String>, BenchError> {
+/// What is left costs more of the damping than the gate before RUN lets through; the delays are
+/// those of other rigs, or of other motions.
+pub(super) fn pass(run: &Run, options: &RunOptions) -> Result<Vec<KnownRam>, BenchError> {
+    let (Some(rams), Some(linear)) = (&options.measured, &options.linear) else {
+        return Ok(Vec::new());
+    };
+    let judged = judge(run, rams, linear)?;
+    let mut known = Vec::new();
+    for (line, ram) in judged {
+        files::say!("{line}");
+        known.extend(ram);
+    }
+    Ok(known)
+}
+
+/// Judges every rig of a run by its measured delays: a line for each, and the delay.
+///
+/// # Errors
+/// As [`pass`].
+fn judge(
+    run: &Run,
+    rams: &MeasuredRams,
+    linear: &LinearVehicle,
+) -> Result<Vec<(String, Option<KnownRam>)>, BenchError> {
     let frequency_hz = linear.hunting.frequency_hz;
     let mut lines = Vec::new();
     for slot in &run.slots {
-        let SlotForce::Rig { model, compensator, accept_delay_error, .. } = &slot.force else {
+        let SlotForce::Rig { model, compensator, accept_delay_error, node, .. } = &slot.force
+        else {
             continue;
         };
-        let left_s = left_s(compensator, ram.delay_s);
+        let place = &slot.place;
         let Sensitivity { relaxation_s, .. } = Sensitivity::of(model, frequency_hz);
-        let cost = damping_energy_lost(left_s, frequency_hz, relaxation_s);
+        let cost = |ram: &MeasuredRam| {
+            let left_s = left_s(compensator, ram.delay_s);
+            (left_s, damping_energy_lost(left_s, frequency_hz, relaxation_s))
+        };
+        let of_rig = rams.of_rig(place, *node, frequency_hz);
+        let dearest =
+            of_rig.iter().max_by(|one, other| cost(one).1.abs().total_cmp(&cost(other).1.abs()));
+        let Some(ram) = dearest else {
+            lines.push((format!("warning: {place}: the delay of its ram was not measured"), None));
+            continue;
+        };
+        let (left_s, cost) = cost(ram);
+        let (verb, what) = if cost < 0.0 { ("add", "to") } else { ("take", "from") };
         let found = format!(
-            "{}: a ram that is {:.3} ms late; {:.3} ms are left, which cost {:.1} % of the damping",
+            "{}, the worst of {} at {frequency_hz:.1} Hz: a ram that is {:.3} ms late; {:.3} ms \
+             are left, which {verb} {:.1} % {what} the damping",
             ram.source,
+            of_rig.len(),
             1e3 * ram.delay_s,
             1e3 * left_s,
-            100.0 * cost
+            100.0 * cost.abs()
         );
         if cost.abs() > COST_REFUSED && !accept_delay_error {
-            return Err(BenchError::MeasuredDelay { place: slot.place.clone(), found });
+            return Err(BenchError::MeasuredDelay { place: place.clone(), found });
         }
         let warning = if cost.abs() > COST_WARNED { "warning: " } else { "" };
-        lines.push(format!("{warning}{}: {found}", slot.place));
+        let known = KnownRam { place: place.clone(), ram: (*ram).clone() };
+        lines.push((format!("{warning}{place}: {found}"), Some(known)));
+    }
+    if lines.iter().all(|(_, known)| known.is_none()) {
+        return Err(BenchError::OtherRams { found: rams.found(), frequency_hz });
     }
     Ok(lines)
 }

@@ -28,6 +28,9 @@ pub struct MeasuredTest {
     pub temperature_degc: Option<Vec<f64>>,
     /// Cycles without a fresh measurement.
     pub missing: u64,
+    /// Frequency of a sine with the rms displacement and speed of the command (Hz); no number where
+    /// nothing has moved.
+    pub frequency_hz: f64,
     /// Delay of the measured displacement against the command of the cycle in which it arrives.
     pub delay: Delay,
     /// Rms of the difference over the rms of the command.
@@ -102,6 +105,7 @@ impl Reading {
             force_n: Vec::new(),
             temperature_degc: None,
             missing: 0,
+            frequency_hz: f64::NAN,
             delay: Delay { mean_s: f64::NAN, standard_error_s: None },
             tracking_nrmse: f64::NAN,
             tracking_most_m: f64::NAN,
@@ -155,6 +159,7 @@ impl Reading {
         MeasuredTest {
             temperature_degc: (is_known && !temperature_degc.is_empty())
                 .then_some(temperature_degc),
+            frequency_hz: tracking.frequency_hz(),
             delay: Delay::of(&test.blocks),
             tracking_nrmse: tracking.nrmse(),
             tracking_most_m: tracking.most_m(),

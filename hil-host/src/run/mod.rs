@@ -125,7 +125,7 @@ pub fn run(
     let mut pace = pace(options);
     let session = session(run, &track, &plan.rigs, terms(options, &plan, pace.on_the_wire())?)?;
     StabilityCheck::of(&session, run, options.linear.as_ref()).pass(plan.real_bus())?;
-    measured_delay::pass(run, options)?;
+    let known_rams = measured_delay::pass(run, options)?;
     let mut state = session.start(session.line.start(run.start.state.clone()));
     if options.realtime.require && options.pace == PaceChoice::Realtime {
         require_realtime(options.realtime)?;
@@ -141,7 +141,7 @@ pub fn run(
     enter(Phase::Arming);
 
     let is_new = !folder.path().exists();
-    let about = RunAbout::new(run, options, &session, &plan, &load, epoch.unix_ns);
+    let about = RunAbout::new(run, options, &session, &plan, &load, epoch.unix_ns, known_rams);
     begin(&mut folder, run, &about)?;
     let output = Output {
         place: InFolder(&folder),

@@ -52,9 +52,20 @@ impl Tracking {
     /// The same over the standard deviation of the command: where the motion is on the stroke does
     /// not matter.
     pub(crate) fn nrmse(&self) -> f64 {
+        self.rms_m() / self.deviation_m()
+    }
+
+    /// Frequency of a sine with the deviation and the speed of the command (Hz).
+    pub(crate) fn frequency_hz(&self) -> f64 {
+        let rate2 = self.rate2 / self.commands.saturating_sub(1).max(1) as f64;
+        rate2.sqrt() / (std::f64::consts::TAU * self.deviation_m())
+    }
+
+    /// Standard deviation of the command (m).
+    fn deviation_m(&self) -> f64 {
         let mean_m = self.command_sum_m / self.commands.max(1) as f64;
         let variance_m2 = self.command.rms().powi(2) - mean_m.powi(2);
-        self.rms_m() / variance_m2.max(0.0).sqrt()
+        variance_m2.max(0.0).sqrt()
     }
 
     /// The largest error (m).
@@ -75,6 +86,7 @@ mod tests {
             tracking.take(at(n), at(n - 2.0));
         }
         assert!((tracking.delay_s() - 2e-3).abs() < 3e-5, "{tracking:?}");
+        assert!((tracking.frequency_hz() - 3.5).abs() < 0.01, "{tracking:?}");
         // w tau = 4.4 %.
         assert!((tracking.nrmse() - 0.044).abs() < 1e-3, "{tracking:?}");
         // 40 mm away from the middle it is the same.

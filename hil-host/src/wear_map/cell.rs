@@ -1,18 +1,18 @@
-//! One damper on one emulated rig, worn in its joint and worn in software.
+//! One damper on one emulated rig, worn in its joint and worn in software, and without a rig.
 //!
-//! Both are driven by the same motion through the same compensator and rig. The force is compared
-//! sample by sample, the work over whole cycles of the motion. The rig has its noise.
+//! All are driven by the same motion. The force is compared sample by sample, the work over whole
+//! cycles of the motion. The rig has its noise.
 
 use super::Sine;
 use firmware_core::command::Command;
-use firmware_core::compensation::{Answer, Compensator};
+use firmware_core::compensation::{Answer, Compensator, Feedforward};
 use firmware_core::damper::{Damper, DamperError};
 use firmware_core::guard::ForceInput;
 use firmware_core::line::{RigSlot, SlotState};
 use firmware_core::supervision::CommandLimits;
 use firmware_core::virtual_wear::WearFound;
 use rig_emulator::{Emulator, Reading, Reference, Target};
-use scenario::rig::RigSetup;
+use scenario::rig::{Drive, RigSetup};
 use scenario::run::{CYCLE_S, worn};
 
 /// Periods until the motion has its full stroke, and until the mismatch is learned.
@@ -58,19 +58,34 @@ impl Driven {
 }
 
 impl Bench {
-    /// The damper as it is mounted.
-    pub(super) fn healthy(&self, sine: Sine) -> Driven {
-        drive(&self.slot(), &self.rig, &self.specimen, sine)
+    /// The damper with wear in its joint as a vehicle has it: on a rig that is late by nothing and
+    /// shows what is.
+    pub(super) fn without_rig(&self, wear: (f64, f64), sine: Sine) -> Result<Driven, DamperError> {
+        let exact = RigSetup {
+            drive: Drive::Ideal,
+            lag_s: 0.0,
+            delay_cycles: 0,
+            fixture_m_per_n: 0.0,
+            force_noise_n: 0.0,
+            displacement_noise_m: 0.0,
+            ..self.rig.clone()
+        };
+        // The half cycle by which a held force is early is taken out by every compensator.
+        let compensator = Compensator::Feedforward(Feedforward::polynomial(1, 0.0));
+        let slot = RigSlot::new(self.model.clone(), compensator, self.limits, CYCLE_S);
+        Ok(drive(&slot, &exact, &self.worn(wear)?, sine))
     }
 
-    /// The damper with wear in its joint.
-    pub(super) fn in_joint(
+    /// The damper with wear in its joint, on the rig.
+    pub(super) fn in_joint(&self, wear: (f64, f64), sine: Sine) -> Result<Driven, DamperError> {
+        Ok(drive(&self.slot(), &self.rig, &self.worn(wear)?, sine))
+    }
+
+    fn worn(
         &self,
         (clearance_2a_m, compliance_m_per_n): (f64, f64),
-        sine: Sine,
-    ) -> Result<Driven, DamperError> {
-        let specimen = worn(&self.specimen, clearance_2a_m, compliance_m_per_n)?;
-        Ok(drive(&self.slot(), &self.rig, &specimen, sine))
+    ) -> Result<Damper, DamperError> {
+        worn(&self.specimen, clearance_2a_m, compliance_m_per_n)
     }
 
     /// The damper with wear in software before it.

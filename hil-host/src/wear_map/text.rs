@@ -26,6 +26,7 @@ impl WearMap {
             .text("damper on the rig")
             .fixed("force error", "%", 1)
             .fixed("work error", "%", 1)
+            .fixed("against wear on the rig", "%", 1)
             .fixed("mismatch", "%", 1)
             .fixed("loop gain", "", 2)
             .fixed("expected error", "%", 1)
@@ -45,6 +46,7 @@ impl WearMap {
                     Entry::Text(specimen.to_owned()),
                     Entry::Number(worst(|cell| cell.force_error_percent)),
                     Entry::Number(worst(|cell| cell.work_error_percent.abs())),
+                    Entry::Number(worst(|cell| cell.on_rig_force_error_percent)),
                     Entry::Number(worst(|cell| cell.mismatch_percent.unwrap_or(0.0))),
                     Entry::Number(worst(|cell| cell.loop_gain.unwrap_or(0.0))),
                     Entry::Number(worst(|cell| cell.expected_error_percent.unwrap_or(0.0))),
@@ -67,6 +69,8 @@ impl WearMap {
             .fixed("force error", "%", 2)
             .fixed("work error", "%", 2)
             .fixed("of its own work", "%", 1)
+            .fixed("force, against wear on the rig", "%", 2)
+            .fixed("work, against wear on the rig", "%", 2)
             .fixed("mismatch", "%", 1)
             .fixed("loop gain", "", 3)
             .fixed("expected error", "%", 2)
@@ -85,6 +89,8 @@ impl WearMap {
                 Entry::Number(cell.force_error_percent),
                 Entry::Number(cell.work_error_percent),
                 Entry::Number(cell.own_work_error_percent),
+                Entry::Number(cell.on_rig_force_error_percent),
+                Entry::Number(cell.on_rig_work_error_percent),
                 or_nan(cell.mismatch_percent),
                 or_nan(cell.loop_gain),
                 or_nan(cell.expected_error_percent),

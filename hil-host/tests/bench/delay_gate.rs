@@ -131,6 +131,6 @@ fn wear_before_a_damper_that_is_half_as_stiff_is_refused_before_the_force_acts()
     let (end, state, _) = gated(&run);
     let stop = state.stop.unwrap();
     assert_eq!((end, stop.cause.signal), (End::RampedOut, Signal::WearForceError), "{stop}");
-    assert_eq!(stop.cause.limit, 0.03);
+    assert_eq!(stop.cause.limit, 0.025);
     assert_eq!(stop.cycle, u64::from(run.motion.ramp_cycles + MEASURING_CYCLES));
 }
