@@ -1,13 +1,13 @@
-//! `calibration.toml`: what is known of a rig's load cell, its fixture and its end mass.
+//! `calibration.toml`: what is known of a rig's load cell, its stiffness and its end mass.
 //!
 //! ```toml
 //! format = 1
 //! node = 1
 //!
-//! [fixture]                                   # a rigid bar
+//! [bar]                                       # a rigid bar
 //! date = "2026-11-29"
 //! certificate = "K-2041"
-//! stiffness_n_per_m = 90.9e6
+//! stiffness_n_per_m = 90.9e6                  # from the displacement sensor to the ground
 //! stiffness_error_n_per_m = 12e3
 //! skew_s = 0.4e-3                             # how late the force is against the displacement
 //! skew_error_s = 2e-6
@@ -18,6 +18,10 @@
 //! ```
 //! Every part has the date and the certificate of its own day. A later calibration replaces its own
 //! part and keeps the others. All `_error` values are standard errors.
+//!
+//! The stiffness is that of fixture and bar in series where the displacement is measured at the
+//! ram, and of the bar alone where it is measured across the eyes. Which of them, this program is
+//! not told. Files of earlier versions call the part `[fixture]`.
 
 use crate::date::Date;
 use crate::error::CommandError;
@@ -40,14 +44,15 @@ const FORMAT: u32 = 1;
 pub(crate) struct CalibrationFile {
     format: u32,
     node: u8,
-    fixture: Option<Fixture>,
+    #[serde(alias = "fixture")]
+    bar: Option<Bar>,
     end_mass: Option<EndMass>,
     load_cell: Option<LoadCell>,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-struct Fixture {
+struct Bar {
     date: String,
     certificate: Option<String>,
     stiffness_n_per_m: f64,
@@ -85,7 +90,7 @@ impl CalibrationFile {
     /// Nothing yet of a rig.
     pub(crate) fn empty(node: Node) -> Self {
         let node = node.number();
-        Self { format: FORMAT, node, fixture: None, end_mass: None, load_cell: None }
+        Self { format: FORMAT, node, bar: None, end_mass: None, load_cell: None }
     }
 
     /// Reads the calibration of a rig with one of these nodes.
@@ -119,7 +124,7 @@ impl CalibrationFile {
         Ok(file)
     }
 
-    /// With the fixture as a bar has shown it today.
+    /// With what a bar has shown today.
     pub(crate) fn with_bar(self, fit: &BarFit, certificate: Option<&str>) -> Self {
         let (date, certificate) = (Date::today().to_string(), certificate.map(str::to_owned));
         let BarFit {
@@ -130,7 +135,7 @@ impl CalibrationFile {
             residual,
             ..
         } = *fit;
-        let fixture = Fixture {
+        let bar = Bar {
             date,
             certificate,
             stiffness_n_per_m,
@@ -139,7 +144,7 @@ impl CalibrationFile {
             skew_error_s,
             residual,
         };
-        Self { fixture: Some(fixture), ..self }
+        Self { bar: Some(bar), ..self }
     }
 
     /// With the end mass as a dry run has shown it today.
@@ -187,10 +192,10 @@ impl CalibrationFile {
 
     /// Parts with their dates.
     fn dates(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        let fixture = self.fixture.iter().map(|part| ("fixture", part.date.as_str()));
+        let bar = self.bar.iter().map(|part| ("stiffness by a bar", part.date.as_str()));
         let end_mass = self.end_mass.iter().map(|part| ("end mass", part.date.as_str()));
         let load_cell = self.load_cell.iter().map(|part| ("load cell", part.date.as_str()));
-        fixture.chain(end_mass).chain(load_cell)
+        bar.chain(end_mass).chain(load_cell)
     }
 
     /// One line for every part that is older than so many days.
@@ -220,9 +225,10 @@ impl CalibrationFile {
             Some(certificate) => format!("{date}, certificate {certificate}"),
             None => date.to_owned(),
         };
-        let fixture = self.fixture.as_ref().map(|part| {
+        let bar = self.bar.as_ref().map(|part| {
             format!(
-                "fixture of {}: {:.2} +- {:.2} MN/m, force {:.3} +- {:.3} ms late",
+                "rigid bar of {}: {:.2} +- {:.2} MN/m from the displacement sensor to the ground \
+                 (fixture and bar; across the eyes the bar alone), force {:.3} +- {:.3} ms late",
                 of(&part.date, &part.certificate),
                 1e-6 * part.stiffness_n_per_m,
                 1e-6 * part.stiffness_error_n_per_m,
@@ -246,7 +252,7 @@ impl CalibrationFile {
             };
             format!("load cell of {}: {gain}, {offset}", of(&part.date, &part.certificate))
         });
-        fixture.into_iter().chain(end_mass).chain(load_cell).collect()
+        bar.into_iter().chain(end_mass).chain(load_cell).collect()
     }
 }
 
@@ -278,5 +284,24 @@ mod tests {
             file.end_mass.clone().map(|part| EndMass { date: "2001-02-03".to_owned(), ..part });
         let old = CalibrationFile { end_mass, ..file }.old(365.0);
         assert!(old.len() == 1 && old[0].contains("end mass is of 2001-02-03"), "{old:?}");
+    }
+
+    #[test]
+    fn a_bar_is_not_taken_for_the_fixture_and_files_that_did_are_read() {
+        let of = |part: &str| -> CalibrationFile {
+            let text = format!(
+                "format = 1\nnode = 1\n[{part}]\ndate = \"2026-11-29\"\nskew_s = 4e-4\n\
+                 stiffness_n_per_m = 993e6\nstiffness_error_n_per_m = 1e4\nskew_error_s = 2e-6\n\
+                 residual = 1e-3\n"
+            );
+            Source::from_text(Path::new("calibration.toml"), &text).parse().unwrap()
+        };
+        assert_eq!(of("bar"), of("fixture"));
+        let said = of("bar").lines().concat();
+        assert!(
+            said.starts_with("rigid bar of 2026-11-29: 993.00 +- 0.01 MN/m from the"),
+            "{said}"
+        );
+        assert!(said.contains("across the eyes the bar alone"), "{said}");
     }
 }
