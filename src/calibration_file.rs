@@ -1,13 +1,13 @@
-//! `calibration.toml`: what is known of a rig's load cell, its fixture and its end mass.
+//! `calibration.toml`: what is known of a rig's load cell, its stiffness and its end mass.
 //!
 //! ```toml
 //! format = 1
 //! node = 1
 //!
-//! [fixture]                                   # a rigid bar
+//! [bar]                                       # a rigid bar
 //! date = "2026-11-29"
 //! certificate = "K-2041"
-//! stiffness_n_per_m = 90.9e6
+//! stiffness_n_per_m = 90.9e6                  # from the displacement sensor to the ground
 //! stiffness_error_n_per_m = 12e3
 //! skew_s = 0.4e-3                             # how late the force is against the displacement
 //! skew_error_s = 2e-6
@@ -18,6 +18,10 @@
 //! ```
 //! Every part has the date and the certificate of its own day. A later calibration replaces its own
 //! part and keeps the others. All `_error` values are standard errors.
+//!
+//! The stiffness is that of fixture and bar in series where the displacement is measured at the
+//! ram, and of the bar alone where it is measured across the eyes. Which of them, this program is
+//! not told. Files of earlier versions call the part `[fixture]`.
 
 use crate::date::Date;
 use crate::error::CommandError;
@@ -59,14 +63,15 @@ impl Entry {
 pub(crate) struct CalibrationFile {
     format: u32,
     node: u8,
-    fixture: Option<Fixture>,
+    #[serde(alias = "fixture")]
+    bar: Option<Bar>,
     end_mass: Option<EndMass>,
     load_cell: Option<LoadCell>,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-struct Fixture {
+struct Bar {
     date: String,
     certificate: Option<String>,
     stiffness_n_per_m: f64,
@@ -104,7 +109,7 @@ impl CalibrationFile {
     /// Nothing yet of a rig.
     pub(crate) fn empty(node: Node) -> Self {
         let node = node.number();
-        Self { format: FORMAT, node, fixture: None, end_mass: None, load_cell: None }
+        Self { format: FORMAT, node, bar: None, end_mass: None, load_cell: None }
     }
 
     /// Reads the calibration of a rig with one of these nodes.
@@ -149,7 +154,7 @@ impl CalibrationFile {
             return refused(format!("{key} = {}", number(value)), expected.to_owned());
         }
         if file.dates().next().is_none() {
-            let expected = "[fixture], [end_mass] or [load_cell]";
+            let expected = "[bar], [end_mass] or [load_cell]";
             return refused("no part".to_owned(), expected.to_owned());
         }
         Ok(file)
@@ -159,7 +164,7 @@ impl CalibrationFile {
     fn values(&self) -> impl Iterator<Item = Entry> {
         let size = |key, value| Entry { key, value, is_size: true };
         let error = |key, value| Entry { key, value, is_size: false };
-        let fixture = self.fixture.iter().flat_map(move |part| {
+        let bar = self.bar.iter().flat_map(move |part| {
             [
                 size("stiffness_n_per_m", part.stiffness_n_per_m),
                 error("stiffness_error_n_per_m", part.stiffness_error_n_per_m),
@@ -185,10 +190,10 @@ impl CalibrationFile {
             ];
             values.into_iter().flatten()
         });
-        fixture.chain(end_mass).chain(load_cell)
+        bar.chain(end_mass).chain(load_cell)
     }
 
-    /// With the fixture as a bar has shown it today.
+    /// With what a bar has shown today.
     pub(crate) fn with_bar(self, fit: &BarFit, certificate: Option<&str>) -> Self {
         let (date, certificate) = (Date::today().to_string(), certificate.map(str::to_owned));
         let BarFit {
@@ -199,7 +204,7 @@ impl CalibrationFile {
             residual,
             ..
         } = *fit;
-        let fixture = Fixture {
+        let bar = Bar {
             date,
             certificate,
             stiffness_n_per_m,
@@ -208,7 +213,7 @@ impl CalibrationFile {
             skew_error_s,
             residual,
         };
-        Self { fixture: Some(fixture), ..self }
+        Self { bar: Some(bar), ..self }
     }
 
     /// With the end mass as a dry run has shown it today.
@@ -256,10 +261,10 @@ impl CalibrationFile {
 
     /// Parts with their dates.
     fn dates(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        let fixture = self.fixture.iter().map(|part| ("fixture", part.date.as_str()));
+        let bar = self.bar.iter().map(|part| ("stiffness by a bar", part.date.as_str()));
         let end_mass = self.end_mass.iter().map(|part| ("end mass", part.date.as_str()));
         let load_cell = self.load_cell.iter().map(|part| ("load cell", part.date.as_str()));
-        fixture.chain(end_mass).chain(load_cell)
+        bar.chain(end_mass).chain(load_cell)
     }
 
     /// One line for every part that is older than so many days.
@@ -289,9 +294,10 @@ impl CalibrationFile {
             Some(certificate) => format!("{date}, certificate {certificate}"),
             None => date.to_owned(),
         };
-        let fixture = self.fixture.as_ref().map(|part| {
+        let bar = self.bar.as_ref().map(|part| {
             format!(
-                "fixture of {}: {:.2} +- {:.2} MN/m, force {:.3} +- {:.3} ms late",
+                "rigid bar of {}: {:.2} +- {:.2} MN/m from the displacement sensor to the ground \
+                 (fixture and bar; across the eyes the bar alone), force {:.3} +- {:.3} ms late",
                 of(&part.date, &part.certificate),
                 1e-6 * part.stiffness_n_per_m,
                 1e-6 * part.stiffness_error_n_per_m,
@@ -315,7 +321,7 @@ impl CalibrationFile {
             };
             format!("load cell of {}: {gain}, {offset}", of(&part.date, &part.certificate))
         });
-        fixture.into_iter().chain(end_mass).chain(load_cell).collect()
+        bar.into_iter().chain(end_mass).chain(load_cell).collect()
     }
 }
 
@@ -354,7 +360,7 @@ mod tests {
     fn a_calibration_that_cannot_be_right_stood_in_the_report() {
         let name = format!("calibration-{}.toml", std::process::id());
         let path = std::env::temp_dir().join(name);
-        let fixture = "format = 1\nnode = 1\n[fixture]\ndate = \"2026-11-29\"\n\
+        let fixture = "format = 1\nnode = 1\n[bar]\ndate = \"2026-11-29\"\n\
                        stiffness_n_per_m = 90e6\nstiffness_error_n_per_m = 1e4\n\
                        skew_s = -4e-4\nskew_error_s = 2e-6\nresidual = 1e-3\n";
         let load = |text: &str| {
@@ -376,5 +382,24 @@ mod tests {
         let why = load("format = 1\nnode = 1\n").unwrap_err().to_string();
         assert!(why.contains("no part"), "{why}");
         std::fs::remove_file(path).unwrap();
+    }
+
+    #[test]
+    fn a_bar_is_not_taken_for_the_fixture_and_files_that_did_are_read() {
+        let of = |part: &str| -> CalibrationFile {
+            let text = format!(
+                "format = 1\nnode = 1\n[{part}]\ndate = \"2026-11-29\"\nskew_s = 4e-4\n\
+                 stiffness_n_per_m = 993e6\nstiffness_error_n_per_m = 1e4\nskew_error_s = 2e-6\n\
+                 residual = 1e-3\n"
+            );
+            Source::from_text(Path::new("calibration.toml"), &text).parse().unwrap()
+        };
+        assert_eq!(of("bar"), of("fixture"));
+        let said = of("bar").lines().concat();
+        assert!(
+            said.starts_with("rigid bar of 2026-11-29: 993.00 +- 0.01 MN/m from the"),
+            "{said}"
+        );
+        assert!(said.contains("across the eyes the bar alone"), "{said}");
     }
 }

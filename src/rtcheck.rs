@@ -76,6 +76,7 @@ pub(crate) fn command(args: &RtcheckArgs) -> Result<ExitCode, CommandError> {
         page.end(RunEnd {
             words: "The measurement has ended.".to_owned(),
             why: None,
+            warnings: Vec::new(),
             files: None,
             is_good: true,
         });

@@ -155,7 +155,7 @@ pub(crate) fn command(args: &RunArgs) -> Result<ExitCode, CommandError> {
     };
     let ending = Ending::of(&finished, requests.asker(), is_on_a_bus);
     if let Some(page) = &page {
-        page.end(ending.on_page(&finished));
+        page.end(ending.on_page(&finished, &scenario));
     }
     if args.json {
         print(&serde_json::to_string_pretty(&finished.summary)?)?;
@@ -183,7 +183,13 @@ fn ended_with(why: &BenchError) -> RunEnd {
         "The run has ended with an error."
     };
     let error = (!why.is_interrupted()).then(|| why.to_string());
-    RunEnd { words: words.to_owned(), why: error, files: None, is_good: why.is_interrupted() }
+    RunEnd {
+        words: words.to_owned(),
+        why: error,
+        warnings: Vec::new(),
+        files: None,
+        is_good: why.is_interrupted(),
+    }
 }
 
 /// How a run has ended: its exit code, and the last line on standard error.
@@ -222,7 +228,7 @@ impl Ending {
     }
 
     /// The same on a page.
-    fn on_page(&self, finished: &Finished) -> RunEnd {
+    fn on_page(&self, finished: &Finished, scenario: &Run) -> RunEnd {
         let Summary { state, not_held, .. } = &finished.summary;
         let held = if not_held.is_empty() { "completed" } else { "completed, not held" };
         let words = self.words.clone().unwrap_or_else(|| held.to_owned());
@@ -230,16 +236,30 @@ impl Ending {
         RunEnd {
             words: format!("The run has ended: {words}."),
             why: (!not_held.is_empty()).then(|| not_held.join("; ")),
+            warnings: warnings(finished, scenario),
             files: Some(format!("Its report is {}.", files::quoted(&report))),
             is_good: matches!(state, End::Completed | End::Stopped) && not_held.is_empty(),
         }
     }
 }
 
-/// What is printed of a run.
-fn text(finished: &Finished, scenario: &Run) -> String {
+/// What a page warns of: what the terminal does, but for what the end itself says.
+fn warnings(finished: &Finished, scenario: &Run) -> Vec<String> {
+    let lines = lines(finished, scenario).into_iter();
+    let warnings = lines.filter_map(|line| line.strip_prefix("warning: ").map(str::to_owned));
+    warnings.filter(|warning| !warning.starts_with("not held: ")).collect()
+}
+
+/// What is printed of the bench and its scenario.
+fn lines(finished: &Finished, scenario: &Run) -> Vec<String> {
     let mut lines = summary_lines(&finished.summary);
     lines.extend(scenario.warnings.iter().map(|warning| format!("warning: {warning}")));
+    lines
+}
+
+/// What is printed of a run.
+fn text(finished: &Finished, scenario: &Run) -> String {
+    let mut lines = lines(finished, scenario);
     let mut files = "report.html, summary.json, record.npy, record-columns.md, bus.log, \
                      events.jsonl, run.json, scenario.toml, vehicle.toml"
         .to_owned();
@@ -337,6 +357,7 @@ fn last_line(summary: &Summary) -> String {
     } else {
         counters.join(", ")
     });
+    parts.extend(summary.rounded_commands());
     parts.join(" | ")
 }
 
@@ -367,10 +388,10 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
     lines.extend(tracking_lines(&summary.damper));
     for damper in &summary.damper {
         let Some(stand_in) = &damper.stand_in else { continue };
-        lines.push(stand_in.in_words(&damper.name));
-        lines.extend(
-            stand_in.warning().map(|warning| format!("warning: {}: {warning}", damper.name)),
-        );
+        lines.push(match stand_in.warning() {
+            Some(warning) => format!("warning: {}: {warning}", damper.name),
+            None => format!("{}: {}", damper.name, stand_in.in_words()),
+        });
     }
     let bodies = [
         ("carbody", summary.accelerations.carbody),

@@ -31,13 +31,15 @@ pub(crate) struct YawDamperArgs {
         default_value = "scenarios/ss9-160kmh-servo-rig.toml"
     )]
     scenario: PathBuf,
-    /// One dead time on the nominal rig, without critical speeds: seconds instead of minutes.
+    /// One dead time on the nominal rig with new and worn dampers; no soft dampers, perturbed rigs
+    /// and critical speeds: seconds instead of minutes.
     #[arg(long, requires = "yaw_damper", conflicts_with_all = ["problem", "command"])]
     quick: bool,
     /// Write the files that others need, and score nothing.
     #[arg(long, requires = "yaw_damper", conflicts_with_all = ["command", "filter"])]
     problem: bool,
-    /// Score this command, `time_s,displacement_m,velocity_m_per_s`, in open loop.
+    /// Score this command, `time_s,displacement_m,velocity_m_per_s`, in open loop. The score is
+    /// printed and nothing is written: no --out; --json prints it as JSON.
     #[arg(long, value_name = "CSV", requires_all = ["yaw_damper", "motion", "dead_time_ms"],
         conflicts_with = "filter")]
     command: Option<PathBuf>,
@@ -149,7 +151,7 @@ fn scored(args: &YawDamperArgs, seed: u64, json: bool) -> Result<ExitCode, Comma
     let identity = problem.identity(&asked)?;
     let (mut folder, changed) =
         ResultFolder::for_identity(args.out.as_deref(), NAME, NAME, &identity)?;
-    folder.check(&["scoring.csv", "scores.json", "report.html"])?;
+    folder.check(&["README.txt", "scoring.csv", "scores.json", "report.html"])?;
     if let Some(changed) = changed {
         files::say!("note: {changed}");
     }
@@ -165,8 +167,8 @@ fn scored(args: &YawDamperArgs, seed: u64, json: bool) -> Result<ExitCode, Comma
     bar.finish_and_clear();
     let answer = answer?;
     folder.create()?;
-    write_problem(&problem, &folder, &question)?;
-    finish(&answer, &folder, json)
+    let written = write_problem(&problem, &folder, &question)?;
+    finish(&answer, (&folder, &written), json)
 }
 
 /// Writes the files of the problem; their names.
@@ -185,7 +187,12 @@ fn write_problem(
     Ok(names.join(", "))
 }
 
-fn finish(answer: &Answer, folder: &ResultFolder, json: bool) -> Result<ExitCode, CommandError> {
+/// Writes and prints the scores, next to what was written of the problem.
+fn finish(
+    answer: &Answer,
+    (folder, problem): (&ResultFolder, &str),
+    json: bool,
+) -> Result<ExitCode, CommandError> {
     let file = format!("{}\n", serde_json::to_string_pretty(answer)?);
     let html = page(answer, Report::new("Yaw damper on emulated rigs")).to_html()?;
     folder.write("scores.json", &file)?;
@@ -194,7 +201,8 @@ fn finish(answer: &Answer, folder: &ResultFolder, json: bool) -> Result<ExitCode
         print(&file)?;
     } else {
         let place = folder.path().display();
-        print(&format!("{}\n\nfiles in {place}: report.html, scores.json", text(answer)))?;
+        let names = format!("report.html, scores.json, {problem}");
+        print(&format!("{}\n\nfiles in {place}: {names}", text(answer)))?;
     }
     let is_missed = answer.aims.iter().any(|aim| !aim.is_met);
     Ok(if is_missed { ExitCode::from(FAILED) } else { ExitCode::SUCCESS })

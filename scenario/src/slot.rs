@@ -64,6 +64,17 @@ pub enum SlotForce {
     },
 }
 
+impl SlotForce {
+    /// Its name in results.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Modelled(_) => "modelled",
+            Self::Rig { .. } => "rig",
+            Self::StandIn { stands_for, .. } => stands_for.name(),
+        }
+    }
+}
+
 /// The slots of a vehicle as a scenario fills them.
 pub(crate) fn slots(
     file: &RunFile,

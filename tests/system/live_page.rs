@@ -46,10 +46,8 @@ fn a_page_shows_a_run_and_its_button_ends_it() {
     assert_eq!(misfits(&schema, &outcome.summary), Vec::<String>::new());
 
     assert_eq!(facts["slots"][0]["place"], "front left");
-    assert_eq!(
-        (&facts["slots"][0]["is_rig"], &facts["slots"][1]["is_rig"]),
-        (&true.into(), &false.into())
-    );
+    let is = |slot: usize| facts["slots"][slot]["is"].as_str().unwrap();
+    assert_eq!((is(0), is(1)), ("rig", "modelled"));
     // What comes before RUN may pass between two looks; the last row is one of RAMP_OUT.
     let end: Vec<&str> = states.iter().rev().take(2).rev().map(String::as_str).collect();
     assert_eq!(end, ["RUN", "RAMP_OUT"], "{states:?}");
@@ -64,6 +62,7 @@ fn a_page_shows_a_run_and_its_button_ends_it() {
     let interlocks = update["interlocks"].as_array().unwrap();
     let tracking = interlocks.iter().find(|lock| lock["check"] == "tracking").unwrap();
     assert!(tracking["margin_percent"].as_f64().is_some_and(|margin| margin > 0.0), "{tracking}");
+    assert_eq!(tracking["action"], "power off");
     assert_eq!(update["rigs"][0]["slot"], 0);
 }
 
@@ -177,6 +176,29 @@ fn what_a_scenario_says_of_itself_is_text_on_the_page() {
 }
 
 #[test]
+fn a_damper_for_which_a_rig_stands_is_named_as_such_and_warned_of() {
+    let scenario = repository().join("scenarios/ss9-two-rigs-partner.toml");
+    let run = ServedRun::begin(&scenario, &["--pace", "fast", "--duration", "8"]);
+    let events: Vec<(String, Value)> = run.events().collect();
+    let outcome = run.finish();
+    assert_eq!(outcome.code, Some(0), "{}", outcome.errors);
+    let facts = events.iter().find(|(name, _)| name == "facts").map(|(_, facts)| facts).unwrap();
+    let partner = &facts["slots"][1];
+    assert_eq!((&partner["is"], &partner["of"]), (&"partner".into(), &"front left".into()));
+    assert_eq!(partner["is_reversed"], true);
+    assert_eq!((&facts["slots"][0]["is"], &facts["slots"][0]["of"]), (&"rig".into(), &Value::Null));
+    let end = &events.last().unwrap().1["end"];
+    let warned = end["warnings"].as_array().unwrap().iter();
+    let warned: Vec<&str> = warned.filter_map(Value::as_str).collect();
+    let of_partner: Vec<&&str> =
+        warned.iter().filter(|warning| warning.starts_with("front right: the force of")).collect();
+    assert!(
+        of_partner.len() == 1 && of_partner[0].contains("% rms away from moving oppositely"),
+        "{warned:#?}"
+    );
+}
+
+#[test]
 fn a_browser_sees_traces_move_and_its_button_ends_the_run() {
     let run = ServedRun::of_locomotive(&LONG);
     let address = format!("http://{}/", run.address);
@@ -194,9 +216,35 @@ fn a_browser_sees_traces_move_and_its_button_ends_the_run() {
     let later = format!("Number({root}.time) > {} + 500", time.as_str().unwrap());
     browser.wait_until(&later).unwrap();
     assert_ne!(browser.evaluate(picture).unwrap(), before);
+    // On a phone too the bar of an interlock is in sight without scrolling.
+    let meter = "document.querySelector('#interlocks meter').getBoundingClientRect()";
+    let loops = "[...document.querySelectorAll('#loops canvas')]";
     for (what, expected) in [
         ("document.querySelectorAll('#loops canvas').length", Value::from(4)),
-        ("document.querySelectorAll('#interlocks tr').length", Value::from(14)),
+        // 14 checks of the rig, and the limits of its commands.
+        ("document.querySelectorAll('#interlocks tr').length", Value::from(17)),
+        (&format!("{meter}.right <= innerWidth && {meter}.width > 40"), true.into()),
+        (
+            "(() => { const cells = document.querySelector('#interlocks tr').cells; \
+              const [used, bar] = [Number(cells[2].textContent), cells[3].firstElementChild.value]; \
+              return Math.abs(used - 100 * bar) < 1; })()",
+            true.into(),
+        ),
+        ("document.querySelector('#loops figcaption').textContent", "front left (rig)".into()),
+        // All loops have one scale, with units.
+        (&format!("new Set({loops}.map((one) => one.dataset.across)).size"), 1.into()),
+        (&format!("new Set({loops}.map((one) => one.dataset.up)).size"), 1.into()),
+        ("/^(\\S+ ){3,}mm$/.test(document.getElementById('loop-0').dataset.across)", true.into()),
+        ("/^(\\S+ ){3,}kN$/.test(document.getElementById('loop-0').dataset.up)", true.into()),
+        // The last label of the histogram is whole: no ink at the edge, where it was cut.
+        ("document.getElementById('histogram').dataset.across", "1 10 100 1000 10000 µs".into()),
+        (
+            "(() => { const canvas = document.getElementById('histogram'); \
+              const [pen, right] = [canvas.getContext('2d'), canvas.width - 1]; \
+              const edge = pen.getImageData(right, 0, 1, canvas.height).data; \
+              return edge.every((value) => value === 0); })()",
+            true.into(),
+        ),
         ("document.querySelectorAll('#rigs tr').length", Value::from(1)),
         ("document.querySelectorAll('#times tr').length", Value::from(1)),
         ("document.getElementById('end').hidden", true.into()),

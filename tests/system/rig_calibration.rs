@@ -41,15 +41,15 @@ fn a_bar_shows_the_fixture_in_series_with_it_and_the_skew() {
     let out = folder("bar");
     let found =
         calibrated(&rig(&out), &out.join("bar"), &["--calibrate", "bar", "--cell-kn", "100"]);
-    let fixture = &found["fixture"];
+    let bar = &found["bar"];
     // 100 MN/m in series with a bar of 1 GN/m, as a load cell shows it whose gain is 0.98.
     let expected = 0.98 / (1.0 / 100e6 + 1.0 / 1e9);
-    let stiffness = number(&fixture["stiffness_n_per_m"]);
+    let stiffness = number(&bar["stiffness_n_per_m"]);
     assert!((stiffness / expected - 1.0).abs() < 0.01, "{found:#}");
     // The damping of the fixture takes 0.01 ms off.
-    assert!((number(&fixture["skew_s"]) - 0.4e-3).abs() < 0.03e-3, "{found:#}");
-    assert!(number(&fixture["stiffness_error_n_per_m"]) < 0.005 * stiffness, "{found:#}");
-    assert!(number(&fixture["residual"]) < 0.01, "{found:#}");
+    assert!((number(&bar["skew_s"]) - 0.4e-3).abs() < 0.03e-3, "{found:#}");
+    assert!(number(&bar["stiffness_error_n_per_m"]) < 0.005 * stiffness, "{found:#}");
+    assert!(number(&bar["residual"]) < 0.01, "{found:#}");
     // Limits of the bar: the ram has not left a tenth of a millimetre.
     let csv = read(&out.join("bar/bar-10hz.csv"));
     let rows = csv.lines().skip_while(|line| !line.starts_with("time_s")).skip(1);

@@ -29,8 +29,21 @@ fn others_score_a_filter_and_a_command_with_the_files_of_the_problem() {
     let wanted = read(&place.join("problem/wanted-new-track.csv"));
     assert!(wanted.starts_with("time_s,displacement_m,velocity_m_per_s\n0,"), "{wanted:.100}");
     assert_eq!(wanted.lines().count(), 16_001);
+    // pandas and NumPy take line 1 for the names of the columns, in every table.
+    for entry in std::fs::read_dir(place.join("problem")).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "csv") {
+            let text = read(&path);
+            let names: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+            let is_name =
+                |name: &&str| name.bytes().all(|byte| byte == b'_' || byte.is_ascii_alphanumeric());
+            assert!(names.len() > 1 && names.iter().all(is_name), "{}: {names:?}", path.display());
+        }
+    }
+    let read_me = read(&place.join("problem/README.txt"));
+    assert!(read_me.contains("delay_s + dead time - 0.0005 s") && read_me.contains("seed 1"));
     let rigs = read(&place.join("problem/perturbed-rigs.csv"));
-    assert_eq!(rigs.lines().count(), 23, "{rigs}");
+    assert_eq!(rigs.lines().count(), 22, "{rigs}");
 
     let command = in_folder(&place, "problem/example-command-new-track-5ms.csv");
     let open = ["--motion", "new-track", "--dead-time-ms", "5", "--command"];
@@ -53,6 +66,7 @@ fn others_score_a_filter_and_a_command_with_the_files_of_the_problem() {
     assert!(matches!(code, Some(0 | 1)), "{printed}");
     assert_eq!(code == Some(1), printed.contains("MISSED"), "{printed}");
     assert!(printed.contains("filter") && printed.contains("emulated rig"), "{printed}");
+    assert!(printed.contains("report.html, scores.json, README.txt, perturbed-rigs.csv"));
     let scores: Value = serde_json::from_str(&read(&place.join("filter/scores.json"))).unwrap();
     let schema = read(&repository().join("docs/schema/yaw-damper-problem.schema.json"));
     let misfits = misfits(&serde_json::from_str(&schema).unwrap(), &scores);

@@ -212,7 +212,7 @@ impl Belief {
         let (measurements, commands) = (self.measurements.most(), self.commands.most());
         let most = |of: fn(&MostLost) -> u32| f64::from(of(&measurements).max(of(&commands)));
         let rule = Reached::of_rule;
-        let count = Reached::of_count;
+        let (count, share) = (Reached::of_count, Reached::of_share);
         [
             rule(Signal::Displacement, &checks.displacement, &self.displacement),
             rule(Signal::Velocity, &checks.velocity, &self.velocity),
@@ -222,22 +222,33 @@ impl Belief {
             rule(Signal::ForceRate, &checks.force_rate, &self.force_rate),
             rule(Signal::Residual, &checks.residual, &self.residual),
             rule(Signal::Temperature, &checks.temperature, &self.temperature),
-            Reached::of_share("work", one_cycle, checks.work.one_cycle),
-            Reached::of_share("work_of_ten", ten_cycles, checks.work.ten_cycles),
+            share("work", one_cycle, checks.work.one_cycle, checks.wrong_sign),
+            share("work_of_ten", ten_cycles, checks.work.ten_cycles, checks.wrong_phase),
             Reached {
                 has_tripped: self
                     .cause()
                     .is_some_and(|cause| cause.signal == Signal::OldMeasurements),
-                ..count("age", f64::from(self.oldest_cycles), checks.age.limit)
+                ..count("age", f64::from(self.oldest_cycles), checks.age.limit, checks.age.action)
             },
             // One cycle less than those that are too many.
             count(
                 "lost_in_a_row",
                 most(|lost| lost.in_a_row),
                 f64::from(checks.lost.in_a_row) - 1.0,
+                checks.lost_in_a_row,
             ),
-            count("lost_of_50", most(|lost| lost.in_short), f64::from(checks.lost.in_short)),
-            count("lost_of_250", most(|lost| lost.in_long), f64::from(checks.lost.in_long)),
+            count(
+                "lost_of_50",
+                most(|lost| lost.in_short),
+                f64::from(checks.lost.in_short),
+                checks.lost_of_50,
+            ),
+            count(
+                "lost_of_250",
+                most(|lost| lost.in_long),
+                f64::from(checks.lost.in_long),
+                checks.lost_of_250,
+            ),
         ]
     }
 

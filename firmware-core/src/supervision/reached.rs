@@ -7,7 +7,7 @@
 //! negative, and nothing has tripped.
 
 use super::cause::Signal;
-use super::rule::{Rule, RuleState};
+use super::rule::{Action, Rule, RuleState};
 
 /// The largest value of a signal, next to its limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Reached {
     pub limit: f64,
     /// Whether it was beyond the limit for as long as the check asks for.
     pub has_tripped: bool,
+    /// What follows then; none of a limit that is not a check of a rig.
+    pub action: Option<Action>,
 }
 
 impl Reached {
@@ -36,19 +38,26 @@ impl Reached {
             largest: state.largest(),
             limit: rule.limit,
             has_tripped: state.tripped_at().is_some(),
+            action: Some(rule.action),
         }
     }
 
     /// Of a share.
-    pub(super) fn of_share(key: &'static str, largest: Option<f64>, limit: f64) -> Self {
+    pub(super) fn of_share(
+        key: &'static str,
+        largest: Option<f64>,
+        limit: f64,
+        action: Action,
+    ) -> Self {
         let has_tripped = largest.is_some_and(|largest| largest > limit);
-        Self { key, unit: None, largest, limit, has_tripped }
+        Self { key, unit: None, largest, limit, has_tripped, action: Some(action) }
     }
 
     /// Of a number of cycles.
-    pub(super) fn of_count(key: &'static str, largest: f64, limit: f64) -> Self {
+    pub(super) fn of_count(key: &'static str, largest: f64, limit: f64, action: Action) -> Self {
         let has_tripped = largest > limit;
-        Self { key, unit: Some("cycles"), largest: Some(largest), limit, has_tripped }
+        let action = Some(action);
+        Self { key, unit: Some("cycles"), largest: Some(largest), limit, has_tripped, action }
     }
 
     /// What is left of the limit, as a share of it; none where nothing was measured or the limit is

@@ -10,8 +10,13 @@ const GAP_MS = 500;
 /** Real time without a word of the program after which the page says that it is old. */
 const SILENCE_MS = 3000;
 const COLOURS = 8;
-/** Columns of a row for every slot: wanted and measured displacement (µm), force (N). */
-const COLUMNS = 3;
+/**
+ * Columns of a row for every slot: what its rig was told and measured (µm, µm, N; null without a
+ * rig), the extension (µm), and the force that acts (N).
+ */
+const COLUMNS = 5;
+/** Labels of an axis, at least. */
+const LABELS = 3;
 
 const root = document.documentElement;
 const at = (id) => document.getElementById(id);
@@ -79,13 +84,17 @@ function fill(id, lines, numeric, marks = []) {
 
 // Plots
 
-/** Steps of 1, 2 or 5 that divide a range into about so many parts. */
+/** Multiples of 1, 2 or 5 that divide a range into about so many parts, and give enough labels. */
 function ticks(low, high, parts) {
   const raw = (high - low) / parts;
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].map((factor) => factor * power).find((size) => size >= raw);
-  const found = [];
-  for (let k = Math.ceil(low / step); k * step <= high; k += 1) found.push(Number((k * step).toPrecision(12)));
+  const steps = [10, 5, 2, 1, 0.5, 0.2, 0.1].map((factor) => factor * power);
+  let found = [];
+  for (const step of steps.slice(steps.findLastIndex((size) => size >= raw))) {
+    found = [];
+    for (let k = Math.ceil(low / step); k * step <= high; k += 1) found.push(Number((k * step).toPrecision(12)));
+    if (found.length >= LABELS) break;
+  }
   return found;
 }
 
@@ -101,8 +110,11 @@ function range(values, least) {
   return [low - margin, high + margin];
 }
 
-/** An empty plot: its context, and where values go. On `isLog` axes values are powers of ten. */
-function axes(canvas, [left, right], [bottom, top], label, isLog = false) {
+/**
+ * An empty plot: its context, and where values go. The units stand in two corners. On `isLog` axes
+ * values are powers of ten.
+ */
+function axes(canvas, [left, right], [bottom, top], [across, up], isLog = false) {
   const scale = window.devicePixelRatio || 1;
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   const [inWidth, inHeight] = [Math.round(width * scale), Math.round(height * scale)];
@@ -120,20 +132,27 @@ function axes(canvas, [left, right], [bottom, top], label, isLog = false) {
   pen.beginPath();
   const shown = (low, high, parts) => ticks(low, high, parts).filter((value) => !isLog || Number.isInteger(value));
   const words = (value) => number(isLog ? 10 ** value : value);
+  const [along, upward] = [shown(left, right, Math.max(LABELS, width / 90)), shown(bottom, top, 5)];
   pen.textAlign = "center";
-  for (const value of shown(left, right, Math.max(2, width / 90))) {
+  for (const value of along) {
     pen.moveTo(x(value), y0);
     pen.lineTo(x(value), y1);
-    pen.fillText(words(value), x(value), height - 7);
+    // The last one would not fit on the plot below its line.
+    const half = pen.measureText(words(value)).width / 2;
+    pen.fillText(words(value), Math.min(x(value), width - 2 - half), height - 7);
   }
   pen.textAlign = "right";
-  for (const value of shown(bottom, top, 5)) {
+  for (const value of upward) {
     pen.moveTo(x0, y(value));
     pen.lineTo(x1, y(value));
     pen.fillText(words(value), x0 - 5, y(value) + 4);
   }
   pen.stroke();
-  pen.fillText(label, x1 - 4, y1 + 10);
+  pen.fillText(across, x1 - 4, y0 - 5);
+  pen.textAlign = "left";
+  pen.fillText(up, x0 + 4, y1 + 10);
+  canvas.dataset.across = `${along.map(words).join(" ")} ${across}`;
+  canvas.dataset.up = `${upward.map(words).join(" ")} ${up}`;
   return { pen, x, y };
 }
 
@@ -157,16 +176,18 @@ function line({ pen, x, y }, points, stroke, width, isGap = () => false) {
 }
 
 const scaled = (value, factor) => (value === null ? null : value * factor);
-const wanted = (row, slot) => scaled(row[1 + COLUMNS * slot], 1e-3);
-const measured = (row, slot) => scaled(row[2 + COLUMNS * slot], 1e-3);
-const force = (row, slot) => scaled(row[3 + COLUMNS * slot], 1e-3);
+const column = (offset) => (row, slot) => scaled(row[offset + COLUMNS * slot], 1e-3);
+const [commanded, measured, measuredForce, extension, force] = [1, 2, 3, 4, 5].map(column);
+const isRig = (slot) => facts.slots[slot].is === "rig";
 
+/** All loops on one scale, so that they can be compared. */
 function drawLoops() {
   const recent = rows.filter((row) => row[0] > rows[rows.length - 1][0] - LOOP_MS);
-  facts.slots.forEach((_, slot) => {
-    const points = recent.map((row) => [measured(row, slot), force(row, slot)]);
-    const plot = axes(at(`loop-${slot}`), range(points.map((p) => p[0]), 0.2), range(points.map((p) => p[1]), 0.2), "kN");
-    line(plot, points, colour(slot), 1.6);
+  const loops = facts.slots.map((_, slot) => recent.map((row) => [extension(row, slot), force(row, slot)]));
+  const all = loops.flat();
+  const [across, up] = [0, 1].map((axis) => range(all.map((point) => point[axis]), 0.2));
+  loops.forEach((points, slot) => {
+    line(axes(at(`loop-${slot}`), across, up, ["mm", "kN"]), points, colour(slot), 1.6);
   });
 }
 
@@ -177,13 +198,13 @@ function drawTraces() {
   const trace = (of, slot) => rows.map((row) => [row[0] * 1e-3, of(row, slot)]);
   const values = (lines) => lines.flatMap((points) => points.map((point) => point[1]));
   drawnSlots().forEach((slot) => {
-    const [asked, seen] = [trace(wanted, slot), trace(measured, slot)];
-    const plot = axes(at(`displacement-${slot}`), span, range(values([asked, seen]), 0.2), "mm");
+    const [asked, seen] = [trace(commanded, slot), trace(isRig(slot) ? measured : extension, slot)];
+    const plot = axes(at(`displacement-${slot}`), span, range(values([asked, seen]), 0.2), ["s", "mm"]);
     line(plot, asked, "#b4bcc3", 5, isGap);
     line(plot, seen, colour(slot), 1.5, isGap);
   });
-  const forces = facts.slots.map((_, slot) => trace(force, slot));
-  const plot = axes(at("forces"), span, range(values(forces), 0.2), "kN");
+  const forces = facts.slots.map((_, slot) => trace(isRig(slot) ? measuredForce : force, slot));
+  const plot = axes(at("forces"), span, range(values(forces), 0.2), ["s", "kN"]);
   forces.forEach((points, slot) => line(plot, points, colour(slot), 1.5, isGap));
 }
 
@@ -197,7 +218,7 @@ function drawHistogram(counts) {
   const log = Math.log10;
   const most = Math.max(1, ...counts);
   const last = log(edges[edges.length - 1]) + 0.125;
-  const plot = axes(at("histogram"), [log(edges[0]), last], [0, log(most) + 0.3], "cycles, over µs", true);
+  const plot = axes(at("histogram"), [log(edges[0]), last], [0, log(most) + 0.3], ["µs", "cycles"], true);
   const { pen, x, y } = plot;
   pen.fillStyle = colour(0);
   counts.forEach((count, bin) => {
@@ -212,7 +233,7 @@ function drawHistogram(counts) {
 /** Slots whose displacement is drawn: the rigs, or all where there is none. */
 function drawnSlots() {
   const all = facts.slots.map((_, slot) => slot);
-  const rigs = all.filter((slot) => facts.slots[slot].is_rig);
+  const rigs = all.filter(isRig);
   return rigs.length > 0 ? rigs : all;
 }
 
@@ -243,6 +264,20 @@ function figure(parent, caption, id, keys = []) {
   canvas.setAttribute("aria-label", caption);
 }
 
+/** Where the force of a slot comes from. */
+function source(slot) {
+  const is = slot.is.replaceAll("_", " ");
+  const sign = slot.is_reversed ? ", its sign reversed" : "";
+  return slot.of === null ? is : `${is}: the rig of ${slot.of} stands in for it${sign}`;
+}
+
+function showWarnings(warnings) {
+  const list = at("warnings");
+  list.replaceChildren();
+  warnings.forEach((warning) => element("li", warning, list));
+  list.toggleAttribute("hidden", warnings.length === 0);
+}
+
 function takeFacts(event) {
   if (facts) return;
   facts = JSON.parse(event.data);
@@ -250,12 +285,12 @@ function takeFacts(event) {
   show("title", facts.title);
   const pace = facts.is_clocked ? "real time" : `pace ${facts.pace}`;
   show("about", `${facts.vehicle} at ${number(facts.speed_kmh)} km/h for ${number(facts.duration_s)} s, bus ${facts.bus}, ${pace}`);
-  facts.slots.forEach((slot, index) => {
-    figure(at("loops"), `${slot.place}${slot.is_rig ? " (rig)" : " (model)"}`, `loop-${index}`);
-  });
+  facts.slots.forEach((slot, index) => figure(at("loops"), `${slot.place} (${source(slot)})`, `loop-${index}`));
+  showWarnings(facts.warnings);
   for (const slot of drawnSlots()) {
-    const keys = facts.slots[slot].is_rig ? [["command", "#b4bcc3"], ["measured", colour(slot)]] : [];
-    figure(at("traces"), `Displacement of ${facts.slots[slot].place}, mm`, `displacement-${slot}`, keys);
+    const keys = isRig(slot) ? [["command", "#b4bcc3"], ["measured", colour(slot)]] : [];
+    const what = isRig(slot) ? "Displacement of the rig" : "Extension";
+    figure(at("traces"), `${what} of ${facts.slots[slot].place}, mm`, `displacement-${slot}`, keys);
   }
   figure(at("traces"), "Force, kN", "forces", facts.slots.map((slot, index) => [slot.place, colour(index)]));
 }
@@ -293,10 +328,11 @@ function takeUpdate(update) {
   if (!facts) return;
   const place = (slot) => facts.slots[slot]?.place ?? "";
   fill("interlocks", update.interlocks.map((lock) => [
-    place(lock.slot), lock.check.replaceAll("_", " "), number(lock.largest), number(lock.limit), lock.unit ?? "",
-    lock.margin_percent === null ? "–" : lock.margin_percent.toFixed(0),
+    place(lock.slot), lock.check.replaceAll("_", " "),
+    lock.margin_percent === null ? "–" : (100 - lock.margin_percent).toFixed(0),
     lock.margin_percent === null ? "" : Math.min(1, Math.max(0, 1 - lock.margin_percent / 100)),
-  ]), [2, 3, 5], update.interlocks.map((lock) => {
+    lock.action ?? "–", number(lock.largest), number(lock.limit), lock.unit ?? "",
+  ]), [2, 5, 6], update.interlocks.map((lock) => {
     if (lock.has_tripped) return "tripped";
     return lock.margin_percent !== null && lock.margin_percent < 20 ? "small" : "";
   }));
@@ -320,6 +356,8 @@ function takeEnd(end) {
   show("end-files", end.files ?? "");
   at("end").className = `note ${end.is_good ? "good" : "bad"}`;
   at("end").hidden = false;
+  // While the files are being written nothing else is known.
+  if (end.warnings.length > 0) showWarnings(end.warnings);
   hasEnded = true;
 }
 

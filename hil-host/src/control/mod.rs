@@ -46,7 +46,7 @@ pub use notices::Notices;
 pub use open_loop::{Motion, Seen};
 pub(crate) use pacing::Ending;
 pub use pacing::{End, Pace, SILENCE, STOP_CYCLES};
-pub(crate) use port::MOST_FORCE_N;
+pub(crate) use port::{Agreed, MOST_FORCE_N};
 pub use port::{Port, PortState};
 pub use requests::{Asker, Requests};
 pub use session::{Session, SessionState};

@@ -14,8 +14,8 @@ use firmware_core::command;
 use firmware_core::compensation::{Answer, CompensatorState};
 use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{
-    Action, Arrival, Belief, Cause, Checks, Frames, Growth, Measured, Reached, Rule, SecondSender,
-    Signal,
+    Action, Arrival, Belief, Cause, Checks, CommandLimits, Frames, Growth, Measured, Reached, Rule,
+    SecondSender, Signal,
 };
 use firmware_core::vehicle::DAMPER_SLOTS;
 use scenario::run::{BEYOND_STROKE_M, BeyondLimits, CYCLE_S};
@@ -324,9 +324,11 @@ impl Port {
         state.belief.reached(agreed(&self.checks, state.armed.as_ref()))
     }
 
-    /// The checks, within the limits that the rig has agreed to.
-    pub(super) fn agreed_checks(&self, state: &PortState) -> Checks {
-        *agreed(&self.checks, state.armed.as_ref())
+    /// What holds for the rig: the checks within the limits that it has agreed to, and the limits
+    /// of its commands.
+    pub(super) fn agreed(&self, state: &PortState, limits: CommandLimits) -> Agreed {
+        let checks = *agreed(&self.checks, state.armed.as_ref());
+        Agreed { checks, limits, beyond_limits: self.beyond_limits }
     }
 
     /// The largest force that the host believes (N).
@@ -400,6 +402,17 @@ impl Port {
             plain: now.plain - before.plain,
         }
     }
+}
+
+/// What holds for a rig, for those who look on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Agreed {
+    /// What is checked of its measurements.
+    pub(crate) checks: Checks,
+    /// The limits of its commands.
+    pub(crate) limits: CommandLimits,
+    /// What becomes of a command beyond them.
+    pub(crate) beyond_limits: BeyondLimits,
 }
 
 /// The checks that were agreed with a rig, or those that the host asks for.

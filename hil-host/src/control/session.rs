@@ -3,7 +3,7 @@
 use super::delay_gate::{DelayGate, DelayGateState};
 use super::hash;
 use super::overheard::Overheard;
-use super::port::{Port, PortState};
+use super::port::{Agreed, Port, PortState};
 use super::recent_skips::RecentSkips;
 use super::stop::{NotedSummary, PressureRequest, Stop};
 use super::terms::Arming;
@@ -12,7 +12,7 @@ use can_protocol::arming::Quiet;
 use can_protocol::{Frame, Heartbeat, Pace as WirePace, Profile, Sender, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
 use firmware_core::line::{Fade, Line, LineState, Slot};
-use firmware_core::supervision::{Action, Cause, Checks, Event, Noted, Signal};
+use firmware_core::supervision::{Action, Cause, Event, Noted, Signal};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 
@@ -145,13 +145,13 @@ impl Session<'_> {
         Stop { cycle, time_s, node: Some(node), cause: noted.first, skipped: 0 }
     }
 
-    /// The checks of every slot with a rig, within the limits that its rig has agreed to.
-    pub(crate) fn agreed_checks(&self, state: &SessionState) -> [Option<Checks>; DAMPER_SLOTS] {
-        let mut checks = [None; DAMPER_SLOTS];
+    /// What holds for the rig of every slot that has one.
+    pub(crate) fn agreed(&self, state: &SessionState) -> [Option<Agreed>; DAMPER_SLOTS] {
+        let mut agreed = [None; DAMPER_SLOTS];
         for (port, memory) in self.ports.iter().zip(&state.ports) {
-            checks[port.slot] = Some(port.agreed_checks(memory));
+            agreed[port.slot] = Some(port.agreed(memory, state.line.slots[port.slot].limits));
         }
-        checks
+        agreed
     }
 
     /// Whether there is anything to fade in and out.

@@ -5,6 +5,7 @@
 //! it.
 
 use super::timing::Timing;
+use scenario::run::{Run, Slot, SlotForce};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
@@ -23,6 +24,8 @@ pub(crate) struct Facts {
     pub(crate) is_clocked: bool,
     /// The damper slots, in their order.
     pub(crate) slots: Vec<SlotFacts>,
+    /// What is to be warned of before the run begins.
+    pub(crate) warnings: Vec<String>,
     /// Edges of the histogram of cycle times (µs).
     pub(crate) edges_us: Vec<f64>,
 }
@@ -31,7 +34,27 @@ pub(crate) struct Facts {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct SlotFacts {
     pub(crate) place: String,
-    pub(crate) is_rig: bool,
+    /// Where its force comes from, as results name it.
+    pub(crate) is: &'static str,
+    /// Place of the damper whose rig stands for it.
+    pub(crate) of: Option<String>,
+    /// Whether the sign of that rig's force is reversed.
+    pub(crate) is_reversed: bool,
+}
+
+impl SlotFacts {
+    /// Those of the slots of a run.
+    pub(crate) fn of(run: &Run) -> Vec<Self> {
+        let of = |slot: &Slot| {
+            let (of, is_reversed) = match slot.force {
+                SlotForce::StandIn { of, is_reversed, .. } => (run.slots.get(of), is_reversed),
+                SlotForce::Modelled(_) | SlotForce::Rig { .. } => (None, false),
+            };
+            let of = of.map(|rig| rig.place.clone());
+            Self { place: slot.place.clone(), is: slot.force.name(), of, is_reversed }
+        };
+        run.slots.iter().map(of).collect()
+    }
 }
 
 /// What happens before the first cycle.
@@ -60,8 +83,9 @@ pub(crate) struct Update {
     pub(crate) state: &'static str,
     /// What ends the run.
     pub(crate) cause: Option<String>,
-    /// Rows since the last update, decimated: time in ms, and for every slot displacements wanted
-    /// and measured in µm and force in N.
+    /// Rows since the last update, decimated: time in ms, and for every slot what its rig was
+    /// told and measured (displacements in µm, force in N; null without a rig), the extension in µm
+    /// and the force in N that acts.
     pub(crate) samples: Vec<Vec<Option<i64>>>,
     pub(crate) rigs: Vec<RigNow>,
     pub(crate) interlocks: Vec<Interlock>,
@@ -87,7 +111,7 @@ pub(crate) struct RigNow {
     pub(crate) watch: Option<&'static str>,
 }
 
-/// A check of a rig: how far its signal has come towards the limit.
+/// A check of a rig, or a limit of its commands: how far what it is of has come towards it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Interlock {
     /// Number of the slot, from zero.
@@ -101,6 +125,8 @@ pub(crate) struct Interlock {
     /// What is left of the limit (%).
     pub(crate) margin_percent: Option<f64>,
     pub(crate) has_tripped: bool,
+    /// What follows then.
+    pub(crate) action: Option<&'static str>,
 }
 
 /// How a run has ended.
@@ -110,6 +136,8 @@ pub struct RunEnd {
     pub words: String,
     /// What led to it, or what is to be said in addition; none where there is nothing.
     pub why: Option<String>,
+    /// What is to be warned of.
+    pub warnings: Vec<String>,
     /// The result folder, once its files are written.
     pub files: Option<String>,
     /// Whether nothing was wrong.

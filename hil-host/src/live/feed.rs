@@ -5,7 +5,7 @@
 //! than the clock, samples are thinned again and again until they fit.
 
 use super::board::{Board, RigNow, Update};
-use super::interlocks::{AgreedChecks, Interlocks};
+use super::interlocks::{AgreedLimits, Interlocks};
 use super::timing::Timing;
 use crate::control::Notice;
 use crate::counts::Counts;
@@ -67,7 +67,7 @@ impl Feed {
     }
 
     /// Takes in a row.
-    pub(crate) fn take(&mut self, row: &Row, agreed: &AgreedChecks) {
+    pub(crate) fn take(&mut self, row: &Row, agreed: &AgreedLimits) {
         self.interlocks.take(row, agreed);
         self.last = *row;
         if row.cycle.is_multiple_of(self.stride) {
@@ -81,7 +81,7 @@ impl Feed {
     }
 
     /// Puts an update on the board, if it is time for one.
-    pub(crate) fn push(&mut self, counts: &Counts, agreed: &AgreedChecks, now: Instant) {
+    pub(crate) fn push(&mut self, counts: &Counts, agreed: &AgreedLimits, now: Instant) {
         let is_due = |last: Option<Instant>, every: Duration| {
             last.is_none_or(|last| now.saturating_duration_since(last) >= every)
         };
@@ -95,7 +95,7 @@ impl Feed {
     }
 
     /// Puts the last update on the board.
-    pub(crate) fn finish(&mut self, counts: &Counts, agreed: &AgreedChecks) {
+    pub(crate) fn finish(&mut self, counts: &Counts, agreed: &AgreedLimits) {
         self.timing.1 = Timing::of(counts);
         // The page takes an update in no time: the second trial finds the board free.
         if !self.put(counts, agreed) {
@@ -104,7 +104,7 @@ impl Feed {
         }
     }
 
-    fn put(&mut self, counts: &Counts, agreed: &AgreedChecks) -> bool {
+    fn put(&mut self, counts: &Counts, agreed: &AgreedLimits) -> bool {
         self.number += 1;
         self.stride = STRIDE;
         let row = &self.last;
@@ -129,12 +129,10 @@ fn sample(row: &Row, is_rig: &[bool]) -> Vec<Option<i64>> {
     let whole = |value: f64| value.is_finite().then(|| value.round() as i64);
     let mut values = vec![whole(row.time_s * 1e3)];
     for (slot, is_rig) in is_rig.iter().enumerate() {
-        let of_slot = if *is_rig {
-            [row.command_m[slot] * 1e6, row.measured_m[slot] * 1e6, row.measured_n[slot]]
-        } else {
-            [f64::NAN, row.extension_m[slot] * 1e6, row.force_n[slot]]
-        };
-        values.extend(of_slot.map(whole));
+        let of_rig = [row.command_m[slot] * 1e6, row.measured_m[slot] * 1e6, row.measured_n[slot]];
+        let of_vehicle = [row.extension_m[slot] * 1e6, row.force_n[slot]];
+        values.extend(of_rig.map(|value| whole(value).filter(|_| *is_rig)));
+        values.extend(of_vehicle.map(whole));
     }
     values
 }
@@ -165,23 +163,26 @@ mod tests {
             let mut row = Row { cycle, time_s: cycle as f64 * 1e-3, ..Row::default() };
             (row.command_m[0], row.measured_m[0], row.measured_n[0]) = (1e-3, 2e-3, f64::NAN);
             (row.extension_m[1], row.force_n[1], row.input[0]) = (-3e-3, 4e3, InputKind::Fresh);
+            (row.extension_m[0], row.force_n[0]) = (5e-3, 6e3);
             counts.take(&row);
-            feed.take(&row, &AgreedChecks::default());
+            feed.take(&row, &AgreedLimits::default());
         }
         (feed, counts)
     }
 
     #[test]
     fn of_a_clock_every_fifth_row_is_drawn_and_of_a_fast_run_as_many_as_fit() {
-        let none = AgreedChecks::default();
+        let none = AgreedLimits::default();
         let (mut feed, counts) = fed(1..=100);
         feed.push(&counts, &none, Instant::now());
         let update = feed.board.take().unwrap();
         assert_eq!((update.number, update.cycle, update.samples.len()), (1, 100, 20));
-        assert_eq!(update.samples[0][0], Some(5));
-        // Wanted, measured, force of a rig; a model has no command.
-        assert_eq!(update.samples[0][1..4], [Some(1000), Some(2000), None]);
-        assert_eq!(update.samples[0][4..], [None, Some(-3000), Some(4000)]);
+        // Command, measured displacement and force of a rig, and what the vehicle has of its slot:
+        // with wear in software the ram does not move as the vehicle does. A model has no command.
+        let [at, rig, model] = [0, 1, 6].map(|from| &update.samples[0][from..]);
+        assert_eq!((at[0], at.len()), (Some(5), 11));
+        assert_eq!(rig[..5], [Some(1000), Some(2000), None, Some(5000), Some(6000)]);
+        assert_eq!(model, [None, None, None, Some(-3000), Some(4000)]);
         assert_eq!(update.rigs.len(), 1);
         assert_eq!((update.rigs[0].fresh, update.rigs[0].lost), (100, 0));
 
@@ -196,7 +197,7 @@ mod tests {
 
     #[test]
     fn an_update_comes_ten_times_a_second_at_most() {
-        let none = AgreedChecks::default();
+        let none = AgreedLimits::default();
         let (mut feed, counts) = fed(1..=10);
         let begin = Instant::now();
         let mut pushed = 0;

@@ -11,16 +11,23 @@
 //! A row holds the age of a measurement and no counters; these are made up so that they give that
 //! age. Rows that the recorder has lost are missing here too: what the loop has found is in the
 //! cause that it gives itself.
+//!
+//! The limits of commands are judged by the commands that were sent. One that was cut stands at its
+//! limit; by how much it was beyond `yawbench rehearse` says.
 
 use super::board::Interlock;
+use crate::control::Agreed;
 use crate::record::{InputKind, Row};
 use can_protocol::{MeasurementFlags, RunState};
 use firmware_core::command::Command;
-use firmware_core::supervision::{Arrival, Belief, Checks, Measured, OLDEST_CYCLES, Reached};
+use firmware_core::supervision::{
+    Action, Arrival, Belief, Checks, Demand, Measured, OLDEST_CYCLES, Reached,
+};
 use firmware_core::vehicle::DAMPER_SLOTS;
+use scenario::run::BeyondLimits;
 
-/// The checks of every slot with a rig, within the limits that its rig has agreed to.
-pub(crate) type AgreedChecks = [Option<Checks>; DAMPER_SLOTS];
+/// What holds for the rig of every slot that has one.
+pub(crate) type AgreedLimits = [Option<Agreed>; DAMPER_SLOTS];
 
 /// Range of the counters that are made up.
 const MODULUS: u8 = 255;
@@ -32,6 +39,8 @@ const NO_AGE: u8 = u8::MAX;
 #[derive(Debug, Default)]
 pub(super) struct Interlocks {
     beliefs: [Belief; DAMPER_SLOTS],
+    /// The last command of every rig, and what all of them have asked of the rams.
+    commands: [(Command, Demand); DAMPER_SLOTS],
     /// State and forces of the models after the last cycle.
     last: Option<(RunState, [f64; DAMPER_SLOTS])>,
     /// Ticks since the begin, of which the made-up counters are the rest.
@@ -40,18 +49,22 @@ pub(super) struct Interlocks {
 
 impl Interlocks {
     /// Takes in the row of a cycle.
-    pub(super) fn take(&mut self, row: &Row, agreed: &AgreedChecks) {
+    pub(super) fn take(&mut self, row: &Row, agreed: &AgreedLimits) {
         self.ticks += u64::from(row.skipped) + 1;
-        for (slot, (belief, checks)) in self.beliefs.iter_mut().zip(agreed).enumerate() {
-            let Some(checks) = checks else { continue };
+        for (slot, (belief, agreed)) in self.beliefs.iter_mut().zip(agreed).enumerate() {
+            let Some(Agreed { checks, limits, .. }) = agreed else { continue };
             let checks = &Checks { counter_modulus: MODULUS, ..*checks };
             let command = Command {
                 displacement_m: row.command_m[slot],
                 velocity_m_per_s: row.command_m_per_s[slot],
             };
+            let (last, demand) = &mut self.commands[slot];
             if self.last.is_none() {
                 belief.begin(command);
+                *last = command;
             }
+            *demand = demand.larger(limits.limited(*last, command, checks.cycle_s).demand);
+            *last = command;
             if row.skipped > 0 {
                 belief.skip(row.skipped);
             }
@@ -71,14 +84,39 @@ impl Interlocks {
     }
 
     /// How far each has come.
-    pub(super) fn reached(&self, agreed: &AgreedChecks) -> Vec<Interlock> {
+    pub(super) fn reached(&self, agreed: &AgreedLimits) -> Vec<Interlock> {
         let mut found = Vec::new();
-        for (slot, (belief, checks)) in self.beliefs.iter().zip(agreed).enumerate() {
-            let reached = checks.as_ref().map(|checks| belief.reached(checks));
-            found.extend(reached.iter().flatten().map(|reached| interlock(slot, reached)));
+        for (slot, (belief, agreed)) in self.beliefs.iter().zip(agreed).enumerate() {
+            let Some(agreed) = agreed else { continue };
+            found.extend(belief.reached(&agreed.checks).map(|reached| interlock(slot, &reached)));
+            found.extend(of_commands(slot, agreed, self.commands[slot].1));
         }
         found
     }
+}
+
+/// How far the commands of a slot have come towards their limits.
+fn of_commands(slot: usize, agreed: &Agreed, demand: Demand) -> [Interlock; 3] {
+    let (limits, cycle_s) = (agreed.limits, agreed.checks.cycle_s);
+    let action = match agreed.beyond_limits {
+        BeyondLimits::Saturate => "cut",
+        BeyondLimits::Stop => "stop",
+    };
+    [
+        ("command_stroke", "m", demand.stroke_m, limits.stroke_m),
+        ("command_velocity", "m/s", demand.velocity_m_per_s, limits.velocity_m_per_s),
+        (
+            "command_acceleration",
+            "m/s2",
+            demand.speed_change_m_per_s / cycle_s,
+            limits.acceleration_m_per_s2,
+        ),
+    ]
+    .map(|(key, unit, largest, limit)| {
+        let (unit, largest) = (Some(unit), Some(largest));
+        let reached = Reached { key, unit, largest, limit, has_tripped: false, action: None };
+        Interlock { action: Some(action), ..interlock(slot, &reached) }
+    })
 }
 
 fn interlock(slot: usize, reached: &Reached) -> Interlock {
@@ -91,6 +129,7 @@ fn interlock(slot: usize, reached: &Reached) -> Interlock {
         limit: finite(reached.limit),
         margin_percent: reached.margin().map(|margin| 100.0 * margin).and_then(finite),
         has_tripped: reached.has_tripped,
+        action: reached.action.map(Action::name),
     }
 }
 

@@ -34,7 +34,7 @@ pub use address::{LiveAddress, NotLoopback};
 pub use board::RunEnd;
 pub(crate) use board::{Facts, Phase, SlotFacts};
 pub(crate) use feed::Feed;
-pub(crate) use interlocks::AgreedChecks;
+pub(crate) use interlocks::AgreedLimits;
 pub(crate) use timing::edges_us;
 
 use crate::control::Requests;
@@ -153,11 +153,23 @@ mod tests {
         requests.arm();
         page.enter(Phase::Arming);
         read_until(&mut events, "the rigs are being armed");
-        page.end(RunEnd { words: "over".to_owned(), why: None, files: None, is_good: true });
+        page.end(RunEnd {
+            words: "over".to_owned(),
+            why: None,
+            warnings: Vec::new(),
+            files: None,
+            is_good: true,
+        });
         let end = read_until(&mut events, "\"words\":\"over\"");
         assert!(end.contains("\"note\":\"\""), "{end}");
         // What is put before the end is told, and then the line is closed.
-        page.end(RunEnd { words: "last".to_owned(), why: None, files: None, is_good: true });
+        page.end(RunEnd {
+            words: "last".to_owned(),
+            why: None,
+            warnings: Vec::new(),
+            files: None,
+            is_good: true,
+        });
         drop(page);
         read_until(&mut events, "\"words\":\"last\"");
         let mut rest = String::new();

@@ -8,7 +8,8 @@ const SHOWN: usize = 200;
 
 /// The events of a run, and every counter that is not zero; none where there is neither.
 pub(super) fn events(summary: &Summary) -> Option<Section> {
-    let (events, counters) = (&summary.events, summary.counters());
+    let events = &summary.events;
+    let counters = [summary.counters(), summary.rounded_commands()].concat();
     let mut section = Section::new("Events");
     if !counters.is_empty() {
         section = section.text(&format!("Counted: {}.", counters.join(", ")));

@@ -112,7 +112,7 @@ fn value(
     limit: f64,
 ) -> Reached {
     let has_tripped = largest.is_some_and(|largest| largest > limit);
-    Reached { key, unit, largest, limit, has_tripped }
+    Reached { key, unit, largest, limit, has_tripped, action: None }
 }
 
 /// What the commands have asked of the limits of `[motion]`, or of tighter ones of the rig.
@@ -194,8 +194,8 @@ mod tests {
     use super::*;
 
     fn verdict(largest: f64, has_tripped: bool) -> Verdict {
-        let reached =
-            Reached { key: "force", unit: None, largest: Some(largest), limit: 10.0, has_tripped };
+        let reached = value("force", None, Some(largest), 10.0);
+        let reached = Reached { has_tripped, ..reached };
         CheckMargin::new(None, LimitOf::Plausibility, &reached).verdict
     }
 

@@ -31,14 +31,21 @@ impl Rehearsal {
             checks.map(CheckMargin::name).collect::<Vec<_>>()
         };
         let (beyond, small) = (with(Verdict::Beyond), with(Verdict::Small));
+        let cut = match with(Verdict::Cut).join(", ") {
+            none if none.is_empty() => none,
+            cut => format!(
+                "; cut on purpose, at contacts of virtual_wear that no ram can follow and the limits \
+                 round: {cut}"
+            ),
+        };
         if !beyond.is_empty() {
             format!("beyond: {}", beyond.join(", "))
         } else if self.state != End::Completed {
             "not completed".to_owned()
         } else if small.is_empty() {
-            "every limit holds".to_owned()
+            format!("every limit holds{cut}")
         } else {
-            format!("every limit holds; less than a fifth is left: {}", small.join(", "))
+            format!("every limit holds; less than a fifth is left: {}{cut}", small.join(", "))
         }
     }
 }

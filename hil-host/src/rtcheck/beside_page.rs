@@ -10,11 +10,10 @@
 
 use super::distribution::empty;
 use crate::counts::Counts;
-use crate::live::{AgreedChecks, Facts, Feed, LivePage, SlotFacts, edges_us};
+use crate::live::{AgreedLimits, Facts, Feed, LivePage, SlotFacts, edges_us};
 use crate::record::{Outlet, Row};
 use can_protocol::RunState;
 use firmware_core::line::LineState;
-use firmware_core::vehicle::DAMPER_SLOTS;
 use hdrhistogram::Histogram;
 use scenario::run::{CYCLE_S, Run};
 use std::io::{Read as _, Write as _};
@@ -93,9 +92,10 @@ pub(super) fn row(tick: u64, lateness_ns: u64, compute_ns: u64, state: Option<&L
 
 /// Shows on the page what is measured, and gives the recorder's end of it.
 pub(super) fn begin(page: &LivePage, run: Option<&Run>, ticks: u64) -> Feed {
-    let places = run.iter().flat_map(|run| &run.slots).map(|slot| slot.place.clone());
-    let slots: Vec<SlotFacts> =
-        places.take(DAMPER_SLOTS).map(|place| SlotFacts { place, is_rig: false }).collect();
+    let slots = run.map(SlotFacts::of).unwrap_or_default();
+    // No rig is asked for anything here.
+    let modelled = |slot| SlotFacts { is: "modelled", of: None, is_reversed: false, ..slot };
+    let slots: Vec<SlotFacts> = slots.into_iter().map(modelled).collect();
     let is_rig = vec![false; slots.len()];
     page.begin(Facts {
         title: "rtcheck: every other second is shown".to_owned(),
@@ -106,6 +106,7 @@ pub(super) fn begin(page: &LivePage, run: Option<&Run>, ticks: u64) -> Feed {
         pace: "realtime",
         is_clocked: true,
         slots,
+        warnings: Vec::new(),
         edges_us: edges_us(),
     });
     page.feed(is_rig)
@@ -113,7 +114,7 @@ pub(super) fn begin(page: &LivePage, run: Option<&Run>, ticks: u64) -> Feed {
 
 /// The recorder's thread.
 pub(super) fn take(rows: &Outlet<'_, Row>, mut feed: Feed, ended: &AtomicBool) {
-    let (mut counts, none) = (Counts::default(), AgreedChecks::default());
+    let (mut counts, none) = (Counts::default(), AgreedLimits::default());
     rows.run(ended, |rows| {
         for row in rows {
             counts.take(row);

@@ -45,7 +45,7 @@ use crate::record::{
     part_of, read_events,
 };
 use crate::statistics::Statistics;
-use crate::summary::{Outcome, Summary};
+use crate::summary::{Outcome, Summary, labels};
 pub(crate) use about::{RunAbout, check_format, read_about, read_json};
 use can_protocol::Pace as WirePace;
 use files::{FolderError, ResultFolder};
@@ -229,7 +229,6 @@ fn terms(options: &RunOptions, plan: &Plan, pace: WirePace) -> Result<Terms, Ben
 
 /// What a page shows that does not change.
 fn facts(run: &Run, options: &RunOptions, plan: &Plan) -> Facts {
-    let slots = run.slots.iter().zip(is_rig(run));
     let buses = plan.buses.iter().map(BusChoice::to_string);
     Facts {
         title: run.title.clone(),
@@ -239,9 +238,8 @@ fn facts(run: &Run, options: &RunOptions, plan: &Plan) -> Facts {
         bus: buses.collect::<Vec<_>>().join(", "),
         pace: options.pace.name(),
         is_clocked: options.pace == PaceChoice::Realtime,
-        slots: slots
-            .map(|(slot, is_rig)| SlotFacts { place: slot.place.clone(), is_rig })
-            .collect(),
+        slots: SlotFacts::of(run),
+        warnings: run.warnings.iter().cloned().chain(labels(run)).collect(),
         edges_us: edges_us(),
     }
 }
@@ -262,6 +260,7 @@ fn end_of_loop(end: End, state: &SessionState) -> RunEnd {
     RunEnd {
         words: words.to_owned(),
         why: state.stop.map(|stop| stop.to_string()),
+        warnings: Vec::new(),
         files: Some("Its files are being written.".to_owned()),
         is_good: matches!(end, End::Completed | End::Stopped),
     }

@@ -7,7 +7,7 @@ use crate::BenchError;
 use crate::bus::{Bus, BusChoice};
 use crate::control::{Asker, Buses, End, Notice, Pace, Requests, Session, SessionState};
 use crate::counts::Counts;
-use crate::live::{AgreedChecks, Feed};
+use crate::live::{AgreedLimits, Feed};
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
     BusEvent, BusLog, Drain, EventLog, InParts, LoggedFrame, Loss, NpyWriter, OpenFiles, Outlet,
@@ -174,7 +174,7 @@ pub(super) fn record<B: Bus, P: Place, W: Work>(
             return Err(why.on(bus));
         }
         // For the recorder's thread; with a page and without one.
-        let _is_first = agreed.set(session.agreed_checks(state));
+        let _is_first = agreed.set(session.agreed(state));
         let begin = Instant::now();
         let mut buses = Buses::new(buses, &mut recorder).counted_from(epoch.begin);
         let end = work.run(session, state, &mut buses, pace, requests);
@@ -238,7 +238,7 @@ struct Shown<'a> {
     /// The page, if there is one.
     feed: Option<Feed>,
     /// Known from the first row on.
-    agreed: &'a OnceLock<AgreedChecks>,
+    agreed: &'a OnceLock<AgreedLimits>,
 }
 
 impl Shown<'_> {

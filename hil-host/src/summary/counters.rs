@@ -1,6 +1,6 @@
 //! What went wrong and did not end the run: every counter that is not zero.
 
-use super::Summary;
+use super::{DamperSummary, Summary};
 
 impl Summary {
     /// Every counter of a fault that is not zero, in words; none where all went well.
@@ -23,14 +23,30 @@ impl Summary {
         ];
         for damper in &self.damper {
             let of = |what: &str| format!("{what} ({})", damper.name);
+            let is_worn = damper.virtual_wear.is_some();
             counters.extend([
                 (of("cycles without a measurement"), damper.stale_cycles.unwrap_or(0)),
                 (of("commands cut"), damper.saturated_commands.unwrap_or(0)),
-                (of("commands limited"), damper.limited_commands.unwrap_or(0)),
+                (of("commands limited"), damper.limited_commands.filter(|_| !is_worn).unwrap_or(0)),
                 (of("measurements with a flag"), damper.flagged_measurements.unwrap_or(0)),
             ]);
         }
         let counted = counters.into_iter().filter(|(_, count)| *count > 0);
         counted.map(|(what, count)| format!("{count} {what}")).collect()
+    }
+
+    /// Commands that limits changed on purpose, in words: no ram can follow a contact of wear in
+    /// software, and the limits of `[motion]` round it.
+    pub fn rounded_commands(&self) -> Vec<String> {
+        let worn = self.damper.iter().filter(|damper| damper.virtual_wear.is_some());
+        let rounded = worn.filter(|damper| damper.limited_commands.is_some_and(|count| count > 0));
+        let words = |damper: &DamperSummary| {
+            format!(
+                "{} commands rounded at contacts of virtual_wear, on purpose ({})",
+                damper.limited_commands.unwrap_or(0),
+                damper.name
+            )
+        };
+        rounded.map(words).collect()
     }
 }

@@ -105,12 +105,7 @@ fn damper(place: &Slot, slot: usize, counts: &Counts, sums: &Sums) -> DamperSumm
     let watch = &counts.watch[slot];
     DamperSummary {
         name: place.place.clone(),
-        place: match place.force {
-            SlotForce::Rig { .. } => "rig",
-            SlotForce::Modelled(_) => "modelled",
-            SlotForce::StandIn { stands_for, .. } => stands_for.name(),
-        }
-        .to_owned(),
+        place: place.force.name().to_owned(),
         force_n: ForceRange { min, max, rms: sums.force.rms() },
         stroke_m: Stroke {
             mean_peak: sums.mean_peak_m(),

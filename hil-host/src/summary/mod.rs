@@ -27,6 +27,7 @@ pub(crate) use dampers::dampers;
 pub(crate) use held::is_worn;
 pub(crate) use late::{Asked, KeptSummary};
 pub(crate) use outcome::Outcome;
+pub(crate) use stand_ins::labels;
 pub(crate) use times::{microseconds, percentiles};
 
 use crate::comparison::Comparison;
@@ -41,7 +42,6 @@ use held::Counted;
 use scenario::run::CYCLE_S;
 use serde::Serialize;
 use sessions::sessions;
-use stand_ins::labels;
 use times::step_percentiles;
 
 /// The summary of a run. What does not apply is null.

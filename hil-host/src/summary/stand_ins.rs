@@ -40,19 +40,15 @@ impl StandInSummary {
         })
     }
 
-    /// What to be warned of, where the damper did not move as the rig did.
+    /// The same as a warning, where the damper did not move as the rig did.
     pub fn warning(&self) -> Option<String> {
-        let percent = self.stroke_difference_percent.filter(|percent| *percent > APART_PERCENT)?;
-        Some(format!(
-            "its stroke was {} % rms away from that of the rig of {}: it did not feel the force of a \
-             rig of its own",
-            report::significant(percent, 2),
-            self.of
-        ))
+        let is_apart = self.stroke_difference_percent.is_some_and(|apart| apart > APART_PERCENT);
+        let says = || format!("{}: it did not feel the force of a rig of its own", self.in_words());
+        is_apart.then(says)
     }
 
-    /// In words, of the damper at a place.
-    pub fn in_words(&self, place: &str) -> String {
+    /// In words.
+    pub fn in_words(&self) -> String {
         let Self { of, is_reversed, stroke_difference_percent, .. } = self;
         let percent = match stroke_difference_percent {
             Some(percent) => report::significant(*percent, 3),
@@ -64,15 +60,15 @@ impl StandInSummary {
             ("", "moving alike")
         };
         format!(
-            "{place}: the force of the rig of {of}{sign}; the strokes were {percent} % rms away from \
-             {motion}, the force {} N rms from the model of this place",
+            "the force of the rig of {of}{sign}; the strokes were {percent} % rms away from {motion}, \
+             the force {} N rms from the model of this place",
             report::significant(self.force_less_model_rms_n, 3)
         )
     }
 }
 
 /// One line for each measured force that acted on several bogies.
-pub(super) fn labels(run: &Run) -> Vec<String> {
+pub(crate) fn labels(run: &Run) -> Vec<String> {
     // For which dampers the rig of a slot stands.
     let stands_for = |slot: usize| -> Vec<StandsFor> {
         let of_slot = run.slots.iter().filter_map(|other| match other.force {

@@ -7,6 +7,9 @@ use firmware_core::line::{ResidualDelay, Sensitivity};
 use scenario::run::{CYCLE_S, SlotForce};
 use serde::Serialize;
 
+/// A share of the damping that prints as nothing, %.
+const UNSEEN_PERCENT: f64 = 0.005;
+
 /// How a rig follows, over the time of the statistics.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TrackingSummary {
@@ -84,25 +87,36 @@ impl TrackingSummary {
     /// What is to be said of the delay of a run that went on, if anything.
     pub fn warning(&self) -> Option<String> {
         let measured = [self.before_run, self.delay].into_iter().flatten();
-        let most =
-            measured.filter_map(|delay| delay.damping_lost_at_most_percent).fold(0.0, f64::max);
+        let costs = measured.filter_map(|delay| Some((delay, delay.damping_lost_at_most_percent?)));
+        let (delay, most) = costs.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let (warned, refused) = (100.0 * COST_WARNED, 100.0 * COST_REFUSED);
         if most <= warned {
             return None;
         }
+        let is_early = delay.mean_s < 0.0;
+        let way_out = if is_early {
+            "[slot.compensation] compensates too much, or the rig is faster than it says"
+        } else {
+            "[slot.compensation] takes a delay out"
+        };
         let follows = match (most > refused, self.accept_delay_error) {
             (true, true) => {
-                "; accepted by accept_delay_error: the result is that of another damper"
+                "; accepted by accept_delay_error: the result is that of another damper".to_owned()
             }
-            (true, false) => {
-                "; [slot.compensation] takes a delay out. On a real bus, at the pace of the clock, \
-                 more than 5 % ramps a run out before the force acts"
-            }
-            (false, _) => "; [slot.compensation] takes a delay out",
+            (true, false) => format!(
+                "; {way_out}. On a real bus, at the pace of the clock, more than {refused:.0} % ramps \
+                 a run out before the force acts"
+            ),
+            (false, _) => format!("; {way_out}"),
         };
+        let does = if is_early {
+            "the force is too early, which puts the damping off by up to"
+        } else {
+            "the delay of the force costs up to"
+        };
+        let of = if is_early { "" } else { " of the damping" };
         Some(format!(
-            "the delay of the force costs up to {most:.1} % of the damping at the hunting \
-             frequency, more than {warned:.0} %{follows}"
+            "{does} {most:.1} %{of} at the hunting frequency, more than {warned:.0} %{follows}"
         ))
     }
 }
@@ -111,14 +125,74 @@ impl MeasuredDelay {
     /// In words.
     pub fn in_words(&self) -> String {
         let (mean, half) = (1e3 * self.mean_s, 1e3 * self.half_width_s);
+        // What prints as zero has no sign.
+        let is = if mean <= -5e-4 { "lead" } else { "delay" };
         let cost = self.damping_lost_percent.zip(self.damping_lost_at_most_percent);
         let cost = cost.map_or_else(String::new, |(lost, most)| {
-            if lost < 0.0 {
-                format!(", {:.2} % of damping added, at most {most:.2} % off", -lost)
+            if most < UNSEEN_PERCENT {
+                ", the damping is right".to_owned()
+            } else if lost < 0.0 {
+                format!(", the damping is {:.2} % too high, at most {most:.2} % off", -lost)
             } else {
                 format!(", {lost:.2} % of the damping lost, at most {most:.2} %")
             }
         });
-        format!("delay of the force {mean:.3} ± {half:.3} ms ({} s){cost}", self.blocks)
+        format!("{is} of the force {:.3} ± {half:.3} ms ({} s){cost}", mean.abs(), self.blocks)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn delay(mean_s: f64, lost: f64, most: f64) -> MeasuredDelay {
+        MeasuredDelay {
+            mean_s,
+            half_width_s: 2e-5,
+            blocks: 12,
+            damping_lost_percent: Some(lost),
+            damping_lost_at_most_percent: Some(most),
+        }
+    }
+
+    fn warning(delay: MeasuredDelay, accept_delay_error: bool) -> String {
+        let tracking = TrackingSummary {
+            delay: Some(delay),
+            before_run: None,
+            ram_delay_s: None,
+            accept_delay_error,
+            nrmse: None,
+            peak_error_m: 0.0,
+            exchanged_energy_error: None,
+            sensitivity: None,
+        };
+        tracking.warning().unwrap_or_default()
+    }
+
+    #[test]
+    fn a_force_that_is_early_is_not_told_to_be_late() {
+        let (late, early) = (delay(6e-3, 24.0, 25.1), delay(-6e-3, -24.0, 25.1));
+        assert!(warning(late, false).contains("delay of the force costs up to 25.1 % of the damp"));
+        assert!(warning(late, false).contains("takes a delay out. On a real bus"));
+        let said = warning(early, false);
+        assert!(said.contains("too early") && said.contains("compensates too much"), "{said}");
+        assert!(!said.contains("takes a delay out") && !said.contains("costs"), "{said}");
+        assert!(warning(early, true).contains("accepted by accept_delay_error"));
+        assert_eq!(warning(delay(1e-5, 0.04, 0.12), false), "");
+    }
+
+    #[test]
+    fn signs_are_words() {
+        for (delay, expected) in [
+            (delay(1e-3, 4.0, 4.1), "delay of the force 1.000 ± 0.020 ms (12 s), 4.00 % of the"),
+            (delay(-1.61e-4, -0.6, 0.7), "lead of the force 0.161 ± 0.020 ms (12 s), the damping"),
+            (delay(-1.61e-4, -0.6, 0.7), "damping is 0.60 % too high, at most 0.70 % off"),
+            (
+                delay(-1e-7, -4e-4, 4e-3),
+                "delay of the force 0.000 ± 0.020 ms (12 s), the damping is",
+            ),
+        ] {
+            assert!(delay.in_words().contains(expected), "{}", delay.in_words());
+        }
     }
 }

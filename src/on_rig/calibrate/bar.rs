@@ -59,7 +59,8 @@ pub(super) fn evaluated(bench: &Bench<'_>, tests: &[MeasuredTest], file: Calibra
     });
     let mut lines = table.rows(rows).lines();
     lines.push(format!(
-        "stiffness {:.3} +- {:.3} MN/m, force {:.4} +- {:.4} ms late, residual {:.2} %",
+        "stiffness {:.3} +- {:.3} MN/m from the displacement sensor to the ground, force {:.4} +- \
+         {:.4} ms late, residual {:.2} %",
         1e-6 * fit.stiffness_n_per_m,
         1e-6 * fit.stiffness_error_n_per_m,
         1e3 * fit.skew_s,

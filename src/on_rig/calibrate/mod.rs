@@ -2,7 +2,7 @@
 //!
 //! | mounted | motion | found |
 //! | --- | --- | --- |
-//! | [`bar`] | sines of 1 to 10 Hz, 20 um about where the ram stands | stiffness of the fixture, skew of the force |
+//! | [`bar`] | sines of 1 to 10 Hz, 20 um about where the ram stands | stiffness, skew |
 //! | [`dry`]: nothing | sines of 4 to 12 Hz with 0.1 m/s at most | mass behind the load cell |
 //! | [`gain`]: a known force | none, four seconds at rest | gain and offset of the load cell |
 //!
@@ -33,7 +33,8 @@ const GRAVITY_M_PER_S2: f64 = 9.806_65;
 /// What is calibrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Task {
-    /// A rigid bar in the place of the damper: stiffness of the fixture and skew of the force.
+    /// A rigid bar in the place of the damper: stiffness from the displacement sensor to the ground
+    /// and skew of the force.
     Bar,
     /// Nothing mounted: the mass behind the load cell.
     Dry,

@@ -25,11 +25,12 @@ impl Problem<'_> {
     /// All files of the problem; rigs are drawn with a seed.
     pub fn files(&self, seed: u64, rigs: u64) -> Vec<ProblemFile> {
         let mut files = vec![
+            ("README.txt".to_owned(), read_me(seed)),
             ("perturbed-rigs.csv".to_owned(), self.perturbed_csv(seed, rigs)),
             ("scoring.csv".to_owned(), scoring_csv()),
         ];
         for (damper, sheet) in self.sheets() {
-            files.push((format!("rig-{}.csv", damper.name()), rig_csv(damper, sheet)));
+            files.push((format!("rig-{}.csv", damper.name()), rig_csv(sheet)));
         }
         for motion in self.motions() {
             let text = motion_csv(self.wanted(motion));
@@ -45,11 +46,9 @@ impl Problem<'_> {
 
     /// The numbers in which perturbed rigs differ; rig 0 is the nominal one.
     fn perturbed_csv(&self, seed: u64, rigs: u64) -> String {
-        let mut text = format!(
-            "# Emulated rigs drawn with seed {seed}; 0 is the nominal one.\n\
-             rig,controller_gain_per_s,feed_forward,valve_hz,valve_damping_ratio,bulk_modulus_pa,\
-             leakage_m3_per_s_pa,friction_n_s_per_m,fixture_n_per_m\n"
-        );
+        let mut text = "rig,controller_gain_per_s,feed_forward,valve_hz,valve_damping_ratio,\
+                        bulk_modulus_pa,leakage_m3_per_s_pa,friction_n_s_per_m,fixture_n_per_m\n"
+            .to_owned();
         for number in 0..=rigs {
             let Some(nominal) = self.rig() else { break };
             let rig = perturbed::rig(nominal, seed, number);
@@ -81,16 +80,31 @@ impl Problem<'_> {
     }
 }
 
-/// The data sheet of the nominal rig with a damper.
-fn rig_csv(damper: Condition, sheet: &DataSheet) -> String {
+/// What the tables do not say themselves.
+fn read_me(seed: u64) -> String {
     let dead_times = DEAD_TIMES_MS.map(|ms| ms.to_string()).join(", ");
-    let mut text = format!(
-        "# Answer of the {RESULT_OF} to a sine, with the {} damper mounted, without dead time.\n\
-         # A dead time of {dead_times} ms comes on top: its delay at every frequency.\n\
-         # A command of time t is answered late by delay_s; the force acts half a cycle early.\n\
-         frequency_hz,stroke_m,gain,phase_deg,delay_s\n",
-        damper.name()
-    );
+    format!(
+        "Reference problem for compensators: yaw dampers of a locomotive on emulated rigs. Every\n\
+         result is that of an {RESULT_OF}. docs/yaw-damper-reference-problem.md says more. The names\n\
+         of the columns stand in line 1 of every table.\n\
+         \n\
+         rig-*.csv            Answer of the nominal rig to a sine, with that damper mounted, without\n\
+         \x20                    dead time. A dead time of {dead_times} ms comes on top: its\n\
+         \x20                    delay at every frequency. A command of time t is answered late by\n\
+         \x20                    delay_s, and the force acts half a cycle early.\n\
+         \x20                    A compensator has to lead by: delay_s + dead time - 0.0005 s.\n\
+         wanted-*.csv         Motions that the rig is to carry out, at 1 kHz, from the run with\n\
+         \x20                    every damper modelled.\n\
+         example-*.csv        A command and a filter, in the format in which they come back.\n\
+         perturbed-rigs.csv   Emulated rigs drawn with seed {seed}; 0 is the nominal one.\n\
+         scoring.csv          What is scored. Aims hold for the sizes of errors, for new and worn\n\
+         \x20                    dampers, in both regimes.\n"
+    )
+}
+
+/// The data sheet of the nominal rig with a damper.
+fn rig_csv(sheet: &DataSheet) -> String {
+    let mut text = "frequency_hz,stroke_m,gain,phase_deg,delay_s\n".to_owned();
     for line in &sheet.0 {
         let (degrees, delay_s) = (line.phase_rad.to_degrees(), line.delay_s());
         // Writing to a string does not fail.
@@ -107,9 +121,7 @@ fn rig_csv(damper: Condition, sheet: &DataSheet) -> String {
 fn scoring_csv() -> String {
     let [work, stroke, phase] = AIMS.all();
     format!(
-        "# Every result is that of an {RESULT_OF}. Aims hold for the sizes of errors, for new and worn \
-         dampers, in both regimes.\n\
-         criterion,definition,unit,aim\n\
+        "criterion,definition,unit,aim\n\
          work,\"sum of F[k] (x[k+1] - x[k]) over the dampers, per cycle of hunting, over that of the \
          all-model run, less one\",percent,{work}\n\
          stroke,\"sqrt(2) rms of the measured displacement about its mean, over that of the \
