@@ -46,6 +46,7 @@ pub mod guard;
 pub mod lanes;
 pub mod line;
 mod ring;
+pub mod sqrt;
 pub mod supervision;
 pub mod track;
 pub mod vehicle;

@@ -163,7 +163,7 @@ impl Mismatch {
     /// Sizes since [`Mismatch::clear`]; none before the first reading.
     pub(super) fn sizes(&self) -> Option<Sizes> {
         let Squares { difference, missed, strayed, model, readings } = self.squares;
-        let rms = |squares: f64| libm::sqrt(squares / f64::from(readings));
+        let rms = |squares: f64| crate::sqrt::sqrt(squares / f64::from(readings));
         (readings > 0).then(|| Sizes {
             difference_n: rms(difference),
             missed_n: rms(missed),

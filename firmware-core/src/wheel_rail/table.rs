@@ -75,7 +75,7 @@ impl ZoneTable {
     fn new(geometry: &[ContactGeometry; TABLE_ROWS], radius_m: f64, material: Material) -> Self {
         let mut rows = [[0.0; COLUMNS]; TABLE_ROWS];
         for (row, point) in rows.iter_mut().zip(geometry) {
-            let cosine = 1.0 / libm::sqrt(1.0 + point.slope * point.slope);
+            let cosine = 1.0 / crate::sqrt::sqrt(1.0 + point.slope * point.slope);
             let along_per_m = cosine / (radius_m + point.radius_deviation_m);
             let patch = ellipse(along_per_m, point.curvature_lateral_per_m, material);
             let kalker =

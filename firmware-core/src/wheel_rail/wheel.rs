@@ -160,13 +160,13 @@ impl Wheel {
         let shape = zone.at(shift);
         let touch_m = shape.touch_m - motion.roll_rad * shape.rail_centre_m;
         let slope = shape.slope - motion.roll_rad;
-        let cosine = 1.0 / libm::sqrt(1.0 + slope * slope);
+        let cosine = 1.0 / crate::sqrt::sqrt(1.0 + slope * slope);
         let sine = slope * cosine;
         let approach_m = (motion.drop_m - touch_m) * cosine;
         if approach_m <= 0.0 {
             return None;
         }
-        let root = libm::sqrt(approach_m);
+        let root = crate::sqrt::sqrt(approach_m);
         let patch = Patch {
             normal_n: shape.hertz_n_per_m15 * approach_m * root,
             along_m: shape.along_per_sqrt_m * root,

@@ -23,7 +23,7 @@ impl ConicalPrescribed {
     pub(super) fn force(self, patch: &Patch, creepage: Creepage) -> CreepForce {
         let longitudinal = creepage.longitudinal / self.psi;
         let lateral = creepage.lateral / self.phi;
-        let resultant = libm::sqrt(longitudinal * longitudinal + lateral * lateral);
+        let resultant = crate::sqrt::sqrt(longitudinal * longitudinal + lateral * lateral);
         let limit_n = patch.friction * patch.normal_n;
         let u = self.shear_force_n * resultant / limit_n.max(f64::MIN_POSITIVE);
         let force_per_creepage_n = -self.shear_force_n * cubic_saturation(u);

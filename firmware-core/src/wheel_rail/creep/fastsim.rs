@@ -35,7 +35,7 @@ impl Fastsim {
         let slip_x = creepage.longitudinal * (3.0 * g * patch.c11 / (8.0 * a));
         let slip_y = creepage.lateral * (3.0 * g * patch.c22 / (8.0 * a));
         let spin = creepage.spin_per_m
-            * (4.0 * g * patch.c23 / (core::f64::consts::PI * a * libm::sqrt(a / b)));
+            * (4.0 * g * patch.c23 / (core::f64::consts::PI * a * crate::sqrt::sqrt(a / b)));
         let peak = patch.friction * 2.0 * patch.normal_n / (core::f64::consts::PI * a * b);
         let strip_m = 2.0 * b / f64::from(self.across);
 
@@ -74,7 +74,7 @@ impl Bed {
     #[inline(always)]
     fn strip(&self, place: f64, y: f64) -> CreepForce {
         let height = (1.0 - place * place).max(0.0);
-        let half_length = self.along_m * libm::sqrt(height);
+        let half_length = self.along_m * crate::sqrt::sqrt(height);
         let step = 2.0 * half_length / f64::from(self.cells);
         let mut x = half_length - 0.5 * step;
         // The traction grows from zero at the leading edge: half a cell to the first centre.
@@ -88,7 +88,7 @@ impl Bed {
             let limit = (self.peak * (height - x * x / (self.along_m * self.along_m))).max(0.0);
             let square = px * px + py * py;
             if square > limit * limit {
-                let cut = limit / libm::sqrt(square);
+                let cut = limit / crate::sqrt::sqrt(square);
                 px *= cut;
                 py *= cut;
             }

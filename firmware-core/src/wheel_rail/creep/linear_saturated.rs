@@ -12,12 +12,12 @@ use super::{CreepForce, Creepage, Patch, cubic_saturation};
 pub(super) fn force(patch: &Patch, creepage: Creepage) -> CreepForce {
     let area = patch.along_m * patch.across_m;
     let shear_n = patch.shear_modulus_pa * area;
-    let spin_n_m = shear_n * libm::sqrt(area) * patch.c23;
+    let spin_n_m = shear_n * crate::sqrt::sqrt(area) * patch.c23;
     let longitudinal = -shear_n * patch.c11 * creepage.longitudinal;
     let lateral = -shear_n * patch.c22 * creepage.lateral - spin_n_m * creepage.spin_per_m;
     let moment = spin_n_m * creepage.lateral;
     let limit_n = patch.friction * patch.normal_n;
-    let u = libm::sqrt(longitudinal * longitudinal + lateral * lateral)
+    let u = crate::sqrt::sqrt(longitudinal * longitudinal + lateral * lateral)
         / limit_n.max(f64::MIN_POSITIVE);
     let left = cubic_saturation(u);
     CreepForce {

@@ -133,7 +133,8 @@ mod tests {
             let spin = 1e-5;
             let force =
                 law.force(&patch, Creepage { spin_per_m: spin, ..Creepage::default() }).lateral_n;
-            let expected = -patch.shear_modulus_pa * area * libm::sqrt(area) * patch.c23 * spin;
+            let expected =
+                -patch.shear_modulus_pa * area * crate::sqrt::sqrt(area) * patch.c23 * spin;
             assert!((force / expected - 1.0).abs() < 0.03, "{law:?} {force} {expected}");
         }
     }

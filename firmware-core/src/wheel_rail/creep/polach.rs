@@ -21,15 +21,15 @@ pub(super) fn force(patch: &Patch, creepage: Creepage) -> CreepForce {
     let Creepage { longitudinal, lateral, spin_per_m } = creepage;
     let with_spin = lateral + spin_per_m * a;
     let lateral_c = if with_spin.abs() > lateral.abs() { with_spin } else { lateral };
-    let slip = libm::sqrt(longitudinal * longitudinal + lateral * lateral);
-    let slip_c = libm::sqrt(longitudinal * longitudinal + lateral_c * lateral_c);
+    let slip = crate::sqrt::sqrt(longitudinal * longitudinal + lateral * lateral);
+    let slip_c = crate::sqrt::sqrt(longitudinal * longitudinal + lateral_c * lateral_c);
     if slip_c <= 0.0 {
         return CreepForce::default();
     }
     // Stiffness in the direction of the creepage itself.
     let stiffness = if slip > 0.0 {
         let (x, y) = (patch.c11 * longitudinal / slip, patch.c22 * lateral / slip);
-        libm::sqrt(x * x + y * y)
+        crate::sqrt::sqrt(x * x + y * y)
     } else {
         patch.c22
     };
@@ -37,19 +37,20 @@ pub(super) fn force(patch: &Patch, creepage: Creepage) -> CreepForce {
     let total = 2.0 * limit_n / PI * (e / (1.0 + e * e) + libm::atan(e));
 
     let shape = 1.0 + 6.3 * (1.0 - libm::exp(-a / b));
-    let e_m = (8.0 / 3.0 * patch.shear_modulus_pa * b * libm::sqrt(a * b) * patch.c23
+    let e_m = (8.0 / 3.0 * patch.shear_modulus_pa * b * crate::sqrt::sqrt(a * b) * patch.c23
         / (limit_n * shape)
         * lateral_c)
         .abs();
     let d = (e_m * e_m - 1.0) / (e_m * e_m + 1.0);
     let rest = (1.0 - d * d).max(0.0);
-    let k_m = e_m * (d * d * d / 3.0 - d * d / 2.0 + 1.0 / 6.0) - rest * libm::sqrt(rest) / 3.0;
+    let k_m =
+        e_m * (d * d * d / 3.0 - d * d / 2.0 + 1.0 / 6.0) - rest * crate::sqrt::sqrt(rest) / 3.0;
     let spin_force = 9.0 / 16.0 * a * limit_n * k_m * shape * spin_per_m / slip_c;
 
     let longitudinal_n = -total * longitudinal / slip_c;
     let lateral_n = -total * lateral / slip_c + spin_force;
     // Creep and spin together may pass the limit by a little: hold the vector on the circle.
-    let sum = libm::sqrt(longitudinal_n * longitudinal_n + lateral_n * lateral_n);
+    let sum = crate::sqrt::sqrt(longitudinal_n * longitudinal_n + lateral_n * lateral_n);
     let hold = if sum > limit_n { limit_n / sum } else { 1.0 };
     CreepForce {
         longitudinal_n: longitudinal_n * hold,
