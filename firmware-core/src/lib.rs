@@ -45,6 +45,7 @@ pub mod fnv;
 pub mod guard;
 pub mod lanes;
 pub mod line;
+pub mod number;
 mod ring;
 pub mod sqrt;
 pub mod supervision;

@@ -13,6 +13,7 @@ mod body;
 mod links;
 mod state;
 mod step;
+mod wheels;
 
 pub use axle::{Axle, RailSupport};
 pub use body::{BODIES_MAX, Body, BodyId, COORDINATES, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
