@@ -13,16 +13,13 @@
 
 use super::body::{BODIES_MAX, BodyId, COORDINATES, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
 use super::links::{Forces, Motion};
+use super::running::{Places, Running};
 use super::state::VehicleState;
 use super::wheels::WheelWork;
 use super::{AXLES_MAX, DAMPER_SLOTS, GRAVITY_M_PER_S2, Vehicle};
 use crate::lanes::Lanes;
 use crate::number::Group;
-use crate::track::{LayoutPoint, Track};
-use crate::wheel_rail::table::ContactTable;
-
-/// The track under each body.
-pub(super) type Places<const L: usize> = [[LayoutPoint; L]; BODIES_MAX];
+use crate::track::LayoutPoint;
 
 /// What a substep works out and the next one writes over: made once a step.
 struct Work<const L: usize> {
@@ -51,19 +48,6 @@ impl<const L: usize> Curved<L> {
         let places = [[LayoutPoint::default(); L]; BODIES_MAX];
         Self { places, position: rest(), velocity: rest() }
     }
-}
-
-/// How the vehicle runs during a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Running<'a, const L: usize = 1> {
-    /// Running speed (m/s), positive.
-    pub speed_m_per_s: Lanes<L>,
-    /// The track.
-    pub track: &'a Track<'a>,
-    /// The contact table of wheels that run on profiles.
-    pub contact: Option<&'a ContactTable>,
-    /// Length of one substep (s).
-    pub substep_s: f64,
 }
 
 /// Where the forces in the damper slots come from.

@@ -7,8 +7,8 @@
 use super::axle::{Axle, Place, RailSupport};
 use super::body::{BODIES_MAX, BodyId, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
 use super::links::Forces;
+use super::running::{Places, Running};
 use super::state::VehicleState;
-use super::step::{Places, Running};
 use super::{AXLES_MAX, Vehicle};
 use crate::lanes::Lanes;
 use crate::number::Number;
