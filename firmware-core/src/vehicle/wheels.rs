@@ -64,7 +64,7 @@ impl Vehicle {
         let axle = number / (2 * L);
         Seat {
             axle: axle & (AXLES_MAX - 1),
-            side: number / L & 1,
+            side: (number / L) & 1,
             lane: number % L,
             body: self.axles.get(axle).map_or(BodyId::GROUND, |axle| axle.body).index(),
             is_taken: axle < self.axles.len(),
@@ -90,14 +90,13 @@ impl Vehicle {
             let seats = N::each(|place| self.seat::<L>(first + place));
             // One wheel has its own axle; four have equal ones.
             let Some(axle) = self.axles.get(first / (2 * L)) else { continue };
-            self.group::<N, L>(axle, &seats, state, running, velocity, places, work, keep);
+            Self::group::<N, L>(axle, &seats, state, running, velocity, places, work, keep);
         }
     }
 
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "the body of one loop")]
     fn group<N: Number, const L: usize>(
-        &self,
         axle: &Axle,
         seats: &N::Each<Seat>,
         state: &mut VehicleState<L>,
