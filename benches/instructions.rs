@@ -4,8 +4,11 @@
 
 use firmware_core::damper::{Damper, DamperState, Motion};
 use firmware_core::guard::ForceInput;
+use firmware_core::lanes::Lanes;
 use firmware_core::line::{Line, Slot};
 use firmware_core::supervision::{Arrival, Belief, Checks, Event, Growth, Measured};
+use firmware_core::vehicle::{DAMPER_SLOTS, DamperForces, Running, Vehicle, VehicleState};
+use firmware_core::wheel_rail::creep::{CreepLaw, Fastsim};
 use scenario::run::{CYCLE_S, Overrides, Run};
 use std::hint::black_box;
 use std::path::Path;
@@ -17,7 +20,9 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let (kind, cycles) = match words.as_slice() {
-        [kind @ ("step" | "rig"), cycles, ..] => (*kind, cycles.parse().unwrap_or(0)),
+        [kind @ ("step" | "rig" | "polach" | "fastsim" | "batch"), cycles, ..] => {
+            (*kind, cycles.parse().unwrap_or(0))
+        }
         // As `cargo bench` starts it.
         _ => return println!("counts nothing by itself: cargo xtask instructions"),
     };
@@ -25,10 +30,21 @@ fn main() {
     let overrides = Overrides { duration_s: Some(20.0), speed_kmh: None };
     let run = Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"));
     let track = run.track.view();
-    let line = hil_host::run::line(&run, &track);
+    let mut line = hil_host::run::line(&run, &track);
+    let mut vehicle = run.vehicle.clone();
+    let law = match kind {
+        "polach" => Some(CreepLaw::Polach),
+        "fastsim" => Fastsim::new(10, 10).map(CreepLaw::Fastsim),
+        _ => None,
+    };
+    for axle in &mut vehicle.axles {
+        axle.wheel.creep = law.unwrap_or(axle.wheel.creep);
+    }
+    line.vehicle = &vehicle;
     match kind {
-        "step" => modelled(&run, line, BEFORE + cycles),
-        _ => on_a_rig(&run, &line, BEFORE + cycles),
+        "rig" => on_a_rig(&run, &line, BEFORE + cycles),
+        "batch" => batch(&run, &line, BEFORE + cycles),
+        _ => modelled(&run, line, BEFORE + cycles),
     }
 }
 
@@ -39,6 +55,60 @@ fn modelled(run: &Run, mut line: Line<'_>, cycles: u32) {
     for _ in 0..cycles {
         line.step(black_box(&mut state), &[ForceInput::Missing; 4]);
     }
+    black_box(state);
+}
+
+/// Vehicles side by side.
+const LANES: usize = 4;
+
+/// The dampers of every vehicle of a batch.
+struct Dampers {
+    damper: Damper,
+    states: [[DamperState; LANES]; DAMPER_SLOTS],
+}
+
+impl DamperForces for Dampers {
+    fn force_n(
+        &mut self,
+        slot: usize,
+        lane: usize,
+        extension_m: f64,
+        rate_m_per_s: f64,
+        substep_s: f64,
+    ) -> f64 {
+        let motion = Motion::new(extension_m, rate_m_per_s);
+        self.damper.advance(&mut self.states[slot][lane], motion, substep_s)
+    }
+}
+
+/// Four vehicles side by side, each at another place of the track.
+fn batch(run: &Run, line: &Line<'_>, cycles: u32) {
+    let vehicle: &Vehicle = line.vehicle;
+    let substep_s = CYCLE_S / f64::from(run.substeps);
+    let running = Running {
+        speed_m_per_s: Lanes([run.speed_m_per_s; LANES]),
+        track: line.track,
+        contact: line.contact,
+        substep_s,
+    };
+    let start = &run.start.state;
+    let mut state = VehicleState::<LANES> {
+        distance_m: Lanes([0.0, 3.0, 7.0, 11.0]),
+        position: start.position.map(|pose| pose.map(|value| Lanes::splat(value.lane(0)))),
+        rail_position: start
+            .rail_position
+            .map(|rails| rails.map(|rail| rail.map(|value| Lanes::splat(value.lane(0))))),
+        ..VehicleState::default()
+    };
+    let mut dampers = Dampers {
+        damper: run.rig.damper.clone().prepared(substep_s),
+        states: [const { () }; DAMPER_SLOTS].map(|()| [(); LANES].map(|()| DamperState::rest())),
+    };
+    vehicle.start(&mut state, &running);
+    for _ in 0..cycles {
+        vehicle.step(black_box(&mut state), &running, &mut dampers, run.substeps);
+    }
+    assert!(state.is_finite(), "a batch that runs");
     black_box(state);
 }
 

@@ -23,7 +23,11 @@ impl<const L: usize> Lanes<L> {
     #[must_use]
     #[inline(always)]
     pub fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        Self(self.0.map(f))
+        let Self(mut values) = self;
+        for value in &mut values {
+            *value = f(*value);
+        }
+        Self(values)
     }
 
     /// What `value` exceeds the dead band `-half_width..=half_width` by.
@@ -49,6 +53,16 @@ impl<const L: usize> Lanes<L> {
     pub fn lane(&self, lane: usize) -> f64 {
         debug_assert!(lane < L, "lane {lane} of {L}");
         self.0.get(lane).copied().unwrap_or(0.0)
+    }
+
+    /// Sets one lane. A lane that does not exist is an error of the caller: a debug build stops, a
+    /// release build ignores it.
+    #[inline(always)]
+    pub fn set_lane(&mut self, lane: usize, value: f64) {
+        debug_assert!(lane < L, "lane {lane} of {L}");
+        if let Some(slot) = self.0.get_mut(lane) {
+            *slot = value;
+        }
     }
 
     /// Adds to one lane. A lane that does not exist is an error of the caller: a debug build stops,

@@ -7,7 +7,8 @@
 //! cargo xtask firmware   the no_std crates for a Cortex-M7, and that they cannot panic there
 //! cargo xtask vcan       the tests over SocketCAN
 //! cargo xtask power-cut  kills an emulated machine that records, and reads what is on its disk
-//! cargo xtask bench      the benchmarks; what follows goes to criterion
+//! cargo xtask bench      the benchmarks; what follows goes to criterion. `--v3` first compiles them
+//!                        for x86-64-v3 (AVX2), in a target folder of its own
 //! cargo xtask instructions   instructions of a cycle, against those that are committed
 //! cargo xtask fuzz       decoders and loaders, guided by coverage; a target and `--seconds N`
 //! ```
@@ -70,7 +71,10 @@ fn main() -> ExitCode {
             let Some(cuts) = power_cut::Cuts::parse(rest) else { return usage() };
             run.step("power-cut", |run| power_cut::test(run, cuts));
         }
-        ["bench", rest @ ..] => run.step("bench", |run| bench(run, rest)),
+        ["bench", "--v3", rest @ ..] => {
+            run.step("bench", |run| bench(run, Some("x86-64-v3"), rest));
+        }
+        ["bench", rest @ ..] => run.step("bench", |run| bench(run, None, rest)),
         ["instructions"] => run.step("instructions", instructions::count),
         ["fuzz", rest @ ..] => run.step("fuzz", |run| fuzz::fuzz(run, rest)),
         _ => return usage(),
@@ -81,7 +85,7 @@ fn main() -> ExitCode {
 fn usage() -> ExitCode {
     eprintln!(
         "usage: cargo xtask test | ci [--full] | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
-         | power-cut [--kills N] [--seed S] | bench [BENCHMARK] | instructions \
+         | power-cut [--kills N] [--seed S] | bench [--v3] [BENCHMARK] | instructions \
          | fuzz [TARGET] [--seconds N]"
     );
     ExitCode::from(2)
@@ -140,8 +144,13 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Only the criterion benches: the test harness of the libraries would refuse their arguments.
-fn bench(run: &mut Run, arguments: &[&str]) -> Outcome {
+fn bench(run: &mut Run, processor: Option<&str>, arguments: &[&str]) -> Outcome {
     let mut cargo = run.cargo();
+    if let Some(processor) = processor {
+        cargo.env("RUSTFLAGS", format!("-C target-cpu={processor}"));
+        // Other flags in the same folder would make cargo build all anew, each time.
+        cargo.env("CARGO_TARGET_DIR", run.target.join(processor));
+    }
     cargo.args(["bench", "--bench", "*"]);
     if !arguments.is_empty() {
         cargo.arg("--").args(arguments);

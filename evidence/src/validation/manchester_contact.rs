@@ -387,6 +387,7 @@ const NO_TOUCH: Touch = Touch {
     cosine: f64::NAN,
     arm_m: f64::NAN,
     radius_m: f64::NAN,
+    is_lifted: true,
 };
 
 /// Rolling speed over the running speed.

@@ -264,10 +264,10 @@ impl Adaptive {
         let start_real = start_0 - start_2 * square;
         let most = self.gain_ratio * self.start.gain(self.gain_check_hz);
         // The imaginary part w (a1 - a3 w^2) leaves room for the real part of the start values.
-        let imaginary_most = libm::sqrt((most * most - start_real * start_real).max(0.0));
+        let imaginary_most = crate::sqrt::sqrt((most * most - start_real * start_real).max(0.0));
         let a1 = within(a1, a3 * square, imaginary_most / omega);
         let imaginary = omega * (a1 - a3 * square);
-        let real_most = libm::sqrt((most * most - imaginary * imaginary).max(0.0));
+        let real_most = crate::sqrt::sqrt((most * most - imaginary * imaginary).max(0.0));
         [a0, a1, within(a2, a0 / square, real_most / square)]
     }
 }

@@ -68,7 +68,7 @@ fn track(
             size += motion.displacement_m * motion.displacement_m;
         }
     }
-    (libm::sqrt(error / size), state)
+    (crate::sqrt::sqrt(error / size), state)
 }
 
 #[test]

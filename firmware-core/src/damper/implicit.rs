@@ -215,7 +215,7 @@ mod tests {
             miss += (force - exact) * (force - exact);
             size += exact * exact;
         }
-        100.0 * libm::sqrt(miss / size)
+        100.0 * crate::sqrt::sqrt(miss / size)
     }
 
     #[test]

@@ -59,7 +59,7 @@ impl Fade {
             return Some(self);
         }
         let by_velocity_s = PI * way_m / limits.velocity_m_per_s;
-        let by_acceleration_s = PI * libm::sqrt(way_m / limits.acceleration_m_per_s2);
+        let by_acceleration_s = PI * crate::sqrt::sqrt(way_m / limits.acceleration_m_per_s2);
         let least_s = by_velocity_s.max(by_acceleration_s);
         let cycles = libm::ceil(least_s / cycle_s) as u32;
         (least_s <= LONGEST_S)

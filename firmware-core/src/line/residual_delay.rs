@@ -91,7 +91,7 @@ impl DelayBlocks {
             return None;
         }
         let freedom = f64::from(self.blocks - 1);
-        let deviation_s = libm::sqrt(self.squares_s2 / freedom / f64::from(self.blocks));
+        let deviation_s = crate::sqrt::sqrt(self.squares_s2 / freedom / f64::from(self.blocks));
         Some(ResidualDelay {
             mean_s: self.mean_s + KNOWN_DELAY_CYCLES * cycle_s,
             half_width_s: student(self.blocks - 1) * deviation_s,

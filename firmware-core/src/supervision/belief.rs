@@ -161,7 +161,7 @@ impl Belief {
             &checks.residual,
             &mut self.residual,
             Signal::Residual,
-            libm::sqrt(self.residual2),
+            crate::sqrt::sqrt(self.residual2),
         );
     }
 

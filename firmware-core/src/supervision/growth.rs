@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn hunting_that_settles_below_the_limit_is_a_result() {
         for settled_m in [10e-3, 29e-3, 40e-3, 45e-3] {
-            let settles = |t: f64| settled_m / libm::sqrt(1.0 + 40.0 * libm::exp(-1.5 * t));
+            let settles = |t: f64| settled_m / crate::sqrt::sqrt(1.0 + 40.0 * libm::exp(-1.5 * t));
             assert_eq!(found(50e-3, settles), None, "{settled_m}");
         }
     }

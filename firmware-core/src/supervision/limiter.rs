@@ -157,7 +157,7 @@ fn clamped(value: f64, least: f64, most: f64) -> f64 {
 fn braked(distance_m: f64, a_max: f64, period_s: f64) -> f64 {
     // A period passes before the first brake: v T + v^2 / (2 a) = d.
     let lost = a_max * period_s;
-    libm::sqrt(lost * lost + 2.0 * a_max * distance_m.abs()) - lost
+    crate::sqrt::sqrt(lost * lost + 2.0 * a_max * distance_m.abs()) - lost
 }
 
 #[cfg(test)]

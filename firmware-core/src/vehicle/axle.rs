@@ -4,10 +4,9 @@
 //! Mr, Kry, Cry, Krz, Crz of the SS9 study): rail, sleeper and the moving share of the ballast as
 //! one mass that travels with the wheel.
 
-use super::body::{BodyId, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
-use crate::track::{IrregularitySample, LayoutPoint};
-use crate::wheel_rail::table::ContactTable;
-use crate::wheel_rail::wheel::{Surface, Wheel, WheelForce, WheelMotion};
+use super::body::{BodyId, LATERAL, PITCH, ROLL, VERTICAL, YAW};
+use crate::number::Number;
+use crate::wheel_rail::wheel::{Surface, Wheel, WheelMotion};
 
 /// Effective rail mass under one wheel and what holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,68 +31,51 @@ pub struct Axle {
 }
 
 /// Displacement or velocity of one rail: right, down.
-pub(super) type RailPose = [f64; 2];
+type RailPose<N> = [N; 2];
 
 impl Axle {
     pub(super) fn runs_on_profiles(&self) -> bool {
         self.wheel.surface == Surface::Profiles
     }
 
-    /// Force of one wheel on the wheelset, in its local axes; `side` is +1 right, -1 left.
+    /// Motion of wheels against their rails, in their local axes.
     #[inline(always)]
-    pub(super) fn wheel_force(
+    pub(super) fn wheel_motion<N: Number>(
         &self,
-        table: Option<&ContactTable>,
-        side: f64,
-        position: &[f64; 5],
-        velocity: &[f64; 5],
-        rail: [RailPose; 2],
-        place: &Place,
-    ) -> (WheelForce, f64) {
-        debug_assert!(side.abs() == 1.0, "side {side}, expected 1 or -1");
+        position: &[N; 5],
+        velocity: &[N; 5],
+        rail: [RailPose<N>; 2],
+        place: &Place<N>,
+    ) -> WheelMotion<N> {
         debug_assert!(self.wheel.radius_m > 0.0, "a wheel of {} m", self.wheel.radius_m);
         let [rail_position, rail_velocity] = rail;
-        let (irregular_right, irregular_down) = place.irregularity.rail(side);
+        let [irregular_right, irregular_down] = place.irregular_m;
+        let (side, radius_m) = (place.side, N::splat(self.wheel.radius_m));
         let roll = side * position[ROLL];
         let right = position[LATERAL] - rail_position[0] - irregular_right;
         let down = position[VERTICAL] - rail_position[1] - irregular_down;
-        let motion = WheelMotion {
-            shift_m: side * right - roll * self.wheel.radius_m,
-            drop_m: down + roll * self.wheel.tape_m,
+        WheelMotion {
+            shift_m: side * right - roll * radius_m,
+            drop_m: down + roll * N::splat(self.wheel.tape_m),
             roll_rad: roll,
             yaw_rad: side * position[YAW],
             lateral_m_per_s: side * (velocity[LATERAL] - rail_velocity[0]),
             vertical_m_per_s: velocity[VERTICAL] - rail_velocity[1],
             roll_rad_per_s: side * velocity[ROLL],
-            spin_rad_per_s: velocity[PITCH] - place.speed_m_per_s / self.wheel.radius_m,
-            yaw_rad_per_s: side
-                * (velocity[YAW] + place.speed_m_per_s * place.layout.curvature_per_m),
+            spin_rad_per_s: velocity[PITCH] - place.speed_m_per_s / radius_m,
+            yaw_rad_per_s: side * (velocity[YAW] + place.speed_m_per_s * place.curvature_per_m),
             speed_m_per_s: place.speed_m_per_s,
-        };
-        (self.wheel.force(table, &motion), motion.shift_m)
+        }
     }
 }
 
-/// Where a wheelset is and how fast it runs.
+/// Where wheels are and how fast they run.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
-    pub(super) speed_m_per_s: f64,
-    pub(super) layout: LayoutPoint,
-    pub(super) irregularity: IrregularitySample,
-}
-
-/// Adds the forces of both wheels to their wheelset, as one sum, so that a mirrored vehicle gets
-/// the mirrored force to the last bit.
-#[inline(always)]
-pub(super) fn add_wheels<const L: usize>(
-    forces: &mut Pose<L>,
-    lane: usize,
-    left: &WheelForce,
-    right: &WheelForce,
-) {
-    forces[LATERAL].add_lane(lane, right.lateral_n - left.lateral_n);
-    forces[VERTICAL].add_lane(lane, right.vertical_n + left.vertical_n);
-    forces[ROLL].add_lane(lane, right.roll_n_m - left.roll_n_m);
-    forces[PITCH].add_lane(lane, right.pitch_n_m + left.pitch_n_m);
-    forces[YAW].add_lane(lane, right.yaw_n_m - left.yaw_n_m);
+pub(super) struct Place<N> {
+    /// +1 right, -1 left.
+    pub(super) side: N,
+    pub(super) speed_m_per_s: N,
+    pub(super) curvature_per_m: N,
+    /// Irregularity of the rail: right, down (m).
+    pub(super) irregular_m: [N; 2],
 }

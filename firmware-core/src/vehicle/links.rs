@@ -48,7 +48,8 @@ fn apply_pair<const L: usize>(
     force: [Lanes<L>; 3],
 ) {
     apply_force(&mut forces[first.body.index()], &first.point_m, &force);
-    let opposite = force.map(|component| -component);
+    let [x, y, z] = force;
+    let opposite = [-x, -y, -z];
     apply_force(&mut forces[second.body.index()], &second.point_m, &opposite);
 }
 
@@ -75,11 +76,9 @@ impl Suspension {
         let [kx, ky, kz] = self.stiffness_n_per_m;
         let [cx, cy, cz] = self.damping_n_s_per_m;
         let [px, py, pz] = self.play_m;
-        let force = [
-            dx.beyond(0.5 * px) * kx + vx * cx,
-            dy.beyond(0.5 * py) * ky + vy * cy,
-            dz.beyond(0.5 * pz) * kz + vz * cz,
-        ];
+        let free = |way: Lanes<L>, play| if play == 0.0 { way } else { way.beyond(0.5 * play) };
+        let force =
+            [free(dx, px) * kx + vx * cx, free(dy, py) * ky + vy * cy, free(dz, pz) * kz + vz * cz];
         apply_pair(forces, &self.first, &self.second, force);
     }
 }

@@ -11,14 +11,17 @@
 mod axle;
 mod body;
 mod links;
+mod running;
 mod state;
 mod step;
+mod wheels;
 
 pub use axle::{Axle, RailSupport};
 pub use body::{BODIES_MAX, Body, BodyId, COORDINATES, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
 pub use links::{Anchor, BUMP_POINTS_MAX, BumpStop, DamperMount, Suspension, Torsion};
+pub use running::Running;
 pub use state::VehicleState;
-pub use step::{DamperForces, Running};
+pub use step::DamperForces;
 
 use nalgebra::Vector3;
 

@@ -11,38 +11,43 @@
 //! lowest running speed because creep grows like `1/V`. Every evaluation is at the time of the
 //! positions, so an event-exact damper and a real one see one sample per substep.
 
-use super::axle::{Place, RailSupport, add_wheels};
-use super::body::{BODIES_MAX, BodyId, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
+use super::body::{BODIES_MAX, BodyId, COORDINATES, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
 use super::links::{Forces, Motion};
+use super::running::{Places, Running};
 use super::state::VehicleState;
+use super::wheels::WheelWork;
 use super::{AXLES_MAX, DAMPER_SLOTS, GRAVITY_M_PER_S2, Vehicle};
 use crate::lanes::Lanes;
-use crate::track::{LayoutPoint, Track};
-use crate::wheel_rail::table::ContactTable;
+use crate::number::Group;
+use crate::track::LayoutPoint;
 
-/// Where everything is and how fast it moves.
-struct Kinematics<const L: usize> {
-    /// Velocities in each body's own track frame.
+/// What a substep works out and the next one writes over: made once a step.
+struct Work<const L: usize> {
+    /// Velocities at the time of the positions, in each body's own track frame.
     velocity: [Pose<L>; BODIES_MAX],
-    /// The track under each body.
-    places: [[LayoutPoint; L]; BODIES_MAX],
-    /// Positions in the tangent frame of the vehicle's reference point.
-    common: [Pose<L>; BODIES_MAX],
-    /// Velocities in that frame.
-    common_velocity: [Pose<L>; BODIES_MAX],
+    /// Inverse of mass or inertia; zero where a coordinate is held.
+    per_inertia: [[f64; COORDINATES]; BODIES_MAX],
+    forces: Forces<L>,
+    wheels: WheelWork<L>,
+    has_equal_axles: bool,
+    /// None until a track that is not straight needs it.
+    curved: Option<Curved<L>>,
 }
 
-/// How the vehicle runs during a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Running<'a, const L: usize = 1> {
-    /// Running speed (m/s), positive.
-    pub speed_m_per_s: Lanes<L>,
-    /// The track.
-    pub track: &'a Track<'a>,
-    /// The contact table of wheels that run on profiles.
-    pub contact: Option<&'a ContactTable>,
-    /// Length of one substep (s).
-    pub substep_s: f64,
+/// Bodies on a track that is not straight; unused on one that is.
+struct Curved<const L: usize> {
+    places: Places<L>,
+    /// Positions in the tangent frame of the vehicle's reference point.
+    position: [Pose<L>; BODIES_MAX],
+    /// Velocities in that frame.
+    velocity: [Pose<L>; BODIES_MAX],
+}
+
+impl<const L: usize> Curved<L> {
+    fn straight() -> Self {
+        let places = [[LayoutPoint::default(); L]; BODIES_MAX];
+        Self { places, position: rest(), velocity: rest() }
+    }
 }
 
 /// Where the forces in the damper slots come from.
@@ -76,8 +81,9 @@ impl Vehicle {
         substeps: u32,
     ) {
         self.assert_runs(running);
-        for _ in 0..substeps {
-            self.evaluate(state, running, dampers);
+        let mut work = self.work();
+        for left in (0..substeps).rev() {
+            self.forces(&mut work, state, running, dampers, left == 0);
             self.advance(state, running);
         }
         debug_assert!(
@@ -138,21 +144,62 @@ impl Vehicle {
         running: &Running<'_, L>,
         dampers: &mut impl DamperForces,
     ) {
-        let substep = running.substep_s;
-        let Kinematics { velocity, places, common, common_velocity } =
-            self.kinematics(state, running);
-        let motion = Motion { position: &common, velocity: &common_velocity };
+        self.forces(&mut self.work(), state, running, dampers, true);
+    }
 
-        let mut forces: Forces<L> = [[Lanes::ZERO; 5]; BODIES_MAX];
-        self.weight(&places, running, &velocity, &mut forces);
+    fn work<const L: usize>(&self) -> Work<L> {
+        let mut per_inertia = [[0.0; COORDINATES]; BODIES_MAX];
+        for (body, per_inertia) in self.bodies.iter().zip(&mut per_inertia) {
+            for (coordinate, (value, free)) in per_inertia.iter_mut().zip(body.free).enumerate() {
+                if free {
+                    *value = 1.0 / body.inertia(coordinate);
+                }
+            }
+        }
+        Work {
+            velocity: rest(),
+            per_inertia,
+            forces: rest(),
+            wheels: WheelWork::none(),
+            has_equal_axles: self.has_equal_axles(),
+            curved: None,
+        }
+    }
+
+    /// The same in memory that is there already; `keep` leaves the wheel forces in the state.
+    #[inline(always)]
+    fn forces<const L: usize>(
+        &self,
+        work: &mut Work<L>,
+        state: &mut VehicleState<L>,
+        running: &Running<'_, L>,
+        dampers: &mut impl DamperForces,
+        keep: bool,
+    ) {
+        let substep = running.substep_s;
+        let Work { velocity, per_inertia, forces, wheels, has_equal_axles, curved } = work;
+        self.velocities(state, running, velocity);
+        let curved = if running.track.layout.is_tangent() {
+            None
+        } else {
+            let curved = curved.get_or_insert_with(Curved::straight);
+            self.shift_to_common_frame(state, running, velocity, curved);
+            Some(&*curved)
+        };
+        let motion = match curved {
+            None => Motion { position: &state.position, velocity },
+            Some(curved) => Motion { position: &curved.position, velocity: &curved.velocity },
+        };
+        let places = curved.map(|curved| &curved.places);
+        self.weight(places, running, velocity, forces);
         for element in &self.suspensions {
-            element.act(&motion, &mut forces);
+            element.act(&motion, forces);
         }
         for element in &self.torsions {
-            element.act(&motion, &mut forces);
+            element.act(&motion, forces);
         }
         for element in &self.bump_stops {
-            element.act(&motion, &mut forces);
+            element.act(&motion, forces);
         }
         for (slot, mount) in self.dampers.iter().enumerate().take(DAMPER_SLOTS) {
             let extension = mount.extension(motion.position);
@@ -162,7 +209,7 @@ impl Vehicle {
                 *force =
                     dampers.force_n(slot, lane, extension.lane(lane), rate.lane(lane), substep);
             }
-            mount.pull(tension, &mut forces);
+            mount.pull(tension, forces);
             if let Some(kept) = state.damper_n.get_mut(slot) {
                 *kept = tension;
             }
@@ -173,8 +220,13 @@ impl Vehicle {
                 *kept = rate;
             }
         }
-        self.wheels(state, running, &velocity, &places, &mut forces);
-        self.accelerate(state, &forces);
+        if *has_equal_axles {
+            self.wheels::<Group, L>(state, running, velocity, places, wheels, keep);
+        } else {
+            self.wheels::<f64, L>(state, running, velocity, places, wheels, keep);
+        }
+        self.add_wheels(wheels, forces);
+        self.accelerate(state, per_inertia, forces);
     }
 
     /// Extension (m) and its rate (m/s) of every damper slot at the time of the positions.
@@ -183,23 +235,32 @@ impl Vehicle {
         state: &VehicleState<L>,
         running: &Running<'_, L>,
     ) -> [(Lanes<L>, Lanes<L>); DAMPER_SLOTS] {
-        let moving = self.kinematics(state, running);
+        let mut velocity = rest();
+        self.velocities(state, running, &mut velocity);
+        let mut curved = None;
+        let (position, velocity) = if running.track.layout.is_tangent() {
+            (&state.position, &velocity)
+        } else {
+            let curved = curved.insert(Curved::straight());
+            self.shift_to_common_frame(state, running, &velocity, curved);
+            (&curved.position, &curved.velocity)
+        };
         let mut motions = [(Lanes::ZERO, Lanes::ZERO); DAMPER_SLOTS];
         for (motion, mount) in motions.iter_mut().zip(&self.dampers) {
-            *motion = (mount.extension(&moving.common), mount.extension(&moving.common_velocity));
+            *motion = (mount.extension(position), mount.extension(velocity));
         }
         motions
     }
 
-    /// Velocities at the time of the positions, and both in the common frame of the vehicle.
+    /// Velocities at the time of the positions.
     #[inline(always)]
-    fn kinematics<const L: usize>(
+    fn velocities<const L: usize>(
         &self,
         state: &VehicleState<L>,
         running: &Running<'_, L>,
-    ) -> Kinematics<L> {
+        velocity: &mut [Pose<L>; BODIES_MAX],
+    ) {
         let half = 0.5 * running.substep_s;
-        let mut velocity = [[Lanes::ZERO; 5]; BODIES_MAX];
         for ((value, late), rate) in velocity
             .iter_mut()
             .zip(&state.half_velocity)
@@ -210,22 +271,6 @@ impl Vehicle {
                 *value = *late + *rate * half;
             }
         }
-        let mut moving = Kinematics {
-            velocity,
-            places: [[LayoutPoint::default(); L]; BODIES_MAX],
-            common: state.position,
-            common_velocity: velocity,
-        };
-        if !running.track.layout.is_tangent() {
-            self.shift_to_common_frame(
-                state,
-                running,
-                &mut moving.places,
-                &mut moving.common,
-                &mut moving.common_velocity,
-            );
-        }
-        moving
     }
 
     /// Shifts every body from its own track frame into the tangent frame of the reference point.
@@ -233,10 +278,11 @@ impl Vehicle {
         &self,
         state: &VehicleState<L>,
         running: &Running<'_, L>,
-        places: &mut [[LayoutPoint; L]; BODIES_MAX],
-        position: &mut [Pose<L>; BODIES_MAX],
-        velocity: &mut [Pose<L>; BODIES_MAX],
+        velocity: &[Pose<L>; BODIES_MAX],
+        curved: &mut Curved<L>,
     ) {
+        curved.position = state.position;
+        curved.velocity = *velocity;
         for lane in 0..L {
             let speed = running.speed_m_per_s.lane(lane);
             let distance = state.distance_m.lane(lane);
@@ -250,18 +296,18 @@ impl Vehicle {
                 // Rotation about the track centre moves the centre of gravity sideways as well.
                 let cant = at.cant_rad - origin.cant_rad;
                 let cant_rate = speed * (at.cant_rate_rad_per_m - origin.cant_rate_rad_per_m);
-                let pose = &mut position[index];
+                let pose = &mut curved.position[index];
                 pose[LATERAL].add_lane(lane, offset + cant * body.height_m);
                 pose[ROLL].add_lane(lane, cant);
                 pose[YAW].add_lane(lane, heading);
-                let rate = &mut velocity[index];
+                let rate = &mut curved.velocity[index];
                 rate[LATERAL].add_lane(
                     lane,
                     speed * (heading - origin.curvature_per_m * ahead) + cant_rate * body.height_m,
                 );
                 rate[ROLL].add_lane(lane, cant_rate);
                 rate[YAW].add_lane(lane, speed * turn);
-                if let Some(place) = places[index].get_mut(lane) {
+                if let Some(place) = curved.places[index].get_mut(lane) {
                     *place = at;
                 }
             }
@@ -269,123 +315,68 @@ impl Vehicle {
     }
 
     /// Gravity, the inertia forces of the track frame and the gyroscopic moments of rolling bodies.
+    #[inline(always)]
     fn weight<const L: usize>(
         &self,
-        places: &[[LayoutPoint; L]; BODIES_MAX],
+        places: Option<&Places<L>>,
         running: &Running<'_, L>,
         velocity: &[Pose<L>; BODIES_MAX],
         forces: &mut Forces<L>,
     ) {
         for (index, body) in self.bodies.iter().enumerate().take(BODIES_MAX) {
+            let force = &mut forces[index];
+            *force = [Lanes::ZERO; COORDINATES];
+            force[VERTICAL] = Lanes::splat(body.mass_kg * GRAVITY_M_PER_S2);
             for lane in 0..L {
                 let speed = running.speed_m_per_s.lane(lane);
-                let at = places[index].get(lane).copied().unwrap_or_default();
-                let centripetal = speed * speed * at.curvature_per_m;
-                let roll_acceleration = speed * speed * at.cant_bend_rad_per_m2;
-                let yaw_acceleration = speed * speed * at.curvature_rate_per_m2;
-                let [roll, _, yaw] = body.inertia_kg_m2;
-                let force = &mut forces[index];
-                force[LATERAL].add_lane(
-                    lane,
-                    body.mass_kg
-                        * (GRAVITY_M_PER_S2 * at.cant_rad
-                            - centripetal
-                            - roll_acceleration * body.height_m),
-                );
-                force[VERTICAL]
-                    .add_lane(lane, body.mass_kg * (GRAVITY_M_PER_S2 + centripetal * at.cant_rad));
-                force[ROLL].add_lane(lane, -roll * roll_acceleration);
-                force[YAW].add_lane(lane, -yaw * yaw_acceleration);
+                let at = places.and_then(|places| places[index].get(lane));
+                if let Some(at) = at {
+                    let centripetal = speed * speed * at.curvature_per_m;
+                    let roll_acceleration = speed * speed * at.cant_bend_rad_per_m2;
+                    let yaw_acceleration = speed * speed * at.curvature_rate_per_m2;
+                    let [roll, _, yaw] = body.inertia_kg_m2;
+                    let outward = GRAVITY_M_PER_S2 * at.cant_rad
+                        - centripetal
+                        - roll_acceleration * body.height_m;
+                    let down = GRAVITY_M_PER_S2 + centripetal * at.cant_rad;
+                    force[LATERAL].set_lane(lane, body.mass_kg * outward);
+                    force[VERTICAL].set_lane(lane, body.mass_kg * down);
+                    force[ROLL].set_lane(lane, -roll * roll_acceleration);
+                    force[YAW].set_lane(lane, -yaw * yaw_acceleration);
+                }
                 if let Some(radius) = body.rolling_radius_m {
-                    let momentum =
-                        body.inertia(PITCH) * (velocity[index][PITCH].lane(lane) - speed / radius);
-                    let turn = velocity[index][YAW].lane(lane) + speed * at.curvature_per_m;
-                    let tilt = velocity[index][ROLL].lane(lane) + speed * at.cant_rate_rad_per_m;
-                    force[ROLL].add_lane(lane, momentum * turn);
-                    force[YAW].add_lane(lane, -momentum * tilt);
+                    let moves = |coordinate: usize| velocity[index][coordinate].lane(lane);
+                    let momentum = body.inertia(PITCH) * (moves(PITCH) - speed / radius);
+                    let [turn, tilt] = at.map_or([0.0; 2], |at| {
+                        [speed * at.curvature_per_m, speed * at.cant_rate_rad_per_m]
+                    });
+                    force[ROLL].add_lane(lane, momentum * (moves(YAW) + turn));
+                    force[YAW].add_lane(lane, -momentum * (moves(ROLL) + tilt));
                 }
             }
         }
     }
 
-    fn wheels<const L: usize>(
+    #[inline(always)]
+    fn accelerate<const L: usize>(
         &self,
         state: &mut VehicleState<L>,
-        running: &Running<'_, L>,
-        velocity: &[Pose<L>; BODIES_MAX],
-        places: &[[LayoutPoint; L]; BODIES_MAX],
-        forces: &mut Forces<L>,
+        per_inertia: &[[f64; COORDINATES]; BODIES_MAX],
+        forces: &Forces<L>,
     ) {
-        let half = 0.5 * running.substep_s;
-        for (number, axle) in self.axles.iter().enumerate().take(AXLES_MAX) {
-            let index = axle.body.index();
-            debug_assert!(index < self.bodies.len(), "axle {number} on body {index}");
-            let Some(body) = self.bodies.get(index) else { continue };
-            for lane in 0..L {
-                let distance = state.distance_m.lane(lane) + body.station_m;
-                let place = Place {
-                    speed_m_per_s: running.speed_m_per_s.lane(lane),
-                    layout: places[index].get(lane).copied().unwrap_or_default(),
-                    irregularity: running.track.irregularity.at(distance),
-                };
-                let scalar = |pose: &Pose<L>| pose.map(|value| value.lane(lane));
-                let (here, moving) = (scalar(&state.position[index]), scalar(&velocity[index]));
-                for (which, side) in [-1.0, 1.0].into_iter().enumerate() {
-                    let at = state.rail_position[number][which].map(|v| v.lane(lane));
-                    let [right, down] = state.rail_half_velocity[number][which];
-                    let [right_rate, down_rate] = state.rail_acceleration[number][which];
-                    let speed = [
-                        right.lane(lane) + half * right_rate.lane(lane),
-                        down.lane(lane) + half * down_rate.lane(lane),
-                    ];
-                    let (force, shift) = axle.wheel_force(
-                        running.contact,
-                        side,
-                        &here,
-                        &moving,
-                        [at, speed],
-                        &place,
-                    );
-                    if let Some(rail) = axle.rail {
-                        let [lateral, vertical] = rail_acceleration(
-                            &rail,
-                            at,
-                            speed,
-                            side * force.lateral_n,
-                            force.vertical_n,
-                        );
-                        let [kept_lateral, kept_vertical] =
-                            &mut state.rail_acceleration[number][which];
-                        set_lane(kept_lateral, lane, lateral);
-                        set_lane(kept_vertical, lane, vertical);
-                    }
-                    set_lane(&mut state.shifts_m[number][which], lane, shift);
-                    if let Some(kept) = state.wheels[number][which].get_mut(lane) {
-                        *kept = force;
-                    }
-                }
-                let [left, right] = &state.wheels[number];
-                if let (Some(left), Some(right)) = (left.get(lane), right.get(lane)) {
-                    add_wheels(&mut forces[index], lane, left, right);
-                }
-            }
-        }
-    }
-
-    fn accelerate<const L: usize>(&self, state: &mut VehicleState<L>, forces: &Forces<L>) {
-        for ((body, force), acceleration) in
-            self.bodies.iter().zip(forces).zip(&mut state.acceleration)
+        for ((force, per_inertia), acceleration) in
+            forces.iter().zip(per_inertia).zip(&mut state.acceleration).take(self.bodies.len())
         {
-            for (coordinate, (force, acceleration)) in
-                force.iter().zip(acceleration.iter_mut()).enumerate()
+            for ((force, per_inertia), acceleration) in
+                force.iter().zip(per_inertia).zip(acceleration)
             {
-                let free = body.free.get(coordinate).copied().unwrap_or(false);
                 *acceleration =
-                    if free { *force * (1.0 / body.inertia(coordinate)) } else { Lanes::ZERO };
+                    if *per_inertia > 0.0 { *force * *per_inertia } else { Lanes::ZERO };
             }
         }
     }
 
+    #[inline(always)]
     fn advance<const L: usize>(&self, state: &mut VehicleState<L>, running: &Running<'_, L>) {
         let substep = running.substep_s;
         for ((position, velocity), rate) in state
@@ -409,11 +400,9 @@ impl Vehicle {
             .zip(&state.rail_acceleration)
             .take(self.axles.len());
         for ((position, velocity), rate) in rails {
-            for ((position, velocity), rate) in position
-                .iter_mut()
-                .flatten()
-                .zip(velocity.iter_mut().flatten())
-                .zip(rate.iter().flatten())
+            let (position, velocity) = (position.as_flattened_mut(), velocity.as_flattened_mut());
+            for ((position, velocity), rate) in
+                position.iter_mut().zip(velocity).zip(rate.as_flattened())
             {
                 *velocity += *rate * substep;
                 *position += *velocity * substep;
@@ -423,27 +412,7 @@ impl Vehicle {
     }
 }
 
-/// Acceleration of a rail mass: right, down. The wheel's force on the wheelset acts on it reversed.
-#[inline(always)]
-fn rail_acceleration(
-    rail: &RailSupport,
-    position: [f64; 2],
-    velocity: [f64; 2],
-    right_n: f64,
-    down_n: f64,
-) -> [f64; 2] {
-    let [lateral_kg, vertical_kg] = rail.mass_kg;
-    let [lateral_k, vertical_k] = rail.stiffness_n_per_m;
-    let [lateral_c, vertical_c] = rail.damping_n_s_per_m;
-    [
-        (-right_n - lateral_k * position[0] - lateral_c * velocity[0]) / lateral_kg,
-        (-down_n - vertical_k * position[1] - vertical_c * velocity[1]) / vertical_kg,
-    ]
-}
-
-#[inline(always)]
-fn set_lane<const L: usize>(lanes: &mut Lanes<L>, lane: usize, value: f64) {
-    if let Some(slot) = lanes.0.get_mut(lane) {
-        *slot = value;
-    }
+/// No motion, no force.
+fn rest<const L: usize>() -> [Pose<L>; BODIES_MAX] {
+    [[Lanes::ZERO; COORDINATES]; BODIES_MAX]
 }

@@ -121,7 +121,7 @@ impl Mismatch {
     /// before the first reading.
     pub(super) fn sizes_n(&self) -> Option<(f64, f64)> {
         let Squares { difference, model, readings } = self.squares;
-        let rms = |squares: f64| libm::sqrt(squares / f64::from(readings));
+        let rms = |squares: f64| crate::sqrt::sqrt(squares / f64::from(readings));
         (readings > 0).then(|| (rms(difference), rms(model)))
     }
 

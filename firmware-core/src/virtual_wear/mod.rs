@@ -216,7 +216,7 @@ impl VirtualWearState {
     }
 
     fn healthy_n(&self) -> f64 {
-        libm::sqrt(self.healthy_squares / f64::from(self.healthy_cycles.max(1)))
+        crate::sqrt::sqrt(self.healthy_squares / f64::from(self.healthy_cycles.max(1)))
     }
 
     fn take_healthy(&mut self, specimen: &Damper, vehicle: Command, cycle_s: f64) {

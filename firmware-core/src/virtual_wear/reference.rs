@@ -52,7 +52,7 @@ impl Reference {
 
     /// What the force was off, rms since [`Reference::clear`] (N).
     pub(super) fn error_n(&self) -> f64 {
-        libm::sqrt(self.squares / f64::from(self.readings.max(1)))
+        crate::sqrt::sqrt(self.squares / f64::from(self.readings.max(1)))
     }
 
     /// Begins the sum anew.

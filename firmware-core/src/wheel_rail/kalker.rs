@@ -70,7 +70,8 @@ fn wide_asymptote(g: f64, nu: f64) -> KalkerCoefficients {
     KalkerCoefficients {
         c11: PI * PI / 4.0 / (1.0 - nu),
         c22: PI * PI / 4.0,
-        c23: PI * libm::sqrt(g) / 3.0 / (1.0 - nu) * (1.0 + nu * (libm::log(16.0 / g) - 5.0)),
+        c23: PI * crate::sqrt::sqrt(g) / 3.0 / (1.0 - nu)
+            * (1.0 + nu * (libm::log(16.0 / g) - 5.0)),
     }
 }
 
@@ -83,7 +84,7 @@ fn long_asymptote(g: f64, nu: f64) -> KalkerCoefficients {
     KalkerCoefficients {
         c11: 2.0 * PI / (along * g) * (1.0 + bend / along),
         c22: 2.0 * PI / (across * g) * (1.0 + (1.0 - nu) * bend / across),
-        c23: 2.0 * PI / 3.0 / (g * libm::sqrt(g)) / ((1.0 - nu) * log - 2.0 + 4.0 * nu),
+        c23: 2.0 * PI / 3.0 / (g * crate::sqrt::sqrt(g)) / ((1.0 - nu) * log - 2.0 + 4.0 * nu),
     }
 }
 

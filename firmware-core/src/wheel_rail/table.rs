@@ -10,34 +10,35 @@ use super::geometry::{
 };
 use super::hertz::{Material, ellipse};
 use super::kalker::coefficients;
+use crate::number::Number;
 
 /// Shape of one contact at unit approach, ready for a creep law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ContactShape {
+pub struct ContactShape<N = f64> {
     /// Downward displacement of the wheel at which the zone just touches (m).
-    pub touch_m: f64,
+    pub touch_m: N,
     /// Tangent of the contact angle.
-    pub slope: f64,
+    pub slope: N,
     /// Rolling radius less nominal (m).
-    pub radius_deviation_m: f64,
+    pub radius_deviation_m: N,
     /// Outward distance from the tape circle (m).
-    pub lateral_m: f64,
+    pub lateral_m: N,
     /// Depth of the rail's centre of curvature below the tape circle (m).
-    pub rail_radius_m: f64,
+    pub rail_radius_m: N,
     /// Outward distance of the rail's centre of curvature from the tape circle (m).
-    pub rail_centre_m: f64,
+    pub rail_centre_m: N,
     /// `N / delta^1.5` (N/m^1.5).
-    pub hertz_n_per_m15: f64,
+    pub hertz_n_per_m15: N,
     /// Semi-axis along over `sqrt(delta)` (m^0.5).
-    pub along_per_sqrt_m: f64,
+    pub along_per_sqrt_m: N,
     /// Semi-axis across over `sqrt(delta)` (m^0.5).
-    pub across_per_sqrt_m: f64,
+    pub across_per_sqrt_m: N,
     /// Kalker's C11.
-    pub c11: f64,
+    pub c11: N,
     /// Kalker's C22.
-    pub c22: f64,
+    pub c22: N,
     /// Kalker's C23.
-    pub c23: f64,
+    pub c23: N,
 }
 
 const COLUMNS: usize = 12;
@@ -75,7 +76,7 @@ impl ZoneTable {
     fn new(geometry: &[ContactGeometry; TABLE_ROWS], radius_m: f64, material: Material) -> Self {
         let mut rows = [[0.0; COLUMNS]; TABLE_ROWS];
         for (row, point) in rows.iter_mut().zip(geometry) {
-            let cosine = 1.0 / libm::sqrt(1.0 + point.slope * point.slope);
+            let cosine = 1.0 / crate::sqrt::sqrt(1.0 + point.slope * point.slope);
             let along_per_m = cosine / (radius_m + point.radius_deviation_m);
             let patch = ellipse(along_per_m, point.curvature_lateral_per_m, material);
             let kalker =
@@ -101,72 +102,97 @@ impl ZoneTable {
     /// The two rows around a shift and the fraction between them; the shift is held inside the
     /// table.
     #[inline(always)]
-    fn bracket(&self, shift_m: f64) -> (&Row, &Row, f64) {
-        let last = (TABLE_ROWS - 2) as f64;
-        let place = (shift_m - TABLE_FIRST_SHIFT_M) * (1.0 / TABLE_STEP_M);
-        let index = (place.clamp(0.0, last) as usize).min(TABLE_ROWS - 2);
-        let fraction = (place - index as f64).clamp(0.0, 1.0);
+    pub(super) fn between<N: Number>(&self, shift_m: N) -> Between<'_, N> {
+        let place = (shift_m - N::splat(TABLE_FIRST_SHIFT_M)) * N::splat(1.0 / TABLE_STEP_M);
+        // What is below zero or no number becomes zero.
+        let indices = place.to_each(|place| (place as u32).min(TABLE_ROWS as u32 - 2));
+        let from = N::gather(&indices, |index| f64::from(*index));
+        let rows = place.with_each(&indices, |index, _| self.pair(*index as usize));
+        Between { rows, fraction: (place - from).within_unit() }
+    }
+
+    /// A row and the next one.
+    #[inline(always)]
+    fn pair(&self, index: usize) -> &[Row; 2] {
         debug_assert!(index + 1 < self.rows.len(), "row {index} of {TABLE_ROWS}");
-        debug_assert!(
-            fraction.is_nan() || (0.0..=1.0).contains(&fraction),
-            "{fraction} between two rows"
-        );
-        match self.rows.get(index..index + 2) {
-            Some([low, high]) => (low, high, fraction),
-            _ => (&EMPTY, &EMPTY, 0.0),
-        }
+        self.rows.get(index..).and_then(|rows| rows.first_chunk()).unwrap_or(&EMPTY)
     }
 
     /// Touching height alone (m): whether the zone is in contact at all.
-    #[inline(always)]
     pub fn touch_m(&self, shift_m: f64) -> f64 {
-        let (low, high, fraction) = self.bracket(shift_m);
-        touch_between(low, high, fraction)
+        self.between(shift_m).touch_m()
     }
 
     /// Depth of the rail's centre of curvature at a shift (m).
     #[inline(always)]
-    pub fn rail_radius_m(&self, shift_m: f64) -> f64 {
-        let (low, high, fraction) = self.bracket(shift_m);
-        low[4] + (high[4] - low[4]) * fraction
+    pub fn rail_radius_m<N: Number>(&self, shift_m: N) -> N {
+        self.between(shift_m).column(4)
     }
 
     /// Everything at a shift.
-    #[inline(always)]
     pub fn at(&self, shift_m: f64) -> ContactShape {
-        let (low, high, fraction) = self.bracket(shift_m);
-        let mut mixed = [0.0; COLUMNS];
-        for (value, (low, high)) in mixed.iter_mut().zip(low.iter().zip(high)) {
-            *value = low + (high - low) * fraction;
-        }
+        self.between(shift_m).shape()
+    }
+}
+
+/// Two rows of a zone and the fraction of the way from one to the other.
+#[derive(Clone, Copy)]
+pub(super) struct Between<'a, N: Number> {
+    rows: N::Each<&'a [Row; 2]>,
+    fraction: N,
+}
+
+impl<N: Number> Between<'_, N> {
+    /// One column, on the straight line between the rows.
+    #[inline(always)]
+    fn column(&self, column: usize) -> N {
+        let low = N::gather(&self.rows, |[low, _]| low.get(column).copied().unwrap_or(0.0));
+        let high = N::gather(&self.rows, |[_, high]| high.get(column).copied().unwrap_or(0.0));
+        low + (high - low) * self.fraction
+    }
+
+    /// Touching height (m): the cubic through both heights with both slopes.
+    #[inline(always)]
+    pub(super) fn touch_m(&self) -> N {
+        let (one, step, t) = (N::splat(1.0), N::splat(TABLE_STEP_M), self.fraction);
+        let low = N::gather(&self.rows, |[low, _]| low[0]);
+        let high = N::gather(&self.rows, |[_, high]| high[0]);
+        let m0 = -N::gather(&self.rows, |[low, _]| low[1]) * step;
+        let m1 = -N::gather(&self.rows, |[_, high]| high[1]) * step;
+        let rise = high - low;
+        // Hermite form around the straight line.
+        low + t * (rise + (one - t) * ((one - t) * (m0 - rise) - t * (m1 - rise)))
+    }
+
+    /// Everything.
+    #[inline(always)]
+    pub(super) fn shape(&self) -> ContactShape<N> {
+        let mixed = self.fraction.with_each(&self.rows, |[low, high], fraction| {
+            let mut mixed = [0.0; COLUMNS];
+            for (value, (low, high)) in mixed.iter_mut().zip(low.iter().zip(high)) {
+                *value = low + (high - low) * fraction;
+            }
+            mixed
+        });
         // In the order in which `new` lists them.
         ContactShape {
-            touch_m: touch_between(low, high, fraction),
-            slope: mixed[1],
-            radius_deviation_m: mixed[2],
-            lateral_m: mixed[3],
-            rail_radius_m: mixed[4],
-            rail_centre_m: mixed[5],
-            hertz_n_per_m15: mixed[6],
-            along_per_sqrt_m: mixed[7],
-            across_per_sqrt_m: mixed[8],
-            c11: mixed[9],
-            c22: mixed[10],
-            c23: mixed[11],
+            touch_m: self.touch_m(),
+            slope: N::gather(&mixed, |row| row[1]),
+            radius_deviation_m: N::gather(&mixed, |row| row[2]),
+            lateral_m: N::gather(&mixed, |row| row[3]),
+            rail_radius_m: N::gather(&mixed, |row| row[4]),
+            rail_centre_m: N::gather(&mixed, |row| row[5]),
+            hertz_n_per_m15: N::gather(&mixed, |row| row[6]),
+            along_per_sqrt_m: N::gather(&mixed, |row| row[7]),
+            across_per_sqrt_m: N::gather(&mixed, |row| row[8]),
+            c11: N::gather(&mixed, |row| row[9]),
+            c22: N::gather(&mixed, |row| row[10]),
+            c23: N::gather(&mixed, |row| row[11]),
         }
     }
 }
 
-static EMPTY: Row = [0.0; COLUMNS];
-
-/// Cubic through both touching heights with both slopes.
-#[inline(always)]
-fn touch_between(low: &Row, high: &Row, t: f64) -> f64 {
-    let (m0, m1) = (-low[1] * TABLE_STEP_M, -high[1] * TABLE_STEP_M);
-    let rise = high[0] - low[0];
-    // Hermite form around the straight line.
-    low[0] + t * (rise + (1.0 - t) * ((1.0 - t) * (m0 - rise) - t * (m1 - rise)))
-}
+static EMPTY: [Row; 2] = [[0.0; COLUMNS]; 2];
 
 #[cfg(test)]
 mod tests {

@@ -20,6 +20,7 @@
 use super::creep::{CreepForce, CreepLaw, Creepage, Patch};
 use super::hertz::Material;
 use super::table::{ContactTable, ZoneTable};
+use crate::number::Number;
 
 /// What a wheel runs on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,63 +46,96 @@ pub struct Conical {
 
 /// Motion of a wheel against its rail, in wheel-local axes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct WheelMotion {
+pub struct WheelMotion<N = f64> {
     /// Shift of the wheel's tape circle outward against the rail (m).
-    pub shift_m: f64,
+    pub shift_m: N,
     /// Drop of the wheel's tape circle against the rail (m).
-    pub drop_m: f64,
+    pub drop_m: N,
     /// Roll of the wheelset, outward side down (rad).
-    pub roll_rad: f64,
+    pub roll_rad: N,
     /// Yaw of the wheelset, forward towards outward (rad).
-    pub yaw_rad: f64,
+    pub yaw_rad: N,
     /// Velocity of the wheelset's centre less that of the rail, outward (m/s).
-    pub lateral_m_per_s: f64,
+    pub lateral_m_per_s: N,
     /// Velocity of the wheelset's centre less that of the rail, down (m/s).
-    pub vertical_m_per_s: f64,
+    pub vertical_m_per_s: N,
     /// Roll rate (rad/s).
-    pub roll_rad_per_s: f64,
+    pub roll_rad_per_s: N,
     /// Spin about the axle, `-V/r0` plus the pitch rate (rad/s).
-    pub spin_rad_per_s: f64,
+    pub spin_rad_per_s: N,
     /// Yaw rate, with that of the track frame (rad/s).
-    pub yaw_rad_per_s: f64,
+    pub yaw_rad_per_s: N,
     /// Running speed (m/s).
-    pub speed_m_per_s: f64,
+    pub speed_m_per_s: N,
 }
 
 /// Force and moment on the wheelset from one wheel, in wheel-local axes about the axle's centre.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct WheelForce {
+pub struct WheelForce<N = f64> {
     /// Forward (N).
-    pub longitudinal_n: f64,
+    pub longitudinal_n: N,
     /// Outward (N); on the rail it is the opposite.
-    pub lateral_n: f64,
+    pub lateral_n: N,
     /// Down (N); on the rail it is the opposite.
-    pub vertical_n: f64,
+    pub vertical_n: N,
     /// Outward side down (N m).
-    pub roll_n_m: f64,
+    pub roll_n_m: N,
     /// About the axle (N m).
-    pub pitch_n_m: f64,
+    pub pitch_n_m: N,
     /// Forward towards outward (N m).
-    pub yaw_n_m: f64,
+    pub yaw_n_m: N,
     /// Normal force of the tread (N).
-    pub tread_n: f64,
+    pub tread_n: N,
     /// Normal force of the flange (N).
-    pub flange_n: f64,
+    pub flange_n: N,
     /// Power lost in both patches (W).
-    pub wear_w: f64,
+    pub wear_w: N,
     /// Rolling of the tread; zero where it does not touch.
-    pub tread: Rolling,
+    pub tread: Rolling<N>,
     /// Rolling of the flange; zero where it does not touch.
-    pub flange: Rolling,
+    pub flange: Rolling<N>,
 }
 
 /// What creeps in one patch and what holds against it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Rolling {
+pub struct Rolling<N = f64> {
     /// Velocity of the wheel against the rail over the running speed.
-    pub creepage: Creepage,
+    pub creepage: Creepage<N>,
     /// Tangential force on the wheel and moment about the normal.
-    pub force: CreepForce,
+    pub force: CreepForce<N>,
+}
+
+impl<N: Number> WheelForce<N> {
+    /// Every number put through a function: one place out of four.
+    #[inline(always)]
+    #[must_use]
+    pub fn map<M>(&self, of: impl Fn(N) -> M) -> WheelForce<M> {
+        let rolling = |Rolling { creepage, force }: Rolling<N>| Rolling {
+            creepage: Creepage {
+                longitudinal: of(creepage.longitudinal),
+                lateral: of(creepage.lateral),
+                spin_per_m: of(creepage.spin_per_m),
+            },
+            force: CreepForce {
+                longitudinal_n: of(force.longitudinal_n),
+                lateral_n: of(force.lateral_n),
+                spin_moment_n_m: of(force.spin_moment_n_m),
+            },
+        };
+        WheelForce {
+            longitudinal_n: of(self.longitudinal_n),
+            lateral_n: of(self.lateral_n),
+            vertical_n: of(self.vertical_n),
+            roll_n_m: of(self.roll_n_m),
+            pitch_n_m: of(self.pitch_n_m),
+            yaw_n_m: of(self.yaw_n_m),
+            tread_n: of(self.tread_n),
+            flange_n: of(self.flange_n),
+            wear_w: of(self.wear_w),
+            tread: rolling(self.tread),
+            flange: rolling(self.flange),
+        }
+    }
 }
 
 /// What does not change while running: the geometry of a wheel and its material.
@@ -122,10 +156,14 @@ pub struct Wheel {
 }
 
 impl Wheel {
-    /// The force on the wheelset. A wheel on profiles needs a table: without one a debug build
-    /// stops, and in a release build the wheel carries nothing.
+    /// The force on the wheelset, of one wheel or of four equal ones. A wheel on profiles needs a
+    /// table: without one a debug build stops, and in a release build the wheel carries nothing.
     #[inline(always)]
-    pub fn force(&self, table: Option<&ContactTable>, motion: &WheelMotion) -> WheelForce {
+    pub fn force<N: Number>(
+        &self,
+        table: Option<&ContactTable>,
+        motion: &WheelMotion<N>,
+    ) -> WheelForce<N> {
         let mut force = WheelForce::default();
         match (self.surface, table) {
             (Surface::Profiles, Some(table)) => {
@@ -142,31 +180,42 @@ impl Wheel {
 
     /// Adds one zone and gives its normal force and its rolling.
     #[inline(always)]
-    fn zone(&self, zone: &ZoneTable, motion: &WheelMotion, sum: &mut WheelForce) -> (f64, Rolling) {
-        let Some(touch) = self.touch(zone, motion) else { return (0.0, Rolling::default()) };
+    fn zone<N: Number>(
+        &self,
+        zone: &ZoneTable,
+        motion: &WheelMotion<N>,
+        sum: &mut WheelForce<N>,
+    ) -> (N, Rolling<N>) {
+        let Some(touch) = self.touch(zone, motion) else { return Default::default() };
         let rolling = self.add_patch(&touch, motion, sum);
         (touch.patch.normal_n, rolling)
     }
 
     /// Where and how hard a zone touches the rail; none where it is lifted off.
     #[inline(always)]
-    pub fn touch(&self, zone: &ZoneTable, motion: &WheelMotion) -> Option<Touch> {
+    pub fn touch<N: Number>(&self, zone: &ZoneTable, motion: &WheelMotion<N>) -> Option<Touch<N>> {
         // Where the rolled wheel meets the rail.
         let shift = motion.shift_m - motion.roll_rad * zone.rail_radius_m(motion.shift_m);
+        let place = zone.between(shift);
         // Cheap refusal: a millimetre covers what roll can add.
-        if motion.drop_m + 1e-3 < zone.touch_m(shift) {
+        let is_refused = place.touch_m().is_above(motion.drop_m + N::splat(1e-3));
+        if N::all(is_refused) {
             return None;
         }
-        let shape = zone.at(shift);
+        let shape = place.shape();
         let touch_m = shape.touch_m - motion.roll_rad * shape.rail_centre_m;
         let slope = shape.slope - motion.roll_rad;
-        let cosine = 1.0 / libm::sqrt(1.0 + slope * slope);
+        let one = N::splat(1.0);
+        let cosine = one / (one + slope * slope).sqrt();
         let sine = slope * cosine;
         let approach_m = (motion.drop_m - touch_m) * cosine;
-        if approach_m <= 0.0 {
+        let is_lifted = N::or(is_refused, approach_m.is_at_most(N::splat(0.0)));
+        if N::all(is_lifted) {
             return None;
         }
-        let root = libm::sqrt(approach_m);
+        // Without approach no force: what is lifted off adds nothing below.
+        let approach_m = N::choose(is_lifted, N::splat(0.0), approach_m);
+        let root = approach_m.sqrt();
         let patch = Patch {
             normal_n: shape.hertz_n_per_m15 * approach_m * root,
             along_m: shape.along_per_sqrt_m * root,
@@ -174,41 +223,54 @@ impl Wheel {
             c11: shape.c11,
             c22: shape.c22,
             c23: shape.c23,
-            shear_modulus_pa: self.material.shear_modulus_pa,
-            friction: self.friction,
+            shear_modulus_pa: N::splat(self.material.shear_modulus_pa),
+            friction: N::splat(self.friction),
         };
-        let arm_m = self.tape_m + shape.lateral_m;
-        let radius_m = self.radius_m + shape.radius_deviation_m;
-        Some(Touch { patch, sine, cosine, arm_m, radius_m })
+        let arm_m = N::splat(self.tape_m) + shape.lateral_m;
+        let radius_m = N::splat(self.radius_m) + shape.radius_deviation_m;
+        Some(Touch { patch, sine, cosine, arm_m, radius_m, is_lifted })
     }
 
     #[inline(always)]
-    fn cone(&self, cone: Conical, motion: &WheelMotion, sum: &mut WheelForce) {
+    fn cone<N: Number>(&self, cone: Conical, motion: &WheelMotion<N>, sum: &mut WheelForce<N>) {
+        let of = N::splat;
         let patch = Patch {
-            normal_n: cone.load_n,
-            along_m: 0.0,
-            across_m: 0.0,
-            c11: 0.0,
-            c22: 0.0,
-            c23: 0.0,
-            shear_modulus_pa: self.material.shear_modulus_pa,
-            friction: self.friction,
+            normal_n: of(cone.load_n),
+            along_m: of(0.0),
+            across_m: of(0.0),
+            c11: of(0.0),
+            c22: of(0.0),
+            c23: of(0.0),
+            shear_modulus_pa: of(self.material.shear_modulus_pa),
+            friction: of(self.friction),
         };
-        let radius_m = self.radius_m + cone.conicity * motion.shift_m;
-        let touch = Touch { patch, sine: 0.0, cosine: 1.0, arm_m: self.tape_m, radius_m };
+        let touch = Touch {
+            patch,
+            sine: of(0.0),
+            cosine: of(1.0),
+            arm_m: of(self.tape_m),
+            radius_m: of(self.radius_m) + of(cone.conicity) * motion.shift_m,
+            is_lifted: of(0.0).is_above(of(0.0)),
+        };
         sum.tread = self.add_patch(&touch, motion, sum);
-        sum.tread_n = cone.load_n;
-        sum.flange_n = cone.flange_n_per_m * (motion.shift_m - cone.flange_gap_m).max(0.0);
+        sum.tread_n = of(cone.load_n);
+        let beyond_m = (motion.shift_m - of(cone.flange_gap_m)).at_least(0.0);
+        sum.flange_n = of(cone.flange_n_per_m) * beyond_m;
         sum.lateral_n -= sum.flange_n;
     }
 
     /// The tangential force of a patch, and all of it as force and moment.
     #[inline(always)]
-    fn add_patch(&self, touch: &Touch, motion: &WheelMotion, sum: &mut WheelForce) -> Rolling {
-        let Touch { patch, sine, cosine, arm_m, radius_m } = *touch;
+    fn add_patch<N: Number>(
+        &self,
+        touch: &Touch<N>,
+        motion: &WheelMotion<N>,
+        sum: &mut WheelForce<N>,
+    ) -> Rolling<N> {
+        let Touch { patch, sine, cosine, arm_m, radius_m, is_lifted } = *touch;
         let tangent = sine / cosine;
         let creepage = touch.creepage(motion);
-        let creep: CreepForce = self.creep.force(&patch, creepage);
+        let creep: CreepForce<N> = self.creep.force(&patch, creepage);
         let outward = creep.lateral_n * cosine - patch.normal_n * sine;
         let down = -creep.lateral_n * sine - patch.normal_n * cosine;
         // The contact leads or trails the axle in a yawed wheelset.
@@ -224,32 +286,46 @@ impl Wheel {
             * (creep.longitudinal_n * creepage.longitudinal
                 + creep.lateral_n * creepage.lateral
                 + creep.spin_moment_n_m * creepage.spin_per_m);
-        Rolling { creepage, force: creep }
+        let touching = |value: N| N::choose(is_lifted, N::splat(0.0), value);
+        Rolling {
+            creepage: Creepage {
+                longitudinal: touching(creepage.longitudinal),
+                lateral: touching(creepage.lateral),
+                spin_per_m: touching(creepage.spin_per_m),
+            },
+            force: CreepForce {
+                longitudinal_n: touching(creep.longitudinal_n),
+                lateral_n: touching(creep.lateral_n),
+                spin_moment_n_m: touching(creep.spin_moment_n_m),
+            },
+        }
     }
 }
 
 /// One zone on its rail: the patch, and where on the wheelset it lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Touch {
+pub struct Touch<N: Number = f64> {
     /// The patch with its normal force.
-    pub patch: Patch,
+    pub patch: Patch<N>,
     /// Sine of the contact angle against the track; positive pushes the wheel inward.
-    pub sine: f64,
+    pub sine: N,
     /// Its cosine.
-    pub cosine: f64,
+    pub cosine: N,
     /// Outward distance from the middle of the wheelset (m).
-    pub arm_m: f64,
+    pub arm_m: N,
     /// Rolling radius (m).
-    pub radius_m: f64,
+    pub radius_m: N,
+    /// Where the wheel is off the rail after all; of a single wheel always false.
+    pub is_lifted: N::Truth,
 }
 
-impl Touch {
+impl<N: Number> Touch<N> {
     /// Creepages of the patch.
     #[inline(always)]
-    pub fn creepage(&self, motion: &WheelMotion) -> Creepage {
+    pub fn creepage(&self, motion: &WheelMotion<N>) -> Creepage<N> {
         let Self { sine, cosine, arm_m, radius_m, .. } = *self;
         let spin = motion.spin_rad_per_s;
-        let per_speed = 1.0 / motion.speed_m_per_s;
+        let per_speed = N::splat(1.0) / motion.speed_m_per_s;
         Creepage {
             longitudinal: (motion.speed_m_per_s + spin * radius_m - motion.yaw_rad_per_s * arm_m)
                 * per_speed,

@@ -152,7 +152,7 @@ fn stamps_with_few_digits_lie_on_a_line_within_their_own_last_digit() {
         if value == 0.0 {
             return "0".to_owned();
         }
-        let power = value.abs().log10().floor() as i32;
+        let power = libm::log10(value.abs()).floor() as i32;
         if power < -4 {
             return format!("{value:.*e}", digits - 1).replace("e-5", "e-05");
         }

@@ -39,11 +39,11 @@ fn ring(z: f64, rate: f64, wn: f64, zeta: f64, time_s: f64) -> (f64, f64) {
     let wt = wn * time_s;
     // exp(-zeta wt) times c(t), and times wn s(t), the two solutions that start at one and at zero.
     let (even, odd) = if zeta < 1.0 {
-        let share = libm::sqrt((1.0 - zeta) * (1.0 + zeta));
+        let share = crate::sqrt::sqrt((1.0 - zeta) * (1.0 + zeta));
         let decay = libm::exp(-zeta * wt);
         (decay * libm::cos(share * wt), decay * libm::sin(share * wt) / share)
     } else if zeta > 1.0 {
-        let share = libm::sqrt((zeta - 1.0) * (zeta + 1.0));
+        let share = crate::sqrt::sqrt((zeta - 1.0) * (zeta + 1.0));
         // The slow root without the loss of digits of zeta - share.
         let slow = libm::exp(-wt / (zeta + share));
         let fast = libm::exp(-wt * (zeta + share));
@@ -84,7 +84,7 @@ impl DamperEffect for ClearanceImpact {
     fn remember(&self, _nominal: &Nominal, memory: &mut Memory, done: &Done) {
         let switched = self.margin(memory, done) < 0.0;
         let [z_m, rate_m_per_s, side, _] = memory;
-        let wn = libm::sqrt(self.seat_n_per_m / self.end_mass_kg);
+        let wn = crate::sqrt::sqrt(self.seat_n_per_m / self.end_mass_kg);
         if *z_m != 0.0 || *rate_m_per_s != 0.0 {
             (*z_m, *rate_m_per_s) = ring(*z_m, *rate_m_per_s, wn, self.damping_ratio, done.step_s);
         }
@@ -147,13 +147,13 @@ mod tests {
         let (w, half_m) = (70e-3, 1.5e-3);
         let formulas: [(f64, Response); 3] = [
             (0.1, |t| {
-                let (wn, wd) = (libm::sqrt(5e6), libm::sqrt(5e6 * 0.99));
-                libm::sqrt(2e9 / 0.99) * libm::exp(-0.1 * wn * t) * libm::sin(wd * t)
+                let (wn, wd) = (crate::sqrt::sqrt(5e6), crate::sqrt::sqrt(5e6 * 0.99));
+                crate::sqrt::sqrt(2e9 / 0.99) * libm::exp(-0.1 * wn * t) * libm::sin(wd * t)
             }),
-            (1.0, |t| 1e8 * t * libm::exp(-libm::sqrt(5e6) * t)),
+            (1.0, |t| 1e8 * t * libm::exp(-crate::sqrt::sqrt(5e6) * t)),
             (2.0, |t| {
-                let (wn, wq) = (libm::sqrt(5e6), libm::sqrt(5e6 * 3.0));
-                libm::sqrt(2e9 / 3.0) * libm::exp(-2.0 * wn * t) * libm::sinh(wq * t)
+                let (wn, wq) = (crate::sqrt::sqrt(5e6), crate::sqrt::sqrt(5e6 * 3.0));
+                crate::sqrt::sqrt(2e9 / 3.0) * libm::exp(-2.0 * wn * t) * libm::sinh(wq * t)
             }),
         ];
         for (damping_ratio, formula) in formulas {
@@ -191,7 +191,7 @@ mod tests {
                 }
             }
             assert!((largest / peak_n - 1.0).abs() < 1e-5, "{largest}");
-            let quarter_s = 0.5 * core::f64::consts::PI * libm::sqrt(end_mass_kg / 1e8);
+            let quarter_s = 0.5 * core::f64::consts::PI * crate::sqrt::sqrt(end_mass_kg / 1e8);
             assert!((at_s - quarter_s).abs() < 2e-6, "{at_s}");
         }
     }

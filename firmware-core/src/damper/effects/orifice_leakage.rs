@@ -53,7 +53,7 @@ impl DamperEffect for OrificeLeakage {
         let beyond = if capped { &[][..] } else { &far };
         let places = sampling::places(8, |u| scale_n * u * u, beyond);
         let slope = if capped { 0.0 } else { v_l / (4.0 * scale_n) };
-        let leak = |force_n: f64| v_l * libm::sqrt(force_n / scale_n);
+        let leak = |force_n: f64| v_l * crate::sqrt::sqrt(force_n / scale_n);
         parts.hydraulic.add_across(&sampling::odd(&places, slope, leak));
     }
 
@@ -93,7 +93,7 @@ mod tests {
                 if opened > 0.0 {
                     through += opened / nominal.c2_n_s_per_m;
                 }
-                let leaking = through + v_l * libm::sqrt(force / scale_n);
+                let leaking = through + v_l * crate::sqrt::sqrt(force / scale_n);
                 let miss = (damper.steady_force_n(leaking) - force).abs() / scale_n;
                 assert!(miss < 0.0035, "{force}: {miss}");
                 assert!(damper.steady_force_n(through) < plain.steady_force_n(through));
@@ -113,7 +113,8 @@ mod tests {
         let mut state = DamperState::rest();
         damper.advance(&mut state, held, 1e-9);
         let start_n = state.force_n();
-        let t0 = 2.0 * libm::sqrt(start_n * nominal.f_relief_n) / (nominal.ke_n_per_m * 1e-3);
+        let t0 =
+            2.0 * crate::sqrt::sqrt(start_n * nominal.f_relief_n) / (nominal.ke_n_per_m * 1e-3);
         for i in 1..=200 {
             let force = damper.advance(&mut state, held, 1e-3);
             let left = 1.0 - 1e-3 * f64::from(i) / t0;

@@ -381,7 +381,7 @@ mod tests {
                     (here[i], there[i]) = (at, at + by);
                     let (here, there) = (forces(&here), forces(&there));
                     let squares = here.iter().zip(&there).map(|(a, b)| (a - b) * (a - b));
-                    libm::sqrt(squares.sum::<f64>())
+                    crate::sqrt::sqrt(squares.sum::<f64>())
                 };
                 let (whole, half) = (step(1.0), step(0.5));
                 assert!(whole > 0.0, "{} at {at}: flat", row.name);

@@ -41,7 +41,8 @@ impl QuadraticOrifice {
     /// ```
     pub fn velocity_m_per_s(&self, ce_n_s_per_m: f64, force_n: f64) -> f64 {
         let b = self.quadratic_n_s2_per_m2;
-        2.0 * force_n / (ce_n_s_per_m + libm::sqrt(ce_n_s_per_m * ce_n_s_per_m + 4.0 * b * force_n))
+        2.0 * force_n
+            / (ce_n_s_per_m + crate::sqrt::sqrt(ce_n_s_per_m * ce_n_s_per_m + 4.0 * b * force_n))
     }
 }
 

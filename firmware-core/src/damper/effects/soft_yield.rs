@@ -112,7 +112,10 @@ mod tests {
                 square += miss * miss / 6000.0;
                 assert_eq!(damper.steady_force_n(-v), -damper.steady_force_n(v));
             }
-            assert!(worst < 2.1e-3 && libm::sqrt(square) < 1.2e-3, "{knee}: {worst} {square}");
+            assert!(
+                worst < 2.1e-3 && crate::sqrt::sqrt(square) < 1.2e-3,
+                "{knee}: {worst} {square}"
+            );
         }
     }
 
@@ -196,7 +199,7 @@ mod tests {
                 .collect::<heapless::Vec<f64, 600>>()
         };
         let apart = |a: &[f64], b: &[f64]| {
-            libm::sqrt(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / 600.0)
+            crate::sqrt::sqrt(a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / 600.0)
         };
         // Half of the step changes half as much, down to the lower bound and up to the upper one.
         let scale = Nominal::NEW.scale();

@@ -38,7 +38,7 @@ impl StiffeningAttachment {
     /// assert!((rubber.deflection_m(12.5e6, 15_625.0) - 1e-3).abs() < 1e-15);
     /// ```
     pub fn deflection_m(&self, ke_n_per_m: f64, force_n: f64) -> f64 {
-        let root = libm::sqrt(3.0 * self.stiffening_per_m2);
+        let root = crate::sqrt::sqrt(3.0 * self.stiffening_per_m2);
         let linear_m = force_n / ke_n_per_m;
         2.0 / root * libm::sinh(libm::asinh(1.5 * root * linear_m) / 3.0)
     }

@@ -6,6 +6,7 @@
 //! N` comes from the patch, so from the prescribed load of a conical wheel.
 
 use super::{CreepForce, Creepage, Patch, cubic_saturation};
+use crate::number::Number;
 
 /// Prescribed coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,17 +21,18 @@ pub struct ConicalPrescribed {
 
 impl ConicalPrescribed {
     #[inline(always)]
-    pub(super) fn force(self, patch: &Patch, creepage: Creepage) -> CreepForce {
-        let longitudinal = creepage.longitudinal / self.psi;
-        let lateral = creepage.lateral / self.phi;
-        let resultant = libm::sqrt(longitudinal * longitudinal + lateral * lateral);
+    pub(super) fn force<N: Number>(self, patch: &Patch<N>, creepage: Creepage<N>) -> CreepForce<N> {
+        let shear_force_n = N::splat(self.shear_force_n);
+        let longitudinal = creepage.longitudinal / N::splat(self.psi);
+        let lateral = creepage.lateral / N::splat(self.phi);
+        let resultant = (longitudinal * longitudinal + lateral * lateral).sqrt();
         let limit_n = patch.friction * patch.normal_n;
-        let u = self.shear_force_n * resultant / limit_n.max(f64::MIN_POSITIVE);
-        let force_per_creepage_n = -self.shear_force_n * cubic_saturation(u);
+        let u = shear_force_n * resultant / limit_n.at_least(f64::MIN_POSITIVE);
+        let force_per_creepage_n = -shear_force_n * cubic_saturation(u);
         CreepForce {
             longitudinal_n: force_per_creepage_n * longitudinal,
             lateral_n: force_per_creepage_n * lateral,
-            spin_moment_n_m: 0.0,
+            spin_moment_n_m: N::splat(0.0),
         }
     }
 }

@@ -7,18 +7,19 @@
 //! better served by `polach` or `fastsim`.
 
 use super::{CreepForce, Creepage, Patch, cubic_saturation};
+use crate::number::Number;
 
 #[inline(always)]
-pub(super) fn force(patch: &Patch, creepage: Creepage) -> CreepForce {
+pub(super) fn force<N: Number>(patch: &Patch<N>, creepage: Creepage<N>) -> CreepForce<N> {
     let area = patch.along_m * patch.across_m;
     let shear_n = patch.shear_modulus_pa * area;
-    let spin_n_m = shear_n * libm::sqrt(area) * patch.c23;
+    let spin_n_m = shear_n * area.sqrt() * patch.c23;
     let longitudinal = -shear_n * patch.c11 * creepage.longitudinal;
     let lateral = -shear_n * patch.c22 * creepage.lateral - spin_n_m * creepage.spin_per_m;
     let moment = spin_n_m * creepage.lateral;
     let limit_n = patch.friction * patch.normal_n;
-    let u = libm::sqrt(longitudinal * longitudinal + lateral * lateral)
-        / limit_n.max(f64::MIN_POSITIVE);
+    let u = (longitudinal * longitudinal + lateral * lateral).sqrt()
+        / limit_n.at_least(f64::MIN_POSITIVE);
     let left = cubic_saturation(u);
     CreepForce {
         longitudinal_n: longitudinal * left,

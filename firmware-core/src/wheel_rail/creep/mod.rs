@@ -12,47 +12,49 @@ mod polach;
 pub use conical_prescribed::ConicalPrescribed;
 pub use fastsim::Fastsim;
 
+use crate::number::Number;
+
 /// One contact patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Patch {
+pub struct Patch<N = f64> {
     /// Normal force (N).
-    pub normal_n: f64,
+    pub normal_n: N,
     /// Semi-axis in rolling direction (m).
-    pub along_m: f64,
+    pub along_m: N,
     /// Semi-axis across (m).
-    pub across_m: f64,
+    pub across_m: N,
     /// Kalker's C11.
-    pub c11: f64,
+    pub c11: N,
     /// Kalker's C22.
-    pub c22: f64,
+    pub c22: N,
     /// Kalker's C23.
-    pub c23: f64,
+    pub c23: N,
     /// Shear modulus (Pa).
-    pub shear_modulus_pa: f64,
+    pub shear_modulus_pa: N,
     /// Coefficient of friction.
-    pub friction: f64,
+    pub friction: N,
 }
 
 /// Relative motion in a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Creepage {
+pub struct Creepage<N = f64> {
     /// Along the rolling direction.
-    pub longitudinal: f64,
+    pub longitudinal: N,
     /// Across it, outward.
-    pub lateral: f64,
+    pub lateral: N,
     /// Spin about the normal (1/m).
-    pub spin_per_m: f64,
+    pub spin_per_m: N,
 }
 
 /// Force on the wheel in a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct CreepForce {
+pub struct CreepForce<N = f64> {
     /// Along the rolling direction (N).
-    pub longitudinal_n: f64,
+    pub longitudinal_n: N,
     /// Across it, outward (N).
-    pub lateral_n: f64,
+    pub lateral_n: N,
     /// Moment about the normal into the rail (N m).
-    pub spin_moment_n_m: f64,
+    pub spin_moment_n_m: N,
 }
 
 /// The creep laws, by name.
@@ -71,7 +73,7 @@ pub enum CreepLaw {
 impl CreepLaw {
     /// Force on the wheel.
     #[inline(always)]
-    pub fn force(&self, patch: &Patch, creepage: Creepage) -> CreepForce {
+    pub fn force<N: Number>(&self, patch: &Patch<N>, creepage: Creepage<N>) -> CreepForce<N> {
         match self {
             Self::LinearSaturated => linear_saturated::force(patch, creepage),
             Self::Polach => polach::force(patch, creepage),
@@ -84,8 +86,23 @@ impl CreepLaw {
 /// Shen, Hedrick and Elkins's saturation: share of the linear force that remains when the linear
 /// force is `u` times the friction limit.
 #[inline(always)]
-fn cubic_saturation(u: f64) -> f64 {
-    if u <= 3.0 { 1.0 - u * (1.0 / 3.0) + u * u * (1.0 / 27.0) } else { 1.0 / u }
+fn cubic_saturation<N: Number>(u: N) -> N {
+    let one = N::splat(1.0);
+    let share = one - u * N::splat(1.0 / 3.0) + u * u * N::splat(1.0 / 27.0);
+    N::choose(u.is_at_most(N::splat(3.0)), share, one / u)
+}
+
+impl<N: Number> CreepForce<N> {
+    /// The force, but none where that is said.
+    #[inline(always)]
+    fn unless(self, none: N::Truth) -> Self {
+        let zero = N::splat(0.0);
+        Self {
+            longitudinal_n: N::choose(none, zero, self.longitudinal_n),
+            lateral_n: N::choose(none, zero, self.lateral_n),
+            spin_moment_n_m: N::choose(none, zero, self.spin_moment_n_m),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -133,7 +150,8 @@ mod tests {
             let spin = 1e-5;
             let force =
                 law.force(&patch, Creepage { spin_per_m: spin, ..Creepage::default() }).lateral_n;
-            let expected = -patch.shear_modulus_pa * area * libm::sqrt(area) * patch.c23 * spin;
+            let expected =
+                -patch.shear_modulus_pa * area * crate::sqrt::sqrt(area) * patch.c23 * spin;
             assert!((force / expected - 1.0).abs() < 0.03, "{law:?} {force} {expected}");
         }
     }

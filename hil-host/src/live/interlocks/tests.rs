@@ -49,7 +49,7 @@ fn the_rows_give_the_margins_of_the_loop() {
             interlocks.take(row, &agreed);
         }
         let (of_commands, found): (Vec<Interlock>, Vec<Interlock>) =
-            interlocks.reached(&agreed).into_iter().partition(|lock| is_of_commands(lock));
+            interlocks.reached(&agreed).into_iter().partition(is_of_commands);
         assert!(found.len() == Reached::COUNT && rows.len() > 3000, "{name}");
         assert_eq!(found, expected, "{name}");
         let actions: Vec<&str> = found.iter().filter_map(|lock| lock.action).collect();
