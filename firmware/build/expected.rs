@@ -20,6 +20,9 @@ pub(crate) fn source(run: &Run) -> String {
             rows.push(("creep", law, steps, creep(run, law, steps)));
         }
     }
+    // On the track as a whole here, through a window there.
+    let [law, ..] = locomotive::LAWS;
+    rows.push(("window", law, STEPS, creep(run, law, STEPS)));
     for number in 0..effect::COUNT {
         let name = effect::name(number);
         let hash = effect::run(number, STEPS).unwrap_or_else(|| panic!("{name}: no damper"));

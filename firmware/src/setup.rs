@@ -18,6 +18,7 @@ use firmware_core::wheel_rail::hertz::Material;
 use firmware_core::wheel_rail::table::ContactTable;
 use firmware_core::wheel_rail::wheel::{Rolling, Surface, Wheel, WheelForce};
 use nalgebra::Vector3;
+use same_bits::locomotive::BoardWindow;
 use static_cell::StaticCell;
 
 /// What a damper is made from.
@@ -43,6 +44,7 @@ static VEHICLE: StaticCell<Vehicle> = StaticCell::new();
 static TABLE: StaticCell<ContactTable> = StaticCell::new();
 static TRACK: StaticCell<Track<'static>> = StaticCell::new();
 static LINE: StaticCell<Line<'static>> = StaticCell::new();
+static WINDOW: StaticCell<BoardWindow> = StaticCell::new();
 static STATE: StaticCell<LineState> = StaticCell::new();
 
 /// The vehicle; none the second time, or where it does not fit.
@@ -102,6 +104,12 @@ fn table() -> Option<&'static ContactTable> {
 #[inline(never)]
 pub fn start(line: &Line<'_>) -> Option<&'static mut LineState> {
     Some(STATE.try_uninit()?.write(line.start(START.clone())))
+}
+
+/// A window on the track, empty; none the second time.
+#[inline(never)]
+pub fn window() -> Option<&'static mut BoardWindow> {
+    Some(WINDOW.try_uninit()?.write(BoardWindow::new(SAMPLES.len(), TRACK_FIRST_M, TRACK_STEP_M)))
 }
 
 /// Effects in one damper at most.

@@ -60,6 +60,7 @@ fn list() {
 fn run(group: &str, name: &str, steps: u32) -> Option<u64> {
     match group {
         "creep" => creep(name, steps),
+        "window" => window(name, steps),
         "effect" => {
             let number = (0..effect::COUNT).find(|number| effect::name(*number) == name)?;
             effect::run(number, steps)
@@ -86,6 +87,18 @@ fn creep(law: &str, steps: u32) -> Option<u64> {
     let hash = locomotive::run(line, state, steps, &mut laps);
     let _ = writeln!(Console, "stack steps {}", stack::deepest());
     Some(hash)
+}
+
+/// The locomotive on a track that is handed over while it runs.
+#[inline(never)]
+fn window(law: &str, steps: u32) -> Option<u64> {
+    let vehicle = setup::vehicle()?;
+    if !locomotive::use_law(vehicle, law) {
+        return None;
+    }
+    let line = setup::line(vehicle)?;
+    let state = setup::start(line)?;
+    locomotive::run_in_window(line, setup::window()?, state, steps)
 }
 
 /// Bytes of what a board holds.
