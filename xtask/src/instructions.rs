@@ -54,7 +54,7 @@ pub(crate) fn count(run: &mut Run) -> Outcome {
 }
 
 /// A committed count: `step = 123456` in a line of its own.
-fn kept(file: &Path, kind: &str) -> Option<f64> {
+pub(crate) fn kept(file: &Path, kind: &str) -> Option<f64> {
     let text = std::fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(kind)?.trim().strip_prefix('='))?;
     line.trim().replace('_', "").parse().ok()

@@ -4,7 +4,9 @@
 //! cargo xtask test       everything: format, lints, tests, docs, the firmware build, CAN
 //! cargo xtask ci         the same
 //! cargo xtask ci --full  that, and hours of faults, sound rigs and killed runs: under 85 minutes
-//! cargo xtask firmware   the no_std crates for a Cortex-M7, and that they cannot panic there
+//! cargo xtask firmware   the no_std crates for a Cortex-M7: that they cannot panic there, and in
+//!                        QEMU that they have the host's bits; `--full` for 10,000 steps,
+//!                        `--table` for the kinds of instructions in a step
 //! cargo xtask vcan       the tests over SocketCAN
 //! cargo xtask power-cut  kills an emulated machine that records, and reads what is on its disk
 //! cargo xtask bench      the benchmarks; what follows goes to criterion. `--v3` first compiles them
@@ -17,8 +19,9 @@
 //! as root, Python packages in a folder of their own. Whatever only has to be read is unpacked
 //! under the target folder and leaves the machine as it was. What could not be had is said in one
 //! line and skipped, unless the environment asks for it: `REQUIRE_VCAN`, `REQUIRE_THUMB`,
-//! `REQUIRE_CANTOOLS`, `REQUIRE_BROWSER` and `REQUIRE_POWER_CUT`, each `=1`.
+//! `REQUIRE_QEMU_ARM`, `REQUIRE_CANTOOLS`, `REQUIRE_BROWSER` and `REQUIRE_POWER_CUT`, each `=1`.
 
+mod board;
 mod debian;
 mod equipment;
 mod full;
@@ -27,6 +30,7 @@ mod instructions;
 mod machine;
 mod modules;
 mod no_panic;
+mod operations;
 mod power_cut;
 mod qemu;
 mod release;
@@ -39,7 +43,9 @@ mod vcan;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use board::Length;
 use run::{Outcome, Run};
+use thumb::Compiler;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -51,10 +57,13 @@ fn main() -> ExitCode {
             test(&mut run);
             full::test(&mut run);
         }
-        ["firmware"] => run.step("firmware", |run| thumb::build(run, thumb::Compiler::Any)),
-        ["firmware", "--debian"] => {
-            run.step("firmware", |run| thumb::build(run, thumb::Compiler::Debian));
+        ["firmware"] => firmware(&mut run, Compiler::Any, Length::Short),
+        ["firmware", "--full"] => firmware(&mut run, Compiler::Any, Length::Full),
+        ["firmware", "--table"] => {
+            firmware(&mut run, Compiler::Any, Length::Short);
+            run.step("table", |run| board::table(run, thumb::TARGET));
         }
+        ["firmware", "--debian"] => firmware(&mut run, Compiler::Debian, Length::Short),
         ["vcan", "--uml", rest @ ..] => {
             run.step("cantools", equipment::cantools);
             run.step("vcan", |run| vcan::test(run, vcan::Place::Uml, rest));
@@ -84,8 +93,9 @@ fn main() -> ExitCode {
 
 fn usage() -> ExitCode {
     eprintln!(
-        "usage: cargo xtask test | ci [--full] | firmware [--debian] | vcan [--uml | --qemu] [TEST] \
-         | power-cut [--kills N] [--seed S] | bench [--v3] [BENCHMARK] | instructions \
+        "usage: cargo xtask test | ci [--full] | firmware [--full | --table | --debian] \
+         | vcan [--uml | --qemu] [TEST] | power-cut [--kills N] [--seed S] \
+         | bench [--v3] [BENCHMARK] | instructions \
          | fuzz [TARGET] [--seconds N]"
     );
     ExitCode::from(2)
@@ -122,7 +132,7 @@ fn test(run: &mut Run) {
         cargo.args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings");
         run.checked(&mut cargo)
     });
-    run.step("firmware", |run| thumb::build(run, thumb::Compiler::Any));
+    firmware(run, Compiler::Any, Length::Short);
     run.step("cantools", equipment::cantools);
     run.step("hyperqueue", equipment::hyperqueue);
     run.step("browser", equipment::browser);
@@ -134,6 +144,14 @@ fn test(run: &mut Run) {
     });
     run.step("release", |run| release::same_bits(run, release));
     run.step("vcan", |run| vcan::test(run, vcan::Place::Any, &[]));
+}
+
+/// The images for a Cortex-M7: linked, which proves them, and run.
+fn firmware(run: &mut Run, compiler: Compiler, length: Length) {
+    run.step("firmware", |run| match thumb::build(run, compiler) {
+        Outcome::Passed => board::test(run, thumb::TARGET, length),
+        worse => worse,
+    });
 }
 
 /// The Rust files of a folder.

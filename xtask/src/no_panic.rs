@@ -1,4 +1,4 @@
-//! The Cortex-M7 image of `firmware/`: linked, so that a way to panic or a heap would show.
+//! The Cortex-M7 images of `firmware/`: linked, so that a way to panic or a heap would show.
 //!
 //! The panic handler of the image calls a function that does not exist, so the image links only
 //! where the optimiser has proved every panic away. Two more checks keep that honest: the names in
@@ -10,6 +10,8 @@ use std::process::Command;
 use crate::run::{Outcome, Run};
 use crate::stream::shown;
 
+/// The images; the first one calls everything.
+const IMAGES: [&str; 2] = ["proof", "measure"];
 /// The function that the panic handler calls; it is defined nowhere.
 const MISSING: &str = "there_is_a_way_to_panic";
 /// Parts of mangled names that only panics and heaps bring; the first is `core::panicking`.
@@ -34,11 +36,13 @@ pub(crate) fn check(run: &mut Run, target: &str, prepare: impl Fn(&mut Command))
         }
         skipped @ Outcome::Skipped(_) => return skipped,
     }
-    if let Err(reason) = inspect(&folder.join(target).join("release/firmware")) {
-        return Outcome::Failed(reason);
+    for image in IMAGES {
+        if let Err(reason) = inspect(&folder.join(target).join("release").join(image)) {
+            return Outcome::Failed(reason);
+        }
     }
     let mut trapped = build(run);
-    trapped.args(["--features", "panic-path"]);
+    trapped.args(["--bin", "proof", "--features", "panic-path"]);
     match trapped.output() {
         Ok(output) if output.status.success() => {
             Outcome::Failed(format!("{} links in spite of its panic", shown(&trapped)))

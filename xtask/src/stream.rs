@@ -34,6 +34,22 @@ pub(crate) fn run(
     limit: Option<Duration>,
     mut see: impl FnMut(&str),
 ) -> std::io::Result<Ended> {
+    lines(command, limit, |line, is_stderr| {
+        if is_stderr {
+            eprintln!("{line}");
+        } else {
+            println!("{line}");
+        }
+        see(line);
+    })
+}
+
+/// Runs the command and gives each of its lines to `see`, with whether it is an error's.
+pub(crate) fn lines(
+    command: &mut Command,
+    limit: Option<Duration>,
+    mut see: impl FnMut(&str, bool),
+) -> std::io::Result<Ended> {
     let start = Instant::now();
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn()?;
@@ -49,14 +65,7 @@ pub(crate) fn run(
     loop {
         let left = limit.map_or(Duration::MAX, |limit| limit.saturating_sub(start.elapsed()));
         match lines.recv_timeout(left.min(Duration::from_secs(3600))) {
-            Ok((line, true)) => {
-                eprintln!("{line}");
-                see(&line);
-            }
-            Ok((line, false)) => {
-                println!("{line}");
-                see(&line);
-            }
+            Ok((line, is_stderr)) => see(&line, is_stderr),
             Err(RecvTimeoutError::Disconnected) => break,
             Err(RecvTimeoutError::Timeout) if left.is_zero() && !timed_out => {
                 timed_out = true;

@@ -14,7 +14,7 @@ use crate::run::{Outcome, Run};
 use crate::stream::quiet;
 
 /// Double-precision hardware differs between the parts; this is the common denominator.
-const TARGET: &str = "thumbv7em-none-eabihf";
+pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 const CRATES: [&str; 4] = ["--package", "can-protocol", "--package", "firmware-core"];
 
 /// Which compiler may be used.

@@ -338,10 +338,15 @@ impl Damper {
     /// The same damper, faster for steps of exactly this length. It gives the same numbers.
     #[must_use]
     pub fn prepared(mut self, step_s: f64) -> Self {
+        self.prepare(step_s);
+        self
+    }
+
+    /// The same in its place: a damper is large for the stack of a board.
+    pub fn prepare(&mut self, step_s: f64) {
         debug_assert!(step_s > 0.0 && step_s.is_finite(), "step of {step_s} s");
         self.law.prepare(step_s);
         self.per_step = 1.0 / step_s;
-        self
     }
 
     /// The nominal parameters.

@@ -36,6 +36,7 @@ mod open_loop;
 mod residual_delay;
 mod slot;
 mod stand_in;
+mod trajectory;
 #[cfg(test)]
 mod yawing_bogie;
 

@@ -4,9 +4,11 @@
 
 mod irregularity;
 mod layout;
+mod window;
 
 pub use irregularity::{Irregularity, IrregularitySample};
 pub use layout::{Layout, LayoutError, LayoutPoint, SECTIONS_MAX};
+pub use window::Window;
 
 /// A track: layout and irregularity.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -1,7 +1,6 @@
 //! One control cycle, drawn as a line of arrows.
 
 use super::buses::Buses;
-use super::hash;
 use super::port::PortState;
 use super::session::{Session, SessionState};
 use crate::bus::{Bus, Sent};
@@ -105,7 +104,7 @@ impl Session<'_> {
         self.send(state, buses, &commands);
         self.watch(state, &inputs);
         self.announce(state, buses);
-        state.hash = hash::add_cycle(state.hash, self.line.vehicle, &state.line);
+        state.hash = state.line.hashed(state.hash, self.line.vehicle);
         self.row(state, &inputs, &Timing { compute, cycle: woken.elapsed(), tick })
     }
 

@@ -1,7 +1,6 @@
 //! What a session is: parameters and state.
 
 use super::delay_gate::{DelayGate, DelayGateState};
-use super::hash;
 use super::overheard::Overheard;
 use super::port::{Agreed, Port, PortState};
 use super::recent_skips::RecentSkips;
@@ -11,6 +10,7 @@ use crate::wire_state::wire_state;
 use can_protocol::arming::Quiet;
 use can_protocol::{Frame, Heartbeat, Pace as WirePace, Profile, Sender, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
+use firmware_core::fnv;
 use firmware_core::line::{Fade, Line, LineState, Slot};
 use firmware_core::supervision::{Action, Cause, Event, Noted, Signal};
 use firmware_core::vehicle::DAMPER_SLOTS;
@@ -87,7 +87,7 @@ impl Session<'_> {
             line,
             ports: self.ports.iter().map(|_| PortState::default()).collect(),
             gate: DelayGateState::default(),
-            hash: hash::START,
+            hash: fnv::START,
             skipped: 0,
             skips: RecentSkips::default(),
             late: 0,

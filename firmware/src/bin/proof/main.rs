@@ -14,8 +14,9 @@
 mod bus;
 mod model;
 
-use core::panic::PanicInfo;
 use cortex_m_rt::entry;
+// For its panic handler.
+use firmware as _;
 
 #[entry]
 fn main() -> ! {
@@ -25,14 +26,4 @@ fn main() -> ! {
         #[cfg(feature = "panic-path")]
         core::hint::black_box([0_u8; 2][core::hint::black_box(1)]);
     }
-}
-
-/// Must not be reachable.
-#[panic_handler]
-fn panic(_: &PanicInfo<'_>) -> ! {
-    #[expect(unsafe_code, reason = "a name for the linker to miss")]
-    unsafe extern "C" {
-        safe fn there_is_a_way_to_panic() -> !;
-    }
-    there_is_a_way_to_panic()
 }

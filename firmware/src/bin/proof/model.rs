@@ -21,7 +21,7 @@ use firmware_core::guard::{ForceInput, Guard};
 use firmware_core::lanes::Lanes;
 use firmware_core::line::{Fade, Line, RigSlot, Slot, SlotState};
 use firmware_core::supervision::{CommandLimits, Event, Growth};
-use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
+use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track, Window};
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, Running, Vehicle, VehicleState};
 use firmware_core::virtual_wear::loop_gain;
 use firmware_core::wheel_rail::creep::{ConicalPrescribed, CreepLaw, Creepage, Fastsim, Patch};
@@ -46,6 +46,7 @@ pub(crate) fn run() {
         },
     };
     curve(&mut track);
+    window();
     let table = table();
     let mut vehicle = Vehicle::default();
     black_box(&mut vehicle);
@@ -218,6 +219,16 @@ fn curve(track: &mut Track<'_>) {
     black_box(&mut *track);
     black_box(track.layout.at(black_box(0.0)));
     black_box(track.irregularity.at(black_box(0.0)));
+}
+
+/// A track that is handed over sample by sample.
+#[inline(never)]
+fn window() {
+    let mut window = black_box(Window::<32>::new(black_box(0), black_box(0.0), black_box(0.1)));
+    while window.push(black_box(IrregularitySample::default())) {}
+    window.pass(black_box(0.0));
+    black_box((window.room(), window.reaches(black_box(0.0))));
+    black_box(window.view().at(black_box(0.0)));
 }
 
 /// A contact table from geometry.

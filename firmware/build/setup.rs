@@ -1,0 +1,90 @@
+//! The set-up of a run as Rust source.
+//!
+//! What the core can be given as it is stands there as a constant: contact geometry, samples of the
+//! track, the state to start from. A vehicle and its dampers are built from numbers, as anywhere.
+
+use crate::literal::Literal;
+use firmware_core::damper::{Damper, Effect};
+use firmware_core::track::Layout;
+use firmware_core::vehicle::Vehicle;
+use scenario::run::{CYCLE_S, Run, SlotForce};
+use std::fmt::Write;
+
+/// The source of `setup.rs`.
+pub(crate) fn source(run: &Run) -> String {
+    let contact = run.contact.as_ref().unwrap_or_else(|| panic!("no wheels on profiles"));
+    assert!(run.track.layout == Layout::tangent(), "only a straight track is taken to a board");
+    let samples = &run.track.samples;
+    assert!((samples.before, samples.behind) == (0, 0), "only a whole track is taken to a board");
+    let mut text = String::new();
+    let mut number = |name: &str, about: &str, value: f64| {
+        put(&mut text, about, &format!("const {name}: f64 = {}", value.literal()));
+    };
+    number("SPEED_M_PER_S", "Running speed (m/s).", run.speed_m_per_s);
+    number("CYCLE_S", "Length of a cycle (s).", CYCLE_S);
+    number("TRACK_FIRST_M", "Distance of the first sample (m).", samples.first_m);
+    number("TRACK_STEP_M", "Distance between samples (m).", samples.step_m);
+    number("ROLLING_RADIUS_M", "Nominal rolling radius (m).", rolling_radius_m(&run.vehicle));
+    let substeps = format!("const SUBSTEPS: u32 = {}", run.substeps);
+    put(&mut text, "Substeps per cycle.", &substeps);
+    let about = "Contact of a wheel on a rail.";
+    let zones = contact.pair.tables().literal();
+    put(&mut text, about, &format!("static ZONES: ContactZones = {zones}"));
+    let count = samples.samples.len();
+    let list = samples.samples.literal();
+    let about = "Irregularity along the track.";
+    put(&mut text, about, &format!("static SAMPLES: [IrregularitySample; {count}] = {list}"));
+    let start = run.start.state.literal().replacen("OneVehicle", "VehicleState", 1);
+    put(&mut text, "Steady running.", &format!("static START: VehicleState = {start}"));
+    let dampers: Vec<String> = run.slots.iter().map(|slot| damper(&slot.force)).collect();
+    let list = format!("static DAMPERS: [Numbers; {}] = [{}]", dampers.len(), dampers.join(", "));
+    put(&mut text, "The dampers in their slots.", &list);
+    text.push_str(&vehicle(&run.vehicle));
+    text
+}
+
+fn put(text: &mut String, about: &str, item: &str) {
+    let _ = writeln!(text, "/// {about}\n{item};");
+}
+
+fn rolling_radius_m(vehicle: &Vehicle) -> f64 {
+    let mut radii = vehicle.axles.iter().map(|axle| axle.wheel.radius_m);
+    let first = radii.next().unwrap_or_else(|| panic!("a vehicle without wheels"));
+    assert!(radii.all(|radius| radius.to_bits() == first.to_bits()), "wheels of one size");
+    first
+}
+
+/// The damper in a slot; of one on a rig its model.
+fn damper(force: &SlotForce) -> String {
+    let damper: &Damper = match force {
+        SlotForce::Modelled(damper) => damper,
+        SlotForce::Rig { model, .. } | SlotForce::StandIn { model, .. } => model,
+    };
+    assert!(damper.empirical().is_none(), "no empirical map is taken to a board");
+    let effect = |effect: &Effect| format!("({:?}, &{})", effect.name(), effect.values().literal());
+    let effects: Vec<String> = damper.effects().iter().map(effect).collect();
+    let nominal = damper.nominal().literal();
+    format!("Numbers {{ nominal: {nominal}, effects: &[{}] }}", effects.join(", "))
+}
+
+/// A function that fills a vehicle.
+fn vehicle(vehicle: &Vehicle) -> String {
+    let Vehicle { bodies, suspensions, torsions, bump_stops, dampers, axles } = vehicle;
+    let mut text = String::from(
+        "/// Fills an empty vehicle; false where it has no room.\n\
+         fn fill_vehicle(into: &mut Vehicle) -> bool {\n    let mut fits = true;\n",
+    );
+    let mut add = |list: &str, values: Vec<String>| {
+        for value in values {
+            let _ = writeln!(text, "    fits &= into.{list}.push({value}).is_ok();");
+        }
+    };
+    add("bodies", bodies.iter().map(Literal::literal).collect());
+    add("suspensions", suspensions.iter().map(Literal::literal).collect());
+    add("torsions", torsions.iter().map(Literal::literal).collect());
+    add("bump_stops", bump_stops.iter().map(Literal::literal).collect());
+    add("dampers", dampers.iter().map(Literal::literal).collect());
+    add("axles", axles.iter().map(Literal::literal).collect());
+    text.push_str("    fits\n}\n");
+    text
+}

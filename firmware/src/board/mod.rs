@@ -1,0 +1,5 @@
+//! What touches hardware: time, memory, the console of an emulated board.
+
+pub mod console;
+pub mod stack;
+pub mod stopwatch;
