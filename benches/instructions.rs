@@ -102,7 +102,7 @@ fn batch(run: &Run, line: &Line<'_>, cycles: u32) {
     };
     let mut dampers = Dampers {
         damper: run.rig.damper.clone().prepared(substep_s),
-        states: [const { () }; DAMPER_SLOTS].map(|()| [(); LANES].map(|()| DamperState::rest())),
+        states: std::array::from_fn(|_| std::array::from_fn(|_| DamperState::rest())),
     };
     vehicle.start(&mut state, &running);
     for _ in 0..cycles {

@@ -128,7 +128,7 @@ impl Board {
         mut see: impl FnMut(&str),
     ) -> std::io::Result<Ended> {
         let mut qemu = Command::new(&self.qemu);
-        let arguments: String = words.iter().map(|word| format!(",arg={word}")).collect();
+        let arguments = words.iter().fold(String::new(), |all, word| all + ",arg=" + word);
         qemu.args(["-M", "mps2-an500", "-icount", "shift=0", "-display", "none"])
             .args(["-monitor", "none", "-serial", "none"])
             .args(["-chardev", "stdio,id=console", "-semihosting-config"])
@@ -154,7 +154,9 @@ fn judged(run: &mut Run, image: &Path, committed: &Path, law: &str, lines: &[Str
         values.collect()
     };
     let mut counts = number("ticks ");
-    counts.iter_mut().for_each(|ticks| *ticks *= INSTRUCTIONS_PER_TICK);
+    for ticks in &mut counts {
+        *ticks *= INSTRUCTIONS_PER_TICK;
+    }
     counts.sort_unstable();
     let share = |percent: usize| counts.get((counts.len() * percent / 100).min(counts.len() - 1));
     let (Some(&median), Some(&p99), Some(&worst)) = (share(50), share(99), counts.last()) else {

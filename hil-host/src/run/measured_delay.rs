@@ -75,15 +75,20 @@ fn judge(
             continue;
         };
         let (left_s, cost) = cost(ram);
-        let (verb, what) = if cost < 0.0 { ("add", "to") } else { ("take", "from") };
+        let effect = if left_s < 0.0 {
+            let (lead_ms, gain) = (-1e3 * left_s, 100.0 * cost.abs());
+            format!(
+                "compensation takes {lead_ms:.3} ms too much, which adds {gain:.1} % of damping"
+            )
+        } else {
+            let (late_ms, loss) = (1e3 * left_s, 100.0 * cost);
+            format!("{late_ms:.3} ms are left, which cost {loss:.1} % of the damping")
+        };
         let found = format!(
-            "{}, the worst of {} at {frequency_hz:.1} Hz: a ram that is {:.3} ms late; {:.3} ms \
-             are left, which {verb} {:.1} % {what} the damping",
+            "{}, the worst of {} near {frequency_hz:.1} Hz: a ram that is {:.3} ms late; {effect}",
             ram.source,
             of_rig.len(),
-            1e3 * ram.delay_s,
-            1e3 * left_s,
-            100.0 * cost.abs()
+            1e3 * ram.delay_s
         );
         if cost.abs() > COST_REFUSED && !accept_delay_error {
             return Err(BenchError::MeasuredDelay { place: place.clone(), found });
