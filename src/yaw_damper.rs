@@ -14,11 +14,13 @@ use std::process::ExitCode;
 use vehicle_studies::StudyError;
 use vehicle_studies::yaw_damper_problem::{
     AIMS, Answer, CONDITIONS, Candidate, Condition, DEAD_TIMES_MS, Errors, Motion, OURS, Problem,
-    Question, RESULT_OF, Regime, page, read_command, read_filter, text,
+    ProblemFile, Question, RESULT_OF, Regime, page, read_command, read_filter, text,
 };
 
 /// The name of the results in their folder, and of the folder itself.
 const NAME: &str = "yaw-damper-problem";
+/// The files of scores.
+const SCORES: [&str; 2] = ["scores.json", "report.html"];
 
 /// The options of the reference problem.
 #[derive(Debug, Args)]
@@ -151,14 +153,19 @@ fn scored(args: &YawDamperArgs, seed: u64, json: bool) -> Result<ExitCode, Comma
     let identity = problem.identity(&asked)?;
     let (mut folder, changed) =
         ResultFolder::for_identity(args.out.as_deref(), NAME, NAME, &identity)?;
-    folder.check(&["README.txt", "scoring.csv", "scores.json", "report.html"])?;
+    let files = problem.files(question.seed, Question::full(question.seed).perturbed_rigs);
+    let mut names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    if !args.problem {
+        names.extend(SCORES);
+    }
+    folder.check(&names)?;
     if let Some(changed) = changed {
         files::say!("note: {changed}");
     }
     if args.problem {
         folder.create()?;
-        let written = write_problem(&problem, &folder, &question)?;
-        print(&format!("files in {}: {written}", folder.path().display()))?;
+        write(&folder, &files)?;
+        print(&format!("files in {}: {}", folder.path().display(), names.join(", ")))?;
         return Ok(ExitCode::SUCCESS);
     }
     let bar = progress::bar("runs of the reference problem");
@@ -167,41 +174,33 @@ fn scored(args: &YawDamperArgs, seed: u64, json: bool) -> Result<ExitCode, Comma
     bar.finish_and_clear();
     let answer = answer?;
     folder.create()?;
-    let written = write_problem(&problem, &folder, &question)?;
-    finish(&answer, (&folder, &written), json)
+    write(&folder, &files)?;
+    finish(&answer, (&folder, &names), json)
 }
 
-/// Writes the files of the problem; their names.
-fn write_problem(
-    problem: &Problem<'_>,
-    folder: &ResultFolder,
-    question: &Question,
-) -> Result<String, CommandError> {
-    let mut names = Vec::new();
-    for (name, content) in
-        problem.files(question.seed, Question::full(question.seed).perturbed_rigs)
-    {
-        folder.write(&name, &content)?;
-        names.push(name);
+/// Writes the files of the problem.
+fn write(folder: &ResultFolder, files: &[ProblemFile]) -> Result<(), CommandError> {
+    for (name, content) in files {
+        folder.write(name, content)?;
     }
-    Ok(names.join(", "))
+    Ok(())
 }
 
 /// Writes and prints the scores, next to what was written of the problem.
 fn finish(
     answer: &Answer,
-    (folder, problem): (&ResultFolder, &str),
+    (folder, names): (&ResultFolder, &[&str]),
     json: bool,
 ) -> Result<ExitCode, CommandError> {
     let file = format!("{}\n", serde_json::to_string_pretty(answer)?);
     let html = page(answer, Report::new("Yaw damper on emulated rigs")).to_html()?;
-    folder.write("scores.json", &file)?;
-    folder.write("report.html", &html)?;
+    let [scores, report] = SCORES;
+    folder.write(scores, &file)?;
+    folder.write(report, &html)?;
     if json {
         print(&file)?;
     } else {
-        let place = folder.path().display();
-        let names = format!("report.html, scores.json, {problem}");
+        let (place, names) = (folder.path().display(), names.join(", "));
         print(&format!("{}\n\nfiles in {place}: {names}", text(answer)))?;
     }
     let is_missed = answer.aims.iter().any(|aim| !aim.is_met);

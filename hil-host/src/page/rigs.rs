@@ -62,6 +62,7 @@ fn stand_in_table(summary: &Summary) -> Option<Table> {
         .text("is")
         .text("force of the rig of")
         .text("sign")
+        .number("until", "s")
         .number("difference of the strokes, rms", "mm")
         .number("of the stroke of the rig", "%")
         .number("force less own model, rms", "N");
@@ -74,6 +75,7 @@ fn stand_in_table(summary: &Summary) -> Option<Table> {
             damper.place.as_str().into(),
             stand_in.of.as_str().into(),
             if stand_in.is_reversed { "reversed" } else { "the same" }.into(),
+            stand_in.until_s.into(),
             (stand_in.stroke_difference_rms_m * 1e3).into(),
             stand_in.stroke_difference_percent.into(),
             stand_in.force_less_model_rms_n.into(),

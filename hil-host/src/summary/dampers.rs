@@ -90,7 +90,7 @@ pub(crate) fn dampers(
     let slots = run.slots.iter().enumerate();
     let dampers = slots.map(|(slot, place)| {
         let tracking = TrackingSummary::of(&place.force, hunting, &sums.slots[slot]);
-        let stand_in = StandInSummary::of(run, slot, sums);
+        let stand_in = StandInSummary::of(run, slot, sums, counts.model_from_s[slot]);
         DamperSummary { stand_in, tracking, ..damper(place, slot, counts, sums) }
     });
     dampers.collect()

@@ -14,6 +14,9 @@ pub struct StandInSummary {
     pub of: String,
     /// Whether the sign of the measured force was reversed.
     pub is_reversed: bool,
+    /// Until when it did, s: that rig was lost, and the model of this place acted from then on.
+    /// Null where it stood to the end.
+    pub until_s: Option<f64>,
     /// Rms of what the two strokes differ by, the sign of one reversed where that of the force is,
     /// m: zero in pure yaw for dampers of one bogie.
     pub stroke_difference_rms_m: f64,
@@ -25,7 +28,7 @@ pub struct StandInSummary {
 
 impl StandInSummary {
     /// That of a slot; none of one for which no other rig stood.
-    pub(super) fn of(run: &Run, slot: usize, sums: &Sums) -> Option<Self> {
+    pub(super) fn of(run: &Run, slot: usize, sums: &Sums, until_s: Option<f64>) -> Option<Self> {
         let SlotForce::StandIn { of, is_reversed, .. } = run.slots.get(slot)?.force else {
             return None;
         };
@@ -34,6 +37,7 @@ impl StandInSummary {
         Some(Self {
             of: run.slots.get(of)?.place.clone(),
             is_reversed,
+            until_s,
             stroke_difference_rms_m: rms_m,
             stroke_difference_percent: percent.is_finite().then_some(percent),
             force_less_model_rms_n: sums.slots.get(slot)?.residual.rms(),
@@ -42,7 +46,9 @@ impl StandInSummary {
 
     /// The same as a warning, where the damper did not move as the rig did.
     pub fn warning(&self) -> Option<String> {
-        let is_apart = self.stroke_difference_percent.is_some_and(|apart| apart > APART_PERCENT);
+        // A rig that was lost is told as such.
+        let stood = self.stroke_difference_percent.filter(|_| self.until_s.is_none());
+        let is_apart = stood.is_some_and(|apart| apart > APART_PERCENT);
         let says = || format!("{}: it did not feel the force of a rig of its own", self.in_words());
         is_apart.then(says)
     }
@@ -50,9 +56,15 @@ impl StandInSummary {
     /// In words.
     pub fn in_words(&self) -> String {
         let Self { of, is_reversed, stroke_difference_percent, .. } = self;
-        let percent = match stroke_difference_percent {
-            Some(percent) => report::significant(*percent, 3),
-            None => "an unknown share".to_owned(),
+        if let Some(until_s) = self.until_s {
+            let sign = if *is_reversed { ", its sign reversed," } else { "" };
+            return format!(
+                "the force of the rig of {of}{sign} until {until_s:.3} s, then its own model"
+            );
+        }
+        let apart = match stroke_difference_percent {
+            Some(percent) => format!("{} % rms", report::significant(*percent, 3)),
+            None => "by an unknown share".to_owned(),
         };
         let (sign, motion) = if *is_reversed {
             (", its sign reversed", "moving oppositely")
@@ -60,7 +72,7 @@ impl StandInSummary {
             ("", "moving alike")
         };
         format!(
-            "the force of the rig of {of}{sign}; the strokes were {percent} % rms away from {motion}, \
+            "the force of the rig of {of}{sign}; the strokes were {apart} away from {motion}, \
              the force {} N rms from the model of this place",
             report::significant(self.force_less_model_rms_n, 3)
         )
@@ -89,4 +101,26 @@ pub(crate) fn labels(run: &Run) -> Vec<String> {
             format!("one measured force used {times}: that of {}", run.slots[slot].place)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_damper_on_its_own_model_was_said_to_have_the_force_of_a_rig() {
+        let stood = StandInSummary {
+            of: "front left".to_owned(),
+            is_reversed: true,
+            until_s: None,
+            stroke_difference_rms_m: 1e-3,
+            stroke_difference_percent: Some(80.0),
+            force_less_model_rms_n: 0.0,
+        };
+        assert!(stood.warning().is_some_and(|said| said.contains("80 % rms away")));
+        let lost = StandInSummary { until_s: Some(0.095), ..stood };
+        assert_eq!(lost.warning(), None);
+        let expected = "the force of the rig of front left, its sign reversed, until 0.095 s, then its own model";
+        assert_eq!(lost.in_words(), expected);
+    }
 }
