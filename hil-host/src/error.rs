@@ -218,6 +218,15 @@ pub enum BenchError {
         /// What was expected.
         expected: &'static str,
     },
+    /// A run that cannot be set beside others.
+    Incomparable {
+        /// Its folder.
+        run: PathBuf,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
     /// The report's parts do not fit each other.
     Report(report::Error),
     /// The summary cannot be written as JSON.
@@ -245,6 +254,7 @@ impl BenchError {
             | Self::MeasuredDelay { .. }
             | Self::Space { .. }
             | Self::Kept { .. }
+            | Self::Incomparable { .. }
             | Self::RealtimeRefused => true,
             // The disk is sound: the content is not.
             Self::File { why, .. } => why.kind() == std::io::ErrorKind::InvalidData,
@@ -450,6 +460,10 @@ impl fmt::Display for BenchError {
             Self::Kept { file, found, expected } => {
                 let file = file.display().to_string();
                 write!(f, "{}: found {found}, expected {expected}", quoted(&file))
+            }
+            Self::Incomparable { run, found, expected } => {
+                let run = run.display().to_string();
+                write!(f, "{}: found {found}, expected {expected}", quoted(&run))
             }
             Self::Report(why) => write!(f, "report.html: {why}"),
             Self::Summary(why) => write!(f, "summary.json: {why}"),
