@@ -177,7 +177,7 @@ fn files_are_written_where_a_folder_is_named_and_nowhere_else() {
     let kept: Value = serde_json::from_str(&read(&out.join("compare.json"))).unwrap();
     assert_eq!(kept["in_words"][0], last);
     let page = read(&out.join("report.html"));
-    assert!(page.contains("over the mean of it") && page.contains("larger than repeatability"));
+    assert!(page.contains("over the mean of A") && page.contains("larger than repeatability"));
     let (code, _, complained) = compare(&["new-1", "new-2", "--out", "new-1"]);
     assert_eq!(code, Some(2), "{complained}");
 }

@@ -2,6 +2,7 @@
 
 use super::finished::FinishedRun;
 use super::groups::Group;
+use std::collections::BTreeSet;
 
 /// Most keys that a line names.
 const KEYS_MAX: usize = 4;
@@ -24,8 +25,8 @@ pub(super) fn notes(groups: &[Group]) -> Vec<String> {
         notes.push(format!("runs of several versions of the program, such as {}", other.program));
     }
     if runs().all(|run| run.on_memory) {
-        let emulated = "emulated rigs: their repeats differ by the noise of the sensors alone, not \
-            by a damper that was mounted anew";
+        let emulated = "emulated rigs: their repeats differ by the noise of the sensors and by what \
+            their files say, not by a damper that was mounted anew";
         notes.push(emulated.to_owned());
     }
     notes
@@ -47,23 +48,18 @@ fn same_computations(group: &Group) -> Vec<String> {
     again.collect()
 }
 
-/// Named repeats that differ in their files.
-fn unlike_repeats(group: &Group) -> Vec<String> {
-    let Some((first, others)) = group.runs.split_first() else { return Vec::new() };
-    let unlike = others.iter().filter_map(|run| {
-        let differing = run.condition.differing(&first.condition);
-        let keys: Vec<&str> =
-            differing.iter().take(KEYS_MAX).map(|differing| differing.key.as_str()).collect();
-        (!keys.is_empty()).then(|| {
-            let (name, keys) = (&group.name, keys.join(", "));
-            format!(
-                "{}: another {keys} than {}: the spread of {name} holds that too",
-                shown(run),
-                shown(first)
-            )
-        })
-    });
-    unlike.collect()
+/// Keys in which named repeats differ, if they do.
+fn unlike_repeats(group: &Group) -> Option<String> {
+    let (first, others) = group.runs.split_first()?;
+    let differing = |run: &FinishedRun| run.condition.differing(&first.condition);
+    let keys: BTreeSet<String> = others.iter().flat_map(differing).map(|found| found.key).collect();
+    let named: Vec<&str> = keys.iter().take(KEYS_MAX).map(String::as_str).collect();
+    let (name, more) = (&group.name, keys.len().saturating_sub(KEYS_MAX));
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let named = named.join(", ");
+    (!keys.is_empty()).then(|| {
+        format!("the runs of {name} differ in {named}{more}: the spread of {name} holds that too")
+    })
 }
 
 fn shown(run: &FinishedRun) -> String {

@@ -31,44 +31,8 @@ impl SideBySide {
         Section::new(&format!("{} against {}", found.group, found.against))
             .text(&found.in_words())
             .note(&self.rule())
-            .plot(self.plot(found))
+            .plot(plot(found))
             .table(found.table())
-    }
-
-    /// Differences with their intervals, over the mean of the first group.
-    fn plot(&self, found: &GroupComparison) -> Plot {
-        let means = self.repeats.iter().map(|row| row.groups[0].mean);
-        let rows: Vec<(f64, f64, &Difference)> = means
-            .zip(&found.quantities)
-            .enumerate()
-            .filter_map(|(n, (mean, row))| {
-                let percent = 100.0 / mean.filter(|mean| *mean != 0.0)?.abs();
-                Some(((n + 1) as f64, percent, row))
-            })
-            .collect();
-        let title = format!("{} less {}, over the mean of it", found.group, found.against);
-        let mut plot = Plot::new(&title)
-            .caption("In the order of the table. Bars are 95 % intervals, one by one.")
-            .x("row of the table", "")
-            .y("difference", "%")
-            .palette(&TRUSTS.map(Trust::name))
-            .limit("no difference", 0.0);
-        for (n, percent, row) in &rows {
-            if let Some(interval) = row.interval {
-                let ends = interval.map(|end| percent * end);
-                plot = plot.line("95 % interval", &[*n, *n], &ends);
-            }
-        }
-        for trust in TRUSTS {
-            let of_word = rows.iter().filter(|(_, _, row)| row.trust == trust);
-            let points =
-                of_word.filter_map(|(n, percent, row)| Some((*n, percent * row.difference?)));
-            let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
-            if !x.is_empty() {
-                plot = plot.scatter(trust.name(), &x, &y);
-            }
-        }
-        plot
     }
 
     fn runs_table(&self) -> Table {
@@ -96,4 +60,39 @@ impl SideBySide {
             .text("title")
             .rows(rows)
     }
+}
+
+/// Differences with their intervals, over the mean of the first group.
+fn plot(found: &GroupComparison) -> Plot {
+    let rows: Vec<(f64, f64, &Difference)> = found
+        .quantities
+        .iter()
+        .enumerate()
+        .filter_map(|(n, row)| {
+            let reference = row.reference.filter(|reference| *reference != 0.0)?;
+            Some(((n + 1) as f64, 100.0 / reference.abs(), row))
+        })
+        .collect();
+    let GroupComparison { group, against, .. } = found;
+    let mut plot = Plot::new(&format!("{group} less {against}, over the mean of {against}"))
+        .caption("In the order of the table. Bars are 95 % intervals, one by one.")
+        .x("row of the table", "")
+        .y("difference", "%")
+        .palette(&TRUSTS.map(Trust::name))
+        .limit("no difference", 0.0);
+    for (n, percent, row) in &rows {
+        if let Some(interval) = row.interval {
+            let ends = interval.map(|end| percent * end);
+            plot = plot.line("95 % interval", &[*n, *n], &ends);
+        }
+    }
+    for trust in TRUSTS {
+        let of_word = rows.iter().filter(|(_, _, row)| row.trust == trust);
+        let points = of_word.filter_map(|(n, percent, row)| Some((*n, percent * row.difference?)));
+        let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
+        if !x.is_empty() {
+            plot = plot.scatter(trust.name(), &x, &y);
+        }
+    }
+    plot
 }

@@ -112,7 +112,9 @@ pub struct Difference {
     pub unit: &'static str,
     /// Mean of the group less that of the first.
     pub difference: Option<f64>,
-    /// Its 95 % interval, one by one; null without a spread.
+    /// Mean of the first group.
+    pub reference: Option<f64>,
+    /// The 95 % interval of the difference, one by one; null without a spread.
     pub interval: Option<[f64; 2]>,
     /// Degrees of freedom of that.
     pub degrees_of_freedom: Option<f64>,
@@ -212,6 +214,7 @@ fn compared(
         quantity: quantity.to_owned(),
         unit,
         difference: judged.difference,
+        reference: judged.reference,
         interval: judged.welch.map(|welch| welch.interval(LEVEL)),
         degrees_of_freedom: judged.welch.map(|welch| welch.freedom),
         p: judged.welch.map(|welch| welch.p),
@@ -264,6 +267,12 @@ impl Spread {
 }
 
 impl Difference {
+    /// The difference over the size of the first group's mean (%).
+    pub(super) fn percent(&self) -> Option<f64> {
+        let reference = self.reference.filter(|reference| *reference != 0.0)?;
+        Some(100.0 * self.difference? / reference.abs())
+    }
+
     /// Whether the drift of the bench is more than half of a difference that is claimed.
     pub(super) fn is_drifted(&self) -> bool {
         let is_claimed = self.trust == Trust::LargerThanRepeatability;

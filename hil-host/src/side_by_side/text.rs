@@ -3,6 +3,7 @@
 use super::condition::Differing;
 use super::result::{ComparedGroup, GroupComparison, SideBySide, Spread};
 use crate::comparison::readable;
+use files::quote::escaped;
 use report::{Cell, Table};
 use std::fmt;
 
@@ -80,7 +81,7 @@ impl ComparedGroup {
         if more > 0 {
             line += &format!(" and {more} more");
         }
-        files::quoted(&line).to_string()
+        escaped(&line)
     }
 }
 
@@ -95,8 +96,8 @@ impl GroupComparison {
                 Cell::from(row.quantity.as_str()),
                 Cell::from(unit),
                 number(row.difference),
-                number(row.interval.map(|[low, _]| low)),
-                number(row.interval.map(|[_, high]| high)),
+                number(row.interval.map(|[low, high]| 0.5 * (high - low))),
+                row.percent().into(),
                 number(row.drift),
                 Cell::Text(format!("{}{word}", row.trust.name())),
             ]
@@ -105,8 +106,8 @@ impl GroupComparison {
             .text("quantity")
             .text("unit")
             .number("difference", "")
-            .number("95 % from", "")
-            .number("to", "")
+            .number_with_digits("95 % ±", "", 2)
+            .number_with_digits("of the mean", "%", 3)
             .number_with_digits("ABA drift", "", 2)
             .text("the difference is")
             .rows(rows)
@@ -126,18 +127,21 @@ impl GroupComparison {
                  {within}, unknown in {unknown}"
             ),
             () => format!(
-                "repeatability is larger than {what} in {within} of {all} quantities, smaller in \
+                "{what} is within repeatability in {within} of {all} quantities, larger in \
                  {larger}, unknown in {unknown}"
             ),
         };
         let drift = match (&self.aba, self.drifted) {
             (None, _) => "no ABA test: a drift of the bench would look the same".to_owned(),
-            (Some(aba), 0) => format!("by ABA ({}) drift explains half of none", aba.group),
+            (Some(aba), _) if *larger == 0 => format!("an ABA test with {}", aba.group),
+            (Some(aba), 0) => {
+                format!("drift by ABA ({}) is less than half of each of these", aba.group)
+            }
             (Some(aba), n) => {
-                format!("by ABA ({}) drift explains half or more in {n} of these", aba.group)
+                format!("drift by ABA ({}) is more than half of {n} of these", aba.group)
             }
         };
-        files::quoted(&format!("{group} against {against}: {found}; {drift}")).to_string()
+        escaped(&format!("{group} against {against}: {found}; {drift}"))
     }
 }
 
@@ -150,7 +154,7 @@ impl fmt::Display for SideBySide {
             writeln!(f, "{}", self.rule())?;
         }
         for note in &self.notes {
-            writeln!(f, "note: {}", files::quoted(note))?;
+            writeln!(f, "note: {}", escaped(note))?;
         }
         self.in_words.iter().try_for_each(|line| writeln!(f, "{line}"))
     }

@@ -33,6 +33,8 @@ impl Trust {
 /// A difference of two groups in one quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Judged {
+    /// Mean of the first; none where it has no value.
+    pub(super) reference: Option<f64>,
     /// None where a group has no value.
     pub(super) difference: Option<f64>,
     /// Welch's; none where a group has no spread.
@@ -53,6 +55,7 @@ pub(super) fn judge(pairs: &[[Option<Repeats>; 2]]) -> Vec<Judged> {
     let judged = pairs.iter().zip(welch).map(|([one, other], welch)| {
         let p_holm = welch.and_then(|_| adjusted.next());
         Judged {
+            reference: one.map(|one| one.mean),
             difference: one.zip(*other).map(|(one, other)| other.mean - one.mean),
             welch,
             p_holm,
