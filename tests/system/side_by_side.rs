@@ -248,19 +248,19 @@ fn what_cannot_stand_side_by_side_is_one_line() {
 #[test]
 fn the_example_of_the_page_gives_what_the_page_says() {
     let page = read(&repository().join("docs/compare.md"));
-    let block = |kind: &str| {
-        let (_, rest) = page.split_once(&format!("```{kind}\n")).unwrap();
-        rest.split_once("\n```").unwrap().0
-    };
+    let (_, example) = page.split_once("```sh\n").unwrap();
+    let (commands, behind) = example.split_once("\n```").unwrap();
+    let (_, shown) = behind.split_once("```text\n").unwrap();
+    let (shown, _) = shown.split_once("\n```").unwrap();
     let place = folder("side-by-side-page");
     let program = place.join("target/release");
     std::fs::create_dir_all(&program).unwrap();
     symlink(yawbench().get_program(), program.join("yawbench")).unwrap();
     symlink(repository().join("scenarios"), place.join("scenarios")).unwrap();
-    let result = output(Command::new("sh").args(["-e", "-c", block("sh")]).current_dir(&place));
+    let result = output(Command::new("sh").args(["-e", "-c", commands]).current_dir(&place));
     let printed = String::from_utf8_lossy(&result.stdout).into_owned();
     assert!(result.status.success(), "{printed}{}", String::from_utf8_lossy(&result.stderr));
-    let shown: Vec<&str> = block("text").lines().collect();
+    let shown: Vec<&str> = shown.lines().collect();
     let [first, second, .., last] = shown[..] else { panic!("{shown:?}") };
     assert_eq!(printed.lines().last(), Some(last));
     for group in [first, second] {
