@@ -71,7 +71,8 @@ impl MeanDifference {
     ///
     /// ```
     /// use signal::repeats::{MeanDifference, Repeats};
-    /// let [new, worn] = [[9.0, 10.0, 11.0], [13.0, 14.0, 15.0]].map(|of| Repeats::of(&of).unwrap());
+    /// let [new, worn] = [[9.0, 10.0, 11.0], [13.0, 14.0, 15.0]];
+    /// let [new, worn] = [new, worn].map(|values| Repeats::of(&values).unwrap());
     /// let found = MeanDifference::between(&new, &worn).unwrap();
     /// // Four degrees of freedom: t = 2.776, and an error of sqrt(2/3).
     /// let [low, high] = found.interval(0.05);

@@ -4,11 +4,11 @@
 //! run = condition + repeat        difference = mean(repeats of B) - mean(repeats of A)
 //! ```
 //! A repeat is a run of its own under one condition, at best with the damper mounted anew. Runs are
-//! grouped by what they recorded, or by the user where that is not enough: two dampers that stand on
-//! one rig after each other leave the same files. Each group is compared with the first one, in
-//! every quantity, by [`signal::repeats`]; a difference is claimed only where repeats do not explain
-//! it. Where runs of one group were made before and after the other (an ABA test), what they differ
-//! by is the drift of the bench, and stands beside the difference.
+//! grouped by what they recorded, or by the user where that is not enough: two dampers that stand
+//! on one rig after each other leave the same files. Each group is compared with the first one, in
+//! every quantity, by [`signal::repeats`]; a difference is claimed only where repeats do not
+//! explain it. Where runs of one group were made before and after the other (an ABA test), what
+//! they differ by is the drift of the bench, and stands beside the difference.
 //!
 //! Figures come from the records, so that runs of two versions of the program are counted alike.
 //!
