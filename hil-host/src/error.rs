@@ -457,14 +457,8 @@ impl fmt::Display for BenchError {
                 quoted(&file.display().to_string())
             ),
             Self::Input(why) => why.fmt(f),
-            Self::Kept { file, found, expected } => {
-                let file = file.display().to_string();
-                write!(f, "{}: found {found}, expected {expected}", quoted(&file))
-            }
-            Self::Incomparable { run, found, expected } => {
-                let run = run.display().to_string();
-                write!(f, "{}: found {found}, expected {expected}", quoted(&run))
-            }
+            Self::Kept { file, found, expected } => unexpected(f, file, [found, expected]),
+            Self::Incomparable { run, found, expected } => unexpected(f, run, [found, expected]),
             Self::Report(why) => write!(f, "report.html: {why}"),
             Self::Summary(why) => write!(f, "summary.json: {why}"),
             Self::Thread { name } => write!(f, "the thread that {name} failed"),
@@ -539,6 +533,16 @@ impl From<serde_json::Error> for BenchError {
     fn from(why: serde_json::Error) -> Self {
         Self::Summary(why)
     }
+}
+
+/// A file or folder that holds something else than was expected.
+fn unexpected(
+    f: &mut fmt::Formatter<'_>,
+    place: &Path,
+    [found, expected]: [&str; 2],
+) -> fmt::Result {
+    let place = place.display().to_string();
+    write!(f, "{}: found {found}, expected {expected}", quoted(&place))
 }
 
 /// A disk without room for a run.

@@ -84,12 +84,12 @@ impl Group {
 fn by_condition(runs: Vec<FinishedRun>) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for run in runs {
-        match groups.iter_mut().find(|group| group.runs[0].condition == run.condition) {
-            Some(group) => group.runs.push(run),
-            None => {
-                let name = letters(groups.len());
-                groups.push(Group { name, runs: vec![run], differing: Vec::new() });
-            }
+        let same = groups.iter_mut().find(|group| group.runs[0].condition == run.condition);
+        if let Some(group) = same {
+            group.runs.push(run);
+        } else {
+            let name = letters(groups.len());
+            groups.push(Group { name, runs: vec![run], differing: Vec::new() });
         }
     }
     groups

@@ -71,16 +71,17 @@ impl ComparedGroup {
         let runs: Vec<&str> = self.runs.iter().map(|run| run.run.as_str()).collect();
         let repeats = self.runs.iter().filter(|run| run.is_repeat).count();
         let count = if repeats == 1 { "1 run".to_owned() } else { format!("{repeats} runs") };
-        let mut line = format!("{}: {count} ({})", self.name, runs.join(", "));
         let shown = self.differing.iter().take(KEYS_MAX).map(Differing::shown);
         let shown: Vec<String> = shown.collect();
-        if !shown.is_empty() {
-            line += &format!("; differs in {}", shown.join(", "));
-        }
-        let more = self.differing.len().saturating_sub(KEYS_MAX);
-        if more > 0 {
-            line += &format!(" and {more} more");
-        }
+        let more = match self.differing.len().saturating_sub(KEYS_MAX) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let differs = match shown[..] {
+            [] => String::new(),
+            _ => format!("; differs in {}{more}", shown.join(", ")),
+        };
+        let line = format!("{}: {count} ({}){differs}", self.name, runs.join(", "));
         escaped(&line)
     }
 }
