@@ -8,6 +8,7 @@ mod bench_options;
 mod calibration_file;
 mod campaign;
 mod characterise;
+mod compare;
 mod critical_speed;
 mod curve;
 mod date;
@@ -80,6 +81,10 @@ enum Command {
     /// the trajectory of every cycle, bit for bit.
     #[command(after_help = "Example: yawbench replay runs/ss9-160kmh-1")]
     Replay(replay::ReplayArgs),
+    /// Set runs side by side: is what differs between them larger than what repeats differ by?
+    #[command(after_help = "Examples: yawbench compare runs/new-* runs/worn-*
+          yawbench compare --group new runs/a-1 runs/a-2 --group worn runs/b-1 runs/b-2")]
+    Compare(compare::CompareArgs),
     /// Emulate the rig at the other end of a CAN bus: actuator, load cell and damper.
     #[command(
         after_help = "Example: yawbench rig scenarios/rigs/laboratory-rig.toml --bus socketcan:vcan0 --node 1"
@@ -220,6 +225,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
         Command::WearMap(args) => wear_map::command(args)?,
         Command::Report(args) => report::command(args)?,
         Command::Replay(args) => replay::command(args)?,
+        Command::Compare(args) => compare::command(args)?,
         Command::Rig(args) => rig::command(args)?,
         Command::Doctor(args) => doctor::command(args)?,
         Command::Rtcheck(args) => rtcheck::command(args)?,

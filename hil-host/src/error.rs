@@ -225,6 +225,15 @@ pub enum BenchError {
         /// What was expected.
         expected: &'static str,
     },
+    /// A run that cannot be set beside others.
+    Incomparable {
+        /// Its folder.
+        run: PathBuf,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
     /// The report's parts do not fit each other.
     Report(report::Error),
     /// The summary cannot be written as JSON.
@@ -253,6 +262,7 @@ impl BenchError {
             | Self::OtherRams { .. }
             | Self::Space { .. }
             | Self::Kept { .. }
+            | Self::Incomparable { .. }
             | Self::RealtimeRefused => true,
             // The disk is sound: the content is not.
             Self::File { why, .. } => why.kind() == std::io::ErrorKind::InvalidData,
@@ -456,10 +466,8 @@ impl fmt::Display for BenchError {
                 quoted(&file.display().to_string())
             ),
             Self::Input(why) => why.fmt(f),
-            Self::Kept { file, found, expected } => {
-                let file = file.display().to_string();
-                write!(f, "{}: found {found}, expected {expected}", quoted(&file))
-            }
+            Self::Kept { file, found, expected } => unexpected(f, file, [found, expected]),
+            Self::Incomparable { run, found, expected } => unexpected(f, run, [found, expected]),
             Self::Report(why) => write!(f, "report.html: {why}"),
             Self::Summary(why) => write!(f, "summary.json: {why}"),
             Self::Thread { name } => write!(f, "the thread that {name} failed"),
@@ -534,6 +542,16 @@ impl From<serde_json::Error> for BenchError {
     fn from(why: serde_json::Error) -> Self {
         Self::Summary(why)
     }
+}
+
+/// A file or folder that holds something else than was expected.
+fn unexpected(
+    f: &mut fmt::Formatter<'_>,
+    place: &Path,
+    [found, expected]: [&str; 2],
+) -> fmt::Result {
+    let place = place.display().to_string();
+    write!(f, "{}: found {found}, expected {expected}", quoted(&place))
 }
 
 /// A disk without room for a run.

@@ -22,7 +22,8 @@
 //! 8. [`run`](mod@run): from a scenario to a result folder. Behind it, private: `counts` (while
 //!    it goes on), `statistics` (from the record), `summary` (`summary.json`), `page`
 //!    (`report.html`), `comparison` (the same run with another damper). [`rehearse`] runs it in
-//!    memory first, and says how far every limit is away.
+//!    memory first, and says how far every limit is away. [`side_by_side()`] reads finished runs
+//!    and says which of their differences repeats do not explain.
 //! 9. [`live`]: a page on this machine to watch a run and to end it.
 //! 10. [`calibration`]: stiffness, skew, end mass and gain of a rig, from tests in open loop.
 //!
@@ -57,6 +58,7 @@ mod reset;
 pub mod rig;
 pub mod rtcheck;
 pub mod run;
+mod side_by_side;
 pub mod stability;
 mod statistics;
 mod summary;
@@ -71,6 +73,10 @@ pub use measured_ram::{MeasuredRam, MeasuredRams};
 pub use options::{PaceChoice, RunOptions};
 pub use rehearsal::{CheckMargin, LimitOf, Rehearsal, TRACKING, Verdict, rehearse};
 pub use reset::{reset_over, reset_rig};
+pub use side_by_side::{
+    Aba, ComparedGroup, ComparedRun, Difference, Differing, GroupComparison, QuantityRepeats,
+    RunGroups, SideBySide, Spread, Trust, side_by_side,
+};
 pub use summary::{
     Acceleration, Accelerations, ArmedSession, BusCount, DamperSummary, ForceRange, Frames,
     MeasuredDelay, Percentiles, StandInSummary, StepPercentiles, Stroke, Summary, TrackingSummary,

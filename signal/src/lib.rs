@@ -3,6 +3,7 @@
 //! | module | what |
 //! | --- | --- |
 //! | [`statistics`] | mean, rms, percentiles, zero crossings |
+//! | [`repeats`] | spread of repeats, difference of two sets of them, many differences at once |
 //! | [`spectrum`] | power spectral density by Welch's method |
 //! | [`response`] | a filter given by its frequency response |
 //! | [`guiding_force`] | the filters of EN 14363 for guiding forces |
@@ -17,6 +18,7 @@ pub mod error;
 pub mod guiding_force;
 mod origin;
 pub mod random;
+pub mod repeats;
 pub mod response;
 mod shard;
 pub mod shards;

@@ -48,6 +48,7 @@ mod rtcheck;
 mod rths_benchmark;
 mod run_command;
 mod several_rigs;
+mod side_by_side;
 mod stale_answers;
 mod system_calls;
 mod watch;

@@ -143,13 +143,18 @@ impl fmt::Display for Comparison {
 }
 
 impl Quantity {
-    /// Factor and unit for readers: forces in kN, strokes in mm.
+    /// Factor and unit for readers.
     pub(super) fn readable(&self) -> (f64, &'static str) {
-        match self.unit {
-            "N" => (1e-3, "kN"),
-            "m" => (1e3, "mm"),
-            "m/s2" => (1.0, "m/s²"),
-            unit => (1.0, unit),
-        }
+        readable(self.unit)
+    }
+}
+
+/// Factor and unit of a figure for readers: forces in kN, strokes in mm.
+pub(crate) fn readable(unit: &'static str) -> (f64, &'static str) {
+    match unit {
+        "N" => (1e-3, "kN"),
+        "m" => (1e3, "mm"),
+        "m/s2" => (1.0, "m/s²"),
+        unit => (1.0, unit),
     }
 }

@@ -13,16 +13,19 @@
 //! A negative figure (a force in compression) that grows in size has a positive change.
 
 mod difference;
+mod figures;
 mod pairs;
 mod second_run;
 mod section;
 
+pub(crate) use difference::readable;
 pub use difference::{ComparedDamper, ComparedEffect, Comparison, Quantity};
+pub(crate) use figures::{Figure, figures};
 pub(crate) use second_run::{Cycles, SecondRun};
 pub(crate) use section::section;
 
-use crate::statistics::{Statistics, Sums};
-use crate::summary::{Accelerations, DamperSummary, Summary};
+use crate::statistics::Statistics;
+use crate::summary::Summary;
 use scenario::compare::CompareSetup;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 
@@ -37,10 +40,9 @@ pub(crate) fn compare(
     let accelerations = crate::summary::accelerations(second.watched, sums_before);
     let before = figures(other, &dampers, &accelerations, sums_before);
     let after = figures(run, &summary.damper, &summary.accelerations, sums);
-    let known =
-        |value: f64, sums: &Sums| Some(value).filter(|value| sums.rows > 0 && value.is_finite());
-    let quantities = before.into_iter().zip(after).map(|(before, (quantity, unit, after))| {
-        let (before, after) = (known(before.2, sums_before), known(after, sums));
+    let quantities = before.into_iter().zip(after).map(|(before, after)| {
+        let Figure { quantity, unit, value: after } = after;
+        let before = before.value;
         let change_percent = before.zip(after).and_then(|(b, a)| change_percent(b, a));
         Quantity { quantity, unit, before, after, change_percent }
     });
@@ -66,46 +68,6 @@ fn change_percent(before: f64, after: f64) -> Option<f64> {
         () if before == 0.0 => None,
         () => Some(100.0 * (after - before) / before),
     }
-}
-
-/// The figures of one run by name and unit, in the same order for every run of a vehicle.
-fn figures(
-    run: &Run,
-    dampers: &[DamperSummary],
-    accelerations: &Accelerations,
-    sums: &Sums,
-) -> Vec<(String, &'static str, f64)> {
-    let mut figures = Vec::new();
-    let mut add = |of: &str, what: &str, unit, value| {
-        figures.push((format!("{of}, {what}"), unit, value));
-    };
-    let bodies = [
-        ("wheelset 1", accelerations.wheelset_1),
-        ("bogie front", accelerations.bogie_front),
-        ("carbody", accelerations.carbody),
-    ];
-    for (name, body) in bodies {
-        if let Some(body) = body {
-            add(name, "lateral acceleration rms", "m/s2", body.lateral_rms_m_per_s2);
-        }
-    }
-    if let Some(body) = accelerations.carbody {
-        add("carbody", "vertical acceleration rms", "m/s2", body.vertical_rms_m_per_s2);
-    }
-    if !run.vehicle.axles.is_empty() {
-        add("wheelset 1", "lateral displacement rms", "m", sums.wheelset_lateral.rms());
-        add("wheelset 1", "lateral displacement max", "m", sums.wheelset_lateral_max_m);
-    }
-    for damper in dampers {
-        let name = format!("damper {}", damper.name);
-        add(&name, "force rms", "N", damper.force_n.rms);
-        add(&name, "force min", "N", damper.force_n.min);
-        add(&name, "force max", "N", damper.force_n.max);
-        add(&name, "stroke rms", "m", damper.stroke_m.rms);
-        add(&name, "stroke max", "m", damper.stroke_m.max);
-        add(&name, "work", "J/s", damper.work_per_s_j);
-    }
-    figures
 }
 
 #[cfg(test)]

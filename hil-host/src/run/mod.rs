@@ -70,7 +70,7 @@ pub(crate) const LOG: &str = "bus.log";
 pub(crate) const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 pub(crate) const SCENARIO: &str = "scenario.toml";
-const VEHICLE: &str = "vehicle.toml";
+pub(crate) const VEHICLE: &str = "vehicle.toml";
 const EVENTS: &str = "events.jsonl";
 const COLUMNS: &str = "record-columns.md";
 
