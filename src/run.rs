@@ -71,8 +71,8 @@ pub(crate) struct RunArgs {
     /// stand in run.json, summary.json and the report.
     #[arg(long, value_name = "FILE")]
     calibration: Vec<PathBuf>,
-    /// Folder of the open loop, or of an earlier run, in which the delay of a rig was measured; once
-    /// for each rig. Tests near the hunting frequency count. A delay that the scenario does not
+    /// Folder of the open loop, or of an earlier run, in which the delay of a rig was measured;
+    /// once for each rig. Tests near the hunting frequency count. A delay that the scenario does not
     /// compensate is refused before anything is armed.
     #[arg(long, value_name = "DIR")]
     measured: Vec<PathBuf>,

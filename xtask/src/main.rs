@@ -9,7 +9,7 @@
 //!                        `--table` for the kinds of instructions in a step
 //! cargo xtask vcan       the tests over SocketCAN
 //! cargo xtask power-cut  kills an emulated machine that records, and reads what is on its disk
-//! cargo xtask bench      the benchmarks; what follows goes to criterion. `--v3` first compiles them
+//! cargo xtask bench      the benchmarks; what follows goes to criterion. `--v3` first builds them
 //!                        for x86-64-v3 (AVX2), in a target folder of its own
 //! cargo xtask instructions   instructions of a cycle, against those that are committed
 //! cargo xtask fuzz       decoders and loaders, guided by coverage; a target and `--seconds N`

@@ -5,7 +5,7 @@
 //! whenever it runs it. The difference of two runs is that of the steps between them, with what
 //! `measure` does around a step (its hash and a line of output, 2 %).
 //!
-//! **The estimate.** ARM publishes no instruction timings of the Cortex-M7. The weights are those of
+//! **The estimate.** ARM publishes no instruction timings of the Cortex-M7. The weights are from
 //! LLVM's scheduling model of it (`ARMScheduleM7.td`): the lower bound has every result ready when
 //! it is needed and pairs of integer instructions and 32-bit loads issued together, the upper bound
 //! waits for each result. Both have code and data in memories without wait states.
