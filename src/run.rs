@@ -72,8 +72,8 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE")]
     calibration: Vec<PathBuf>,
     /// Folder of the open loop, or of an earlier run, in which the delay of a rig was measured;
-    /// once for each rig. Tests near the hunting frequency count. A delay that the scenario does not
-    /// compensate is refused before anything is armed.
+    /// once for each rig. Tests near the hunting frequency count. A delay that the scenario does
+    /// not compensate is refused before anything is armed.
     #[arg(long, value_name = "DIR")]
     measured: Vec<PathBuf>,
     /// Age at which a calibration is called old (days).

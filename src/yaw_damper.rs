@@ -20,7 +20,7 @@ use vehicle_studies::yaw_damper_problem::{
 /// The name of the results in their folder, and of the folder itself.
 const NAME: &str = "yaw-damper-problem";
 /// The files of scores.
-const SCORES: [&str; 2] = ["scores.json", "report.html"];
+const SCORES: [&str; 2] = ["report.html", "scores.json"];
 
 /// The options of the reference problem.
 #[derive(Debug, Args)]
@@ -154,10 +154,9 @@ fn scored(args: &YawDamperArgs, seed: u64, json: bool) -> Result<ExitCode, Comma
     let (mut folder, changed) =
         ResultFolder::for_identity(args.out.as_deref(), NAME, NAME, &identity)?;
     let files = problem.files(question.seed, Question::full(question.seed).perturbed_rigs);
-    let mut names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    if !args.problem {
-        names.extend(SCORES);
-    }
+    let scores: &[&str] = if args.problem { &[] } else { &SCORES };
+    let names = scores.iter().copied().chain(files.iter().map(|(name, _)| name.as_str()));
+    let names: Vec<&str> = names.collect();
     folder.check(&names)?;
     if let Some(changed) = changed {
         files::say!("note: {changed}");
@@ -194,7 +193,7 @@ fn finish(
 ) -> Result<ExitCode, CommandError> {
     let file = format!("{}\n", serde_json::to_string_pretty(answer)?);
     let html = page(answer, Report::new("Yaw damper on emulated rigs")).to_html()?;
-    let [scores, report] = SCORES;
+    let [report, scores] = SCORES;
     folder.write(scores, &file)?;
     folder.write(report, &html)?;
     if json {

@@ -18,12 +18,15 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The folder of an open loop whose ram was late by so much.
-fn measured(place: &Path, delay_s: f64) -> String {
-    let folder = place.join(format!("late-{delay_s}"));
+/// The folder of an open loop on a rig whose ram was late by so much in a sine, and later in a slow
+/// triangle.
+fn measured(place: &Path, node: u8, delay_s: f64) -> String {
+    let folder = place.join(format!("late-{node}-{delay_s}"));
     std::fs::create_dir(&folder).unwrap();
     let text = format!(
-        "{{ \"format\": 1, \"tests\": [{{ \"name\": \"sine\", \"delay_s\": {delay_s} }}] }}\n"
+        "{{ \"format\": 1, \"node\": {node}, \"tests\": [\
+         {{ \"name\": \"sine\", \"frequency_hz\": 3.5, \"delay_s\": {delay_s} }}, \
+         {{ \"name\": \"triangle\", \"frequency_hz\": 0.4, \"delay_s\": 13.4e-3 }}] }}\n"
     );
     std::fs::write(folder.join("tracking.json"), text).unwrap();
     folder.display().to_string()
@@ -32,7 +35,7 @@ fn measured(place: &Path, delay_s: f64) -> String {
 #[test]
 fn a_measured_delay_that_is_not_compensated_is_refused_before_anything_is_written() {
     let place = folder("measured-delay");
-    let (right, wrong) = (measured(&place, 5.4e-3), measured(&place, 9e-3));
+    let (right, wrong) = (measured(&place, 1, 5.4e-3), measured(&place, 1, 9e-3));
     let out = place.join("out");
     let refused = run(SERVO, &out, &["--measured", &wrong]);
     assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
@@ -43,7 +46,30 @@ fn a_measured_delay_that_is_not_compensated_is_refused_before_anything_is_writte
     let passed = run(SERVO, &out, &["--measured", &right]);
     assert!(said(&passed).contains("0.000 ms are left"), "{}", said(&passed));
     let about: Value = serde_json::from_str(&read(&out.join("run.json"))).unwrap();
-    assert_eq!(about["measured"]["delay_s"], 5.4e-3);
+    assert_eq!(
+        (&about["rams"][0]["delay_s"], &about["rams"][0]["place"]),
+        (&5.4e-3.into(), &"front left".into())
+    );
+    // That of a rig which the scenario does not have, and one that no rig has.
+    let other = place.join("other");
+    for (node, delay_s, found) in [(3, 5.4e-3, "node 3 at 3.5 Hz"), (1, 0.2975, "297.500 ms late")]
+    {
+        let folder = measured(&place, node, delay_s);
+        let refused = run(SERVO, &other, &["--measured", &folder]);
+        assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+        assert!(said(&refused).contains(found), "{}", said(&refused));
+    }
+    let modelled = place.join("modelled.toml");
+    let vehicle = repository().join("scenarios/vehicles/ss9.toml");
+    let text = format!(
+        "vehicle = \"{}\"\nspeed_kmh = 160.0\nduration_s = 1.0\n",
+        vehicle.display()
+    );
+    std::fs::write(&modelled, text).unwrap();
+    let no_rig = run(&modelled.display().to_string(), &other, &["--measured", &right]);
+    assert_eq!(no_rig.status.code(), Some(2), "{}", said(&no_rig));
+    assert!(said(&no_rig).contains("no damper is on a rig"), "{}", said(&no_rig));
+    assert!(!other.exists());
     std::fs::remove_dir_all(place).unwrap();
 }
 

@@ -117,7 +117,7 @@ mod tests {
             stroke_difference_percent: Some(80.0),
             force_less_model_rms_n: 0.0,
         };
-        assert!(stood.warning().is_some_and(|said| said.contains("80 % rms away")));
+        assert!(stood.warning().is_some_and(|said| said.contains("80.0 % rms away")));
         let lost = StandInSummary { until_s: Some(0.095), ..stood };
         assert_eq!(lost.warning(), None);
         let expected = "the force of the rig of front left, its sign reversed, until 0.095 s, then its own model";
