@@ -61,10 +61,8 @@ fn a_measured_delay_that_is_not_compensated_is_refused_before_anything_is_writte
     }
     let modelled = place.join("modelled.toml");
     let vehicle = repository().join("scenarios/vehicles/ss9.toml");
-    let text = format!(
-        "vehicle = \"{}\"\nspeed_kmh = 160.0\nduration_s = 1.0\n",
-        vehicle.display()
-    );
+    let text =
+        format!("vehicle = \"{}\"\nspeed_kmh = 160.0\nduration_s = 1.0\n", vehicle.display());
     std::fs::write(&modelled, text).unwrap();
     let no_rig = run(&modelled.display().to_string(), &other, &["--measured", &right]);
     assert_eq!(no_rig.status.code(), Some(2), "{}", said(&no_rig));
