@@ -40,7 +40,8 @@ pub(crate) enum Whose {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RamTest {
     pub(crate) whose: Whose,
-    /// Frequency of the test (Hz); none of a run, whose motion is the one in question.
+    /// Frequency of the test (Hz), no number where its file does not state it; none of a run, whose
+    /// motion is the one in question.
     pub(crate) frequency_hz: Option<f64>,
     pub(crate) ram: MeasuredRam,
 }
@@ -85,7 +86,11 @@ impl MeasuredRams {
                 Whose::Node(node) => format!("node {node}"),
                 Whose::Place(place) => place.clone(),
             };
-            test.frequency_hz.map_or(of.clone(), |hz| format!("{of} at {hz:.1} Hz"))
+            match test.frequency_hz {
+                Some(hz) if hz.is_finite() => format!("{of} at {hz:.1} Hz"),
+                Some(_) => format!("{of} at a frequency that is not stated"),
+                None => of,
+            }
         });
         let mut all: Vec<String> = all.collect();
         all.dedup();
@@ -117,5 +122,9 @@ mod tests {
         assert_eq!(delays("rear left", 2), [7.0, 8.0]);
         assert!(delays("front right", 3).is_empty());
         assert_eq!(all.found(), "node 1 at 0.4 Hz, node 1 at 3.5 Hz, node 2 at 3.5 Hz, rear left");
+        // A file of an earlier version.
+        let earlier = MeasuredRams(vec![of(Whose::Node(1), Some(f64::NAN), 5.9)]);
+        assert!(earlier.of_rig("front left", 1, 3.4).is_empty());
+        assert_eq!(earlier.found(), "node 1 at a frequency that is not stated");
     }
 }

@@ -46,7 +46,7 @@ impl StandInSummary {
 
     /// The same as a warning, where the damper did not move as the rig did.
     pub fn warning(&self) -> Option<String> {
-        // A rig that was lost is told as such.
+        // The drop-out of a rig has a message of its own.
         let stood = self.stroke_difference_percent.filter(|_| self.until_s.is_none());
         let is_apart = stood.is_some_and(|apart| apart > APART_PERCENT);
         let says = || format!("{}: it did not feel the force of a rig of its own", self.in_words());
