@@ -109,6 +109,8 @@ fn first_process(machine: &Machine, job: &Job, root: &Path) -> String {
     let probe = "ip link add probe type vcan && ip link del probe";
     let _ = writeln!(text, "{probe} && echo '{READY}' || {busybox} poweroff -f");
     let _ = writeln!(text, "cd {}", quoted(&root.to_string_lossy()));
+    // Its process numbers repeat from start to start, and the names of folders come from them.
+    let _ = writeln!(text, "mkdir /run/tmp && export TMPDIR=/run/tmp");
     let _ = writeln!(text, "export VCAN_SLOW_DOWN={}", machine.slow_down);
     for (name, value) in &job.environment {
         let _ = writeln!(text, "export {name}={}", quoted(&value.to_string_lossy()));

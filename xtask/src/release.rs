@@ -50,14 +50,13 @@ fn log(run: &Run) -> std::path::PathBuf {
 }
 
 fn spawned(run: &Run) -> Result<Child, String> {
-    let cargo = run.cargo();
-    let mut nice = Command::new("nice");
-    nice.args(["-n", "19"]).arg(cargo.get_program()).args(["build", "--release"]);
+    let mut nice = run.cargo_niced("19");
+    nice.args(["build", "--release"]);
     let place = log(run);
     let kept =
         place.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| File::create(&place));
     let kept = kept.map_err(|error| format!("{}: {error}", place.display()))?;
-    nice.current_dir(&run.root).stdin(Stdio::null()).stdout(Stdio::null()).stderr(kept);
+    nice.stdout(Stdio::null()).stderr(kept);
     nice.spawn().map_err(|error| format!("{}: {error}", shown(&nice)))
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::console::Console;
 use crate::stream::{self, Ended};
 
 /// What a step came to.
@@ -38,6 +39,10 @@ pub(crate) fn required(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|value| value == "1")
 }
 
+fn cargo() -> OsString {
+    std::env::var_os("CARGO").unwrap_or("cargo".into())
+}
+
 struct Finished {
     name: &'static str,
     outcome: Outcome,
@@ -55,6 +60,7 @@ pub(crate) struct Run {
     finished: Vec<Finished>,
     tests: stream::Tests,
     notes: Vec<String>,
+    console: Console,
     /// True where the output is a terminal that shows colours.
     pub(crate) colour: bool,
     started: Instant,
@@ -72,9 +78,41 @@ impl Run {
             finished: Vec::new(),
             tests: stream::Tests::default(),
             notes: Vec::new(),
+            console: Console::Shown,
             colour: std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none(),
             started: Instant::now(),
         }
+    }
+
+    /// A run of one step beside the others: its output is kept until [`Run::rejoin`] shows it.
+    pub(crate) fn beside(&self) -> Self {
+        Self {
+            root: self.root.clone(),
+            target: self.target.clone(),
+            equipment: self.equipment.clone(),
+            finished: Vec::new(),
+            tests: stream::Tests::default(),
+            notes: Vec::new(),
+            console: Console::Kept(Vec::new()),
+            colour: self.colour,
+            started: Instant::now(),
+        }
+    }
+
+    /// Takes what a run beside this one has said, counted and noted.
+    pub(crate) fn rejoin(&mut self, other: Self) {
+        self.console.take(other.console);
+        self.tests.add(&other.tests);
+        for note in other.notes {
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
+    }
+
+    /// Says something.
+    pub(crate) fn say(&mut self, line: &str) {
+        self.console.line(line, false);
     }
 
     /// Runs one step and keeps what it came to.
@@ -91,7 +129,8 @@ impl Run {
     /// Says something now and once more in the summary.
     pub(crate) fn note(&mut self, line: impl Into<String>) {
         let line = line.into();
-        println!("{}", self.paint("33", &line));
+        let painted = self.paint("33", &line);
+        self.say(&painted);
         if !self.notes.contains(&line) {
             self.notes.push(line);
         }
@@ -110,12 +149,36 @@ impl Run {
 
     /// Cargo in the repository's root.
     pub(crate) fn cargo(&self) -> Command {
-        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or("cargo".into()));
+        self.in_root(Command::new(cargo()))
+    }
+
+    /// The same with less of a claim to the processors: 19 is the least.
+    pub(crate) fn cargo_niced(&self, niceness: &str) -> Command {
+        let mut nice = Command::new("nice");
+        nice.args(["-n", niceness]).arg(cargo());
+        self.in_root(nice)
+    }
+
+    fn in_root(&self, mut cargo: Command) -> Command {
         cargo.current_dir(&self.root).stdin(Stdio::null());
         if self.colour {
             cargo.env("CARGO_TERM_COLOR", "always");
         }
         cargo
+    }
+
+    /// An empty folder for what the tests write, which an earlier run cannot have used.
+    ///
+    /// # Errors
+    ///
+    /// It could not be emptied or made.
+    pub(crate) fn temporary(&self) -> std::io::Result<PathBuf> {
+        let folder = self.target.join("xtask-run/tmp");
+        if folder.exists() {
+            std::fs::remove_dir_all(&folder)?;
+        }
+        std::fs::create_dir_all(&folder)?;
+        Ok(folder)
     }
 
     /// Runs a command, shows and reads its output; anything but exit status 0 is a failure.
@@ -136,7 +199,9 @@ impl Run {
     ) -> std::io::Result<Ended> {
         let tests = &mut self.tests;
         let notes = &mut self.notes;
-        stream::run(command, limit, |line| {
+        let console = &mut self.console;
+        stream::lines(command, limit, |line, is_stderr| {
+            console.line(line, is_stderr);
             tests.read(line);
             if line.starts_with("SKIPPED") && !notes.iter().any(|note| note == line) {
                 notes.push(line.to_owned());

@@ -26,25 +26,9 @@ impl fmt::Display for Ended {
     }
 }
 
-/// Runs the command, prints each of its lines and gives it to `see`.
+/// Runs the command and gives each of its lines to `see`, with whether it is an error's.
 ///
 /// A standard input that the caller made a pipe stays open and empty until the end.
-pub(crate) fn run(
-    command: &mut Command,
-    limit: Option<Duration>,
-    mut see: impl FnMut(&str),
-) -> std::io::Result<Ended> {
-    lines(command, limit, |line, is_stderr| {
-        if is_stderr {
-            eprintln!("{line}");
-        } else {
-            println!("{line}");
-        }
-        see(line);
-    })
-}
-
-/// Runs the command and gives each of its lines to `see`, with whether it is an error's.
 pub(crate) fn lines(
     command: &mut Command,
     limit: Option<Duration>,
@@ -156,6 +140,14 @@ impl Tests {
         self.ignored += count("ignored").unwrap_or(0);
     }
 
+    /// Adds those of another run.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+        self.ignored += other.ignored;
+        self.elsewhere += other.elsewhere;
+    }
+
     pub(crate) fn any(&self) -> bool {
         self.passed + self.failed > 0
     }
@@ -186,7 +178,8 @@ mod tests {
     #[test]
     fn a_command_that_outlives_its_limit_is_ended() {
         let limit = Duration::from_millis(50);
-        let ended = run(Command::new("cat").stdin(Stdio::piped()), Some(limit), |_| {}).unwrap();
+        let mut cat = Command::new("cat");
+        let ended = lines(cat.stdin(Stdio::piped()), Some(limit), |_, _| {}).unwrap();
         assert_eq!(ended, Ended::TimedOut(limit));
     }
 
@@ -194,8 +187,8 @@ mod tests {
     fn lines_arrive_without_carriage_return_and_the_status_comes_back() {
         let mut seen = Vec::new();
         let script = "printf 'one\\r\\ntwo'; exit 7";
-        let ended =
-            run(Command::new("sh").args(["-c", script]), None, |line| seen.push(line.to_owned()));
+        let mut sh = Command::new("sh");
+        let ended = lines(sh.args(["-c", script]), None, |line, _| seen.push(line.to_owned()));
         assert_eq!(ended.unwrap(), Ended::Status(7));
         assert_eq!(seen, ["one", "two"]);
     }
