@@ -106,7 +106,7 @@ pub(crate) fn run(mut setup: Setup<'_>) -> Trace {
         let acting_n = forces_n.pop_front().unwrap_or_default();
         let [wanted_m, .., wanted_m_per_s, _, _] = motion;
         let wanted = Command { displacement_m: wanted_m, velocity_m_per_s: wanted_m_per_s };
-        commands_m.push_back(controller.command_m(wanted, measured_m));
+        commands_m.push_back(controller.command_m(wanted, measured_m, acting_n));
         let command_m = commands_m.pop_front().unwrap_or_default();
         trace.measured_m.push(measured_m);
         trace.simulated_m.push(first_floors(&motion));
@@ -158,11 +158,11 @@ impl Running {
         }
     }
 
-    fn command_m(&mut self, wanted: Command, measured_m: f64) -> f64 {
+    fn command_m(&mut self, wanted: Command, measured_m: f64, force_n: f64) -> f64 {
         match self {
             Self::Baseline(baseline) => baseline.command_m(wanted.displacement_m, measured_m),
             Self::Compensator(compensator, state) => {
-                let answer = Answer { displacement_m: measured_m, age_cycles: 0 };
+                let answer = Answer { displacement_m: measured_m, force_n, age_cycles: 0 };
                 compensator.step(state, wanted, Some(answer), STEP_S).displacement_m
             }
         }

@@ -19,13 +19,17 @@
 //! | `inverse` | `coefficients` | the inverse of a rig `1 / (a0 + a1 s + a2 s^2 + a3 s^3)` |
 //! | `adaptive` | `gain_check_hz`, `coefficients` or `delay_s` and `order` | coefficients that follow the rig from there; `gain_check_hz` is a mode of the rig, at which their gain is bounded |
 //!
+//! An adaptive one also takes `load_m_per_n` and `load_s_per_n`: by how much the rig gives way under
+//! a force, and by how much later a force makes it ([`Load`]). Both feed the measured force back, in
+//! the sense that adds to it; their ranges keep that gain below one on a damper of 12.5 MN/m.
+//!
 //! What lies outside of the rig, half a cycle of lead, is known and not stated here.
 
 use crate::error::ScenarioError;
 use crate::quantity::Quantity;
 use crate::source::Source;
 use files::number;
-use firmware_core::compensation::{Adaptive, Compensator, Feedforward, Series};
+use firmware_core::compensation::{Adaptive, Compensator, Feedforward, Load, Series};
 use serde::{Deserialize, Serialize};
 
 /// A compensator as it stands in a scenario.
@@ -42,6 +46,10 @@ pub struct CompensationFile {
     pub coefficients: Option<[Quantity; 4]>,
     /// A mode of the rig, at which the gain of an adaptive compensator is bounded.
     pub gain_check_hz: Option<Quantity>,
+    /// By how much the rig gives way under a force (m/N).
+    pub load_m_per_n: Option<Quantity>,
+    /// By how much later a force makes it (s/N).
+    pub load_s_per_n: Option<Quantity>,
 }
 
 /// The kinds of compensators.
@@ -67,6 +75,11 @@ const DELAY_MAX_S: f64 = 0.064;
 /// Range of each coefficient, in powers of a second.
 const COEFFICIENTS: [(f64, f64); 4] = [(0.5, 2.0), (-0.1, 0.1), (-0.01, 0.01), (-1e-3, 1e-3)];
 
+/// Most that a load may take: half of the stroke of a damper of 12.5 MN/m, which is a gain of 0.5;
+/// and three quarters at a speed of 0.3 m/s.
+const LOAD_MAX_M_PER_N: (f64, &str) = (4e-8, "m/N");
+const LOAD_MAX_S_PER_N: (f64, &str) = (2e-7, "s/N");
+
 impl CompensationFile {
     /// The same with every default written out.
     #[must_use]
@@ -88,8 +101,10 @@ impl CompensationFile {
             Uncompensated => &[],
             Polynomial => &["delay_s", "order"],
             Inverse => &["coefficients"],
-            Adapting if by_series => &["gain_check_hz", "coefficients"],
-            Adapting => &["gain_check_hz", "delay_s", "order"],
+            Adapting if by_series => {
+                &["gain_check_hz", "coefficients", "load_m_per_n", "load_s_per_n"]
+            }
+            Adapting => &["gain_check_hz", "delay_s", "order", "load_m_per_n", "load_s_per_n"],
         };
         self.check_keys(source, allowed)?;
         Ok(match self.kind {
@@ -108,7 +123,8 @@ impl CompensationFile {
                 let check = given.ok_or_else(|| self.missing(source, "gain_check_hz"))?;
                 let range = "5 to 500 Hz";
                 let gain_check_hz = check.within(source, "gain_check_hz", 5.0, 500.0, range)?;
-                Compensator::Adaptive(Adaptive::new(start, gain_check_hz))
+                let load = self.load(source)?;
+                Compensator::Adaptive(Adaptive { load, ..Adaptive::new(start, gain_check_hz) })
             }
         })
     }
@@ -131,6 +147,8 @@ impl CompensationFile {
             ("delay_s", self.delay_s.as_ref()),
             ("coefficients", first),
             ("gain_check_hz", self.gain_check_hz.as_ref()),
+            ("load_m_per_n", self.load_m_per_n.as_ref()),
+            ("load_s_per_n", self.load_s_per_n.as_ref()),
         ];
         for (key, value) in given {
             let Some(value) = value.filter(|_| !allowed.contains(&key)) else { continue };
@@ -161,6 +179,17 @@ impl CompensationFile {
             Some(order) => return Err(order.refused(source, "order", "1, 2 or 3")),
         };
         Ok(Feedforward::polynomial(order as u8, delay_s))
+    }
+
+    fn load(&self, source: &Source) -> Result<Load, ScenarioError> {
+        let value = |key: &str, given: &Option<Quantity>, (most, unit): (f64, &str)| {
+            let range = format!("0 to {} {unit}", number(most));
+            given.as_ref().map_or(Ok(0.0), |given| given.within(source, key, 0.0, most, &range))
+        };
+        Ok(Load {
+            m_per_n: value("load_m_per_n", &self.load_m_per_n, LOAD_MAX_M_PER_N)?,
+            s_per_n: value("load_s_per_n", &self.load_s_per_n, LOAD_MAX_S_PER_N)?,
+        })
     }
 
     fn series(&self, source: &Source) -> Result<[f64; 4], ScenarioError> {
@@ -211,6 +240,13 @@ mod tests {
             let written = toml::to_string(&file(text).0.with_defaults()).unwrap();
             assert_eq!(built(&written).unwrap(), expected, "{written}");
         }
+        let load = Load { m_per_n: 1e-8, s_per_n: 8e-8 };
+        let text = "kind = \"adaptive\"\ndelay_s = 10e-3\ngain_check_hz = 60.0\n\
+                    load_m_per_n = 1e-8\nload_s_per_n = 8e-8";
+        let loaded = Compensator::Adaptive(Adaptive { load, ..Adaptive::new(series, 60.0) });
+        assert_eq!(built(text).unwrap(), loaded);
+        let written = toml::to_string(&file(text).0.with_defaults()).unwrap();
+        assert_eq!(built(&written).unwrap(), loaded, "{written}");
         let written =
             toml::to_string(&file("kind = \"polynomial\"\ndelay_s = 1e-3").0.with_defaults());
         assert!(written.unwrap().contains("order = 2.0"));
@@ -247,6 +283,15 @@ mod tests {
             (
                 "kind = \"adaptive\"\ndelay_s = 1e-3",
                 "slot.toml: compensation of kind \"adaptive\": expected gain_check_hz",
+            ),
+            (
+                "kind = \"adaptive\"\ndelay_s = 1e-3\ngain_check_hz = 60.0\nload_m_per_n = 1e-6",
+                "slot.toml:4: load_m_per_n = 1e-6, expected 0 to 4e-8 m/N",
+            ),
+            (
+                "kind = \"polynomial\"\ndelay_s = 1e-3\nload_s_per_n = 1e-8",
+                "slot.toml:3: compensation of kind \"polynomial\": found load_s_per_n, expected \
+                 delay_s, order",
             ),
         ] {
             assert_eq!(built(text).unwrap_err().to_string(), expected, "{text}");

@@ -23,7 +23,13 @@ fn others_score_a_filter_and_a_command_with_the_files_of_the_problem() {
     let files = in_folder(&place, "problem");
     let (code, printed, complained) = problem(&["--problem", "--out", &files]);
     assert_eq!((code, complained.as_str()), (Some(0), ""), "{printed}");
-    for name in ["rig-new.csv", "perturbed-rigs.csv", "scoring.csv", "wanted-worn-hunting.csv"] {
+    for name in [
+        "rig-new.csv",
+        "load-worn.csv",
+        "perturbed-rigs.csv",
+        "scoring.csv",
+        "wanted-worn-hunting.csv",
+    ] {
         assert!(printed.contains(name) && place.join("problem").join(name).is_file(), "{printed}");
     }
     let wanted = read(&place.join("problem/wanted-new-track.csv"));

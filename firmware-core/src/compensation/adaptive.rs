@@ -15,11 +15,15 @@
 //! stays beyond its reach for longer than [`RUNAWAY_S`] is one: it has run away, and the
 //! compensator goes back to its start values for good.
 //!
+//! What the load takes is put on top of the series ([`Load`]) and taken off the command before it is
+//! learned from, so that the coefficients are those of a rig without load.
+//!
 //! A static error of the measured displacement biases `a0`, because it looks like a gain while the
 //! motion has a mean.
 
 use super::differences::Kinematics;
 use super::filter::Filter;
+use super::load::{Felt, Load};
 use super::regression::Regression;
 use super::series::Series;
 use crate::command::Command;
@@ -44,6 +48,8 @@ const SCALE_HZ: f64 = 5.0;
 pub struct Answer {
     /// Measured displacement, m.
     pub displacement_m: f64,
+    /// Measured force of the same instant, N.
+    pub force_n: f64,
     /// Cycles since the command of the same instant; 0: the command of this cycle.
     pub age_cycles: u32,
 }
@@ -53,6 +59,8 @@ pub struct Answer {
 pub struct Adaptive {
     /// Start values; the third-order coefficient stays as it is.
     pub start: Series,
+    /// What the load takes from the rig, which is known; the series stands for the rest.
+    pub load: Load,
     /// Further delay of the loop that is known, s.
     pub known_delay_s: f64,
     /// Whether the third derivative counts.
@@ -79,6 +87,7 @@ pub struct Adaptive {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdaptiveState {
     coefficients: [f64; 3],
+    felt: Felt,
     /// The last commands, as many as are known.
     sent_m: Ring<f64, KEPT>,
     known: usize,
@@ -101,6 +110,7 @@ impl Adaptive {
         let delay = 0.5 * a1 + 2e-3;
         Self {
             start,
+            load: Load::NONE,
             known_delay_s: 0.0,
             takes_jerk: true,
             reach: [0.1 * a0, delay, 0.5 * (a2 + a1 * delay)],
@@ -125,6 +135,7 @@ impl Adaptive {
         let [a0, a1, a2, _] = self.start.0;
         AdaptiveState {
             coefficients: [a0, a1, a2],
+            felt: Felt::NOTHING,
             sent_m: Ring::filled(0.0),
             known: 0,
             age_cycles: None,
@@ -152,24 +163,37 @@ impl Adaptive {
         answer: Option<Answer>,
         period_s: f64,
     ) -> Command {
-        let command = self.series(state).with_delay(self.known_delay_s).command(motion);
+        let free = self.series(state).with_delay(self.known_delay_s).command(motion);
+        let force_n = answer.map(|answer| answer.force_n);
+        let load = self.load.command(&mut state.felt, motion, force_n, period_s);
+        let command = Command {
+            displacement_m: free.displacement_m + load.displacement_m,
+            velocity_m_per_s: free.velocity_m_per_s + load.velocity_m_per_s,
+        };
         state.keep(command.displacement_m);
         if state.has_run_away {
             let [a0, a1, a2, _] = self.start.0;
             self.approach(state, [a0, a1, a2], period_s);
         } else if let Some(answer) = answer.filter(|answer| answer.displacement_m.is_finite())
-            && let Some(cycles) = self.pair(state, answer, period_s)
+            && let Some(cycles) = self.pair(state, answer, load.displacement_m, period_s)
         {
             self.learn(state, f64::from(cycles) * period_s);
         }
         command
     }
 
-    /// Takes command and answer of one instant into the filters; the cycles since the last pair,
+    /// Takes answer and command of one instant into the filters, the command without the
+    /// displacement for the load; the cycles since the last pair,
     /// or nothing where the filters have not settled.
-    fn pair(&self, state: &mut AdaptiveState, answer: Answer, period_s: f64) -> Option<u32> {
-        let Answer { displacement_m, age_cycles } = answer;
-        let command_m = state.sent(age_cycles)?;
+    fn pair(
+        &self,
+        state: &mut AdaptiveState,
+        answer: Answer,
+        load_m: f64,
+        period_s: f64,
+    ) -> Option<u32> {
+        let Answer { displacement_m, age_cycles, .. } = answer;
+        let command_m = state.sent(age_cycles)? - load_m;
         let since = state.age_cycles.map(|last| last.checked_sub(age_cycles));
         let angle = TAU * self.cut_off_hz * period_s;
         match since {
@@ -180,7 +204,8 @@ impl Adaptive {
                 for cycle in 1..=cycles {
                     let share = f64::from(cycle) / f64::from(cycles);
                     state.motion.step(from_m + share * (displacement_m - from_m), angle);
-                    let then_m = state.sent(age_cycles + (cycles - cycle)).unwrap_or(command_m);
+                    let then_m = state.sent(age_cycles + (cycles - cycle));
+                    let then_m = then_m.map_or(command_m, |sent_m| sent_m - load_m);
                     state.command.step(then_m, angle);
                 }
                 state.settling_rad = (state.settling_rad - f64::from(cycles) * angle).max(0.0);

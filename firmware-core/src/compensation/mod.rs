@@ -13,6 +13,7 @@ mod delay_cost;
 mod differences;
 mod feedforward;
 mod filter;
+mod load;
 mod regression;
 mod series;
 
@@ -20,6 +21,7 @@ pub use adaptive::{Adaptive, AdaptiveState, Answer, RUNAWAY_S};
 pub use delay_cost::{damping_energy_lost, delay_that_costs};
 pub(crate) use differences::Differences;
 pub use feedforward::Feedforward;
+pub use load::Load;
 pub use series::Series;
 
 use crate::command::Command;

@@ -57,7 +57,8 @@ fn track(
     for k in 0..cycles {
         let motion = wanted(f64::from(k) * PERIOD_S);
         // Not yet known in this cycle: the rig answers the command that is computed now.
-        let answer = Answer { displacement_m: answers[late as usize - 1], age_cycles: late };
+        let answer =
+            Answer { displacement_m: answers[late as usize - 1], force_n: 0.0, age_cycles: late };
         let answer = (k > late && arrives(k)).then_some(answer);
         let command = compensator.step(&mut state, motion, answer, PERIOD_S);
         let measured = rig.answer(command.displacement_m);
@@ -178,7 +179,7 @@ fn nonsense_makes_an_adaptive_series_fall_back_for_good() {
             let t = f64::from(k) * PERIOD_S;
             let motion = wanted(t);
             let displacement_m = answer(t, motion.displacement_m);
-            let answer = Some(Answer { displacement_m, age_cycles: 0 });
+            let answer = Some(Answer { displacement_m, force_n: 0.0, age_cycles: 0 });
             let command = compensator.step(&mut state, motion, answer, PERIOD_S);
             assert!(command.displacement_m.abs() < 0.02, "{what}: {command:?}");
             if state.has_run_away() {
@@ -201,9 +202,9 @@ fn without_motion_or_answers_the_coefficients_hold() {
         let noise_m = 4e-5 * ((random >> 11) as f64 / (1_u64 << 53) as f64 - 0.5);
         let motion = Command { displacement_m: 0.0, velocity_m_per_s: 0.0 };
         let answers = [
-            Some(Answer { displacement_m: 0.01 + noise_m, age_cycles: 1 }),
-            Some(Answer { displacement_m: f64::NAN, age_cycles: 1 }),
-            Some(Answer { displacement_m: 0.01, age_cycles: 1_000_000 }),
+            Some(Answer { displacement_m: 0.01 + noise_m, force_n: 0.0, age_cycles: 1 }),
+            Some(Answer { displacement_m: f64::NAN, force_n: f64::NAN, age_cycles: 1 }),
+            Some(Answer { displacement_m: 0.01, force_n: 0.0, age_cycles: 1_000_000 }),
             None,
         ];
         let answer = answers[(k as usize / 1000) % answers.len()];
@@ -231,7 +232,7 @@ fn the_gain_at_the_mode_of_the_rig_is_bounded() {
         let bend = -3e-3 * omega * omega * (sin + 0.16 * slow);
         let u = x + 0.01 * velocity + 3e-4 * bend;
         let motion = Command { displacement_m: u, velocity_m_per_s: 0.0 };
-        let answer = Some(Answer { displacement_m: last_m, age_cycles: 1 });
+        let answer = Some(Answer { displacement_m: last_m, force_n: 0.0, age_cycles: 1 });
         last_m = x;
         compensator.step(&mut state, motion, answer, PERIOD_S);
         // As if the command had been this one.
@@ -252,7 +253,7 @@ fn a_gain_at_its_bound_does_not_make_the_coefficients_jump() {
     let mut measured_m = 0.0;
     let mut last = compensator.series(&state);
     for k in 0..6000_u32 {
-        let answer = Some(Answer { displacement_m: measured_m, age_cycles: 1 });
+        let answer = Some(Answer { displacement_m: measured_m, force_n: 0.0, age_cycles: 1 });
         let motion = wanted(f64::from(k) * PERIOD_S);
         let command = compensator.step(&mut state, motion, answer, PERIOD_S);
         measured_m = rig.answer(command.displacement_m);
@@ -274,7 +275,8 @@ fn a_wanted_motion_that_is_no_number_passes_and_leaves_no_trace() {
         if k == 1500 {
             motion = Command { displacement_m: f64::NAN, velocity_m_per_s: f64::NAN };
         }
-        let answer = Some(Answer { displacement_m: motion.displacement_m, age_cycles: 0 });
+        let answer =
+            Some(Answer { displacement_m: motion.displacement_m, force_n: 0.0, age_cycles: 0 });
         let command = compensator.step(&mut state, motion, answer, PERIOD_S);
         assert_eq!(command.displacement_m.is_nan(), k == 1500, "cycle {k}");
     }

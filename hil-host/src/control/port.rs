@@ -429,9 +429,9 @@ impl PortState {
     /// The displacement that came with a force that is believed. It is paired with the command of
     /// the cycle in which it arrives, so that a compensator learns the way on the bus too.
     pub(super) fn answer(&self, force: ForceInput) -> Option<Answer> {
-        let ForceInput::Fresh(_) = force else { return None };
+        let ForceInput::Fresh(force_n) = force else { return None };
         let displacement_m = self.used.and_then(|used| used.displacement_m)?;
-        Some(Answer { displacement_m, age_cycles: 0 })
+        Some(Answer { displacement_m, force_n, age_cycles: 0 })
     }
 
     /// Whether the slot goes on without the rig.

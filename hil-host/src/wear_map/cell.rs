@@ -148,7 +148,8 @@ fn drive(slot: &RigSlot<'_>, rig: &RigSetup, specimen: &Damper, sine: Sine) -> D
         let reading = emulator.cycle(&mut ram, Target::Follow(reference));
         let Reading { displacement_m, .. } = reading;
         force_n = reading.force_n;
-        arrived = (ForceInput::Fresh(force_n), Some(Answer { displacement_m, age_cycles: 0 }));
+        let answer = Answer { displacement_m, force_n, age_cycles: 0 };
+        arrived = (ForceInput::Fresh(force_n), Some(answer));
     }
     if let Some(wear) = &slot.wear {
         driven.found = memory.wear.found(wear);

@@ -147,7 +147,7 @@ pub(super) fn step(line: &Line<'_>, rigs: &[Emulated], state: &mut TripState) {
     for (rig, memory) in rigs.iter().zip(&state.rigs) {
         let Some(Reading { force_n, displacement_m, .. }) = memory.reading else { continue };
         inputs[rig.slot] = ForceInput::Fresh(force_n);
-        answers[rig.slot] = Some(Answer { displacement_m, age_cycles: 0 });
+        answers[rig.slot] = Some(Answer { displacement_m, force_n, age_cycles: 0 });
     }
     line.step_on(line.track, &mut state.line, &inputs, &answers);
     for (rig, memory) in rigs.iter().zip(&mut state.rigs) {

@@ -5,11 +5,20 @@ use firmware_core::compensation::{Adaptive, Compensator, Feedforward, Series};
 use firmware_core::line::KNOWN_DELAY_CYCLES;
 use scenario::run::CYCLE_S;
 use serde::Serialize;
+use std::f64::consts::TAU;
 
 /// Frequency at which the gain of an adaptive compensator is bounded (Hz), and its bound, as a
 /// multiple of that of its start.
 const GAIN_CHECK_HZ: f64 = 40.0;
 const GAIN_RATIO: f64 = 2.0;
+
+/// Cut-off of what an adaptive compensator learns from (Hz): a worn damper hunts at 3.7 Hz, and its
+/// contacts make harmonics, of which a series of second order has no part.
+const CUT_OFF_HZ: f64 = 15.0;
+/// Frequency (Hz) at which gain and second order are told apart from no further than this: in a
+/// motion of one frequency they are one, `a0 - a2 w^2`, so that the second may reach as far as the
+/// first.
+const ONE_FREQUENCY_HZ: f64 = 5.0;
 
 /// A compensator of ours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -21,7 +30,7 @@ pub enum Ours {
     Polynomial,
     /// The inverse of the rig, to third order.
     Inverse,
-    /// Starts as the inverse to second order and follows the rig.
+    /// Starts as the inverse to second order, knows what the load takes, and follows the rig.
     Adaptive,
 }
 
@@ -51,10 +60,19 @@ impl Ours {
             }
             Self::Inverse => Compensator::Feedforward(Feedforward::inverse(late(3).0)),
             Self::Adaptive => {
-                let Series([a0, a1, a2, _]) = late(2);
+                let (free, load) = sheet.inverse_under_load();
+                let Series([a0, a1, a2, _]) = free.with_delay(dead_time_s);
                 let start = Series([a0, a1, a2, 0.0]);
                 let usual = Adaptive::new(start, GAIN_CHECK_HZ);
-                Compensator::Adaptive(Adaptive { gain_ratio: GAIN_RATIO, ..usual })
+                let [gain, delay, second] = usual.reach;
+                let omega = TAU * ONE_FREQUENCY_HZ;
+                Compensator::Adaptive(Adaptive {
+                    load,
+                    reach: [gain, delay, second + gain / (omega * omega)],
+                    cut_off_hz: CUT_OFF_HZ,
+                    gain_ratio: GAIN_RATIO,
+                    ..usual
+                })
             }
         };
         compensator.with_known_delay(KNOWN_DELAY_CYCLES * CYCLE_S)

@@ -9,8 +9,12 @@
 //! those of this load: every damper has a sheet of its own, as on a bench where the rig is measured
 //! with the specimen that is mounted. Dead time is not in it: a rig with a dead time is late by as
 //! much more at every frequency.
+//!
+//! What the load takes is found from more strokes, since a relief valve and a clearance load the rig
+//! at each of them in another way ([`DataSheet::inverse_under_load`]).
 
-use firmware_core::compensation::Series;
+use super::loaded::{self, Loaded};
+use firmware_core::compensation::{Load, Series};
 use nalgebra::{Complex, DMatrix, DVector};
 use rig_emulator::{Emulator, Reference, Target};
 use scenario::rig::RigSetup;
@@ -44,9 +48,14 @@ pub struct Answered {
     pub phase_rad: f64,
 }
 
-/// The answers of a rig, over the frequency.
+/// How a rig answers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DataSheet(pub Vec<Answered>);
+pub struct DataSheet {
+    /// Over the frequency.
+    pub answers: Vec<Answered>,
+    /// Over frequency and stroke, with the force.
+    pub under_load: Vec<Loaded>,
+}
 
 impl Answered {
     fn of(emulator: &Emulator, frequency_hz: f64) -> Self {
@@ -83,12 +92,15 @@ impl DataSheet {
     /// That of a rig without its dead time.
     pub fn of(rig: &RigSetup) -> Self {
         let emulator = Emulator::new(&RigSetup { delay_cycles: 0, ..rig.clone() }, CYCLE_S, 0);
-        Self(FREQUENCIES_HZ.iter().map(|hz| Answered::of(&emulator, *hz)).collect())
+        Self {
+            answers: FREQUENCIES_HZ.iter().map(|hz| Answered::of(&emulator, *hz)).collect(),
+            under_load: loaded::table(&emulator),
+        }
     }
 
     /// How late the rig is at a frequency between the lowest and the highest of the sheet (s).
     pub fn delay_s(&self, frequency_hz: f64) -> f64 {
-        let delays = self.0.iter().map(|one| (one.frequency_hz, one.delay_s()));
+        let delays = self.answers.iter().map(|one| (one.frequency_hz, one.delay_s()));
         let pairs = delays.clone().zip(delays.clone().skip(1));
         for ((low_hz, low_s), (high_hz, high_s)) in pairs {
             if (low_hz..=high_hz).contains(&frequency_hz) {
@@ -106,7 +118,7 @@ impl DataSheet {
         debug_assert!((1..=3).contains(&order), "order {order}");
         let [low_hz, high_hz] = FITTED_HZ;
         let is_fitted = |line: &&Answered| (low_hz..=high_hz).contains(&line.frequency_hz);
-        let lines: Vec<&Answered> = self.0.iter().filter(is_fitted).collect();
+        let lines: Vec<&Answered> = self.answers.iter().filter(is_fitted).collect();
         let omega = |line: &Answered| TAU * line.frequency_hz;
         let scale = TAU * high_hz;
         let entry = |row: usize, power: usize| {
@@ -127,6 +139,11 @@ impl DataSheet {
         }
         series
     }
+
+    /// The series of second order and the load that are nearest to the inverse of the rig.
+    pub fn inverse_under_load(&self) -> (Series, Load) {
+        loaded::inverse(&self.under_load)
+    }
 }
 
 #[cfg(test)]
@@ -138,7 +155,7 @@ mod tests {
     fn an_ideal_rig_with_a_lag_is_late_by_it() {
         let rig = RigFile::default_setup().unwrap();
         let sheet = DataSheet::of(&RigSetup { lag_s: 4e-3, delay_cycles: 7, ..rig });
-        for line in &sheet.0 {
+        for line in &sheet.answers {
             let omega = TAU * line.frequency_hz;
             // A first-order lag; dead time is left out.
             assert!((line.phase_rad + libm::atan(omega * 4e-3)).abs() < 0.01, "{line:?}");

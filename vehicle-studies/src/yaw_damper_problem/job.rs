@@ -92,9 +92,9 @@ impl Job {
             jobs.extend(cells.map(Self::critical));
         }
         for cell in cells() {
-            let (case, candidate, dead_time_ms) = cell;
+            let (case, candidate, _) = cell;
             let compensates = candidates[candidate].compensates();
-            let rigs = if compensates { question.rigs(dampers[case], dead_time_ms) } else { 0 };
+            let rigs = if compensates { question.rigs(dampers[case]) } else { 0 };
             for rig in 0..=rigs {
                 jobs.extend(REGIMES.map(|regime| Self::errors(cell, rig, regime)));
             }

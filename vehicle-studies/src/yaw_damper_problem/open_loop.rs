@@ -46,8 +46,11 @@ fn driven(
     let (mut state, mut reading) = (emulator.start(), None);
     let (mut measured_m, mut forces_n, mut commands) = (Vec::new(), Vec::new(), Vec::new());
     for wanted in wanted {
-        let answer =
-            reading.map(|Reading { displacement_m, .. }| Answer { displacement_m, age_cycles: 0 });
+        let answer = reading.map(|Reading { displacement_m, force_n, .. }| Answer {
+            displacement_m,
+            force_n,
+            age_cycles: 0,
+        });
         let command = command(*wanted, answer);
         let reference = Reference {
             displacement_m: command.displacement_m,

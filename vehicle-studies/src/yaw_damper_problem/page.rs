@@ -36,7 +36,7 @@ pub fn page(answer: &Answer, report: Report) -> Report {
 fn rig(answer: &Answer) -> Section {
     let plot = |of: fn(&Answered) -> f64, mut plot: Plot| {
         for damper in &answer.dampers {
-            let points = damper.data_sheet.0.iter().map(|line| (line.frequency_hz, of(line)));
+            let points = damper.data_sheet.answers.iter().map(|line| (line.frequency_hz, of(line)));
             let (x, y): (Vec<f64>, Vec<f64>) = points.unzip();
             plot = plot.points(damper.damper.name(), &x, &y);
         }

@@ -232,7 +232,7 @@ impl<'a> Problem<'a> {
             for (candidate, named) in candidates.iter().enumerate() {
                 for dead_time_ms in &question.dead_times_ms {
                     let cell = (number, candidate, *dead_time_ms);
-                    let rigs = question.rigs(case.condition, *dead_time_ms);
+                    let rigs = question.rigs(case.condition);
                     let critical = found.critical(Job::critical(cell));
                     let kmh = |speed: Option<Critical>| speed.and_then(Critical::kmh);
                     scores.push(Score {

@@ -31,6 +31,7 @@ impl Problem<'_> {
         ];
         for (damper, sheet) in self.sheets() {
             files.push((format!("rig-{}.csv", damper.name()), rig_csv(sheet)));
+            files.push((format!("load-{}.csv", damper.name()), load_csv(sheet)));
         }
         for motion in self.motions() {
             let text = motion_csv(self.wanted(motion));
@@ -93,6 +94,9 @@ fn read_me(seed: u64) -> String {
          \x20                    delay at every frequency. A command of time t is answered late by\n\
          \x20                    delay_s, and the force acts half a cycle early.\n\
          \x20                    A compensator has to lead by: delay_s + dead time - 0.0005 s.\n\
+         load-*.csv           The same at several strokes, with the force and with the speed times\n\
+         \x20                    the size of the force: how much later the ram is under load. All\n\
+         \x20                    amplitudes are over that of the command.\n\
          wanted-*.csv         Motions that the rig is to carry out, at 1 kHz, from the run with\n\
          \x20                    every damper modelled.\n\
          example-*.csv        A command and a filter, in the format in which they come back.\n\
@@ -105,13 +109,36 @@ fn read_me(seed: u64) -> String {
 /// The data sheet of the nominal rig with a damper.
 fn rig_csv(sheet: &DataSheet) -> String {
     let mut text = "frequency_hz,stroke_m,gain,phase_deg,delay_s\n".to_owned();
-    for line in &sheet.0 {
+    for line in &sheet.answers {
         let (degrees, delay_s) = (line.phase_rad.to_degrees(), line.delay_s());
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
             "{},{:.6e},{:.6},{degrees:.4},{delay_s:.6e}",
             line.frequency_hz, line.stroke_m, line.gain
+        );
+    }
+    text
+}
+
+/// What the load takes from it.
+fn load_csv(sheet: &DataSheet) -> String {
+    let mut text = "frequency_hz,stroke_m,gain,phase_deg,force_n_per_m,force_phase_deg,\
+                    force_times_speed_n_per_s,force_times_speed_phase_deg\n"
+        .to_owned();
+    for line in &sheet.under_load {
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            text,
+            "{},{:.6e},{:.6},{:.4},{:.6e},{:.4},{:.6e},{:.4}",
+            line.frequency_hz,
+            line.stroke_m,
+            line.gain,
+            line.phase_rad.to_degrees(),
+            line.force_n_per_m,
+            line.force_phase_rad.to_degrees(),
+            line.force_times_speed_n_per_s,
+            line.force_times_speed_phase_rad.to_degrees()
         );
     }
     text

@@ -25,7 +25,7 @@ pub struct Question {
     pub perturbed_rigs: u64,
     /// Whether critical speeds are asked for.
     pub critical_speeds: bool,
-    /// Dead times at which perturbed rigs and critical speeds are asked for (ms).
+    /// Dead times at which critical speeds are asked for (ms).
     pub long_at_ms: Vec<u16>,
     /// How critical speeds are approached from below, if they are.
     pub climb: Option<Climb>,
@@ -59,10 +59,9 @@ impl Question {
         }
     }
 
-    /// How many perturbed rigs are asked for with a damper at a dead time (ms).
-    pub(super) fn rigs(&self, damper: Condition, dead_time_ms: u16) -> u64 {
-        let is_asked = damper.has_aims() && self.long_at_ms.contains(&dead_time_ms);
-        if is_asked { self.perturbed_rigs } else { 0 }
+    /// How many perturbed rigs are asked for with a damper.
+    pub(super) fn rigs(&self, damper: Condition) -> u64 {
+        if damper.has_aims() { self.perturbed_rigs } else { 0 }
     }
 
     /// One dead time on the nominal rig, new and worn, without critical speeds: seconds.

@@ -52,6 +52,24 @@ fn a_filter_closes_the_loop_and_one_that_passes_all_is_no_compensator() {
     assert!(answer.aims.iter().all(|aim| aim.compensator == "filter"), "{:?}", answer.aims);
 }
 
+/// The adaptive compensator, at the ends of the range of dead times, on the nominal rig and on some
+/// that it was not told of; a worn damper loads its rig in one part of the stroke only.
+#[test]
+fn every_aim_is_met_on_nominal_and_perturbed_rigs() {
+    let question = Question { dead_times_ms: vec![1, 15], perturbed_rigs: 3, ..Question::quick(1) };
+    let problem = Problem::load(&scenario(), &question.dampers, &GO).unwrap();
+    let candidates = [Candidate::Ours(Ours::Adaptive)];
+    let answer = problem.score(&question, &candidates, &GO, &|_, _| ()).unwrap();
+    assert_eq!(answer.aims.len(), 6, "{:?}", answer.aims);
+    assert!(answer.aims.iter().all(|aim| aim.is_met), "{}", text(&answer));
+    for damper in &answer.dampers {
+        // One rig, and nearly one number whatever is mounted.
+        let (_, load) = damper.data_sheet.inverse_under_load();
+        assert!((0.9e-8..1.3e-8).contains(&load.m_per_n), "{:?}: {load:?}", damper.damper);
+        assert!((0.3e-7..1.5e-7).contains(&load.s_per_n), "{:?}: {load:?}", damper.damper);
+    }
+}
+
 #[test]
 fn work_that_is_stopped_ends_at_once() {
     let stop = AtomicBool::new(true);

@@ -180,7 +180,7 @@ fn compensation() {
     ]) {
         let mut state = compensator.start();
         black_box(&mut state);
-        let answer = Some(Answer { displacement_m: 0.0, age_cycles: 0 });
+        let answer = Some(Answer { displacement_m: 0.0, force_n: 0.0, age_cycles: 0 });
         let (wanted, answer) = (black_box(Command::default()), black_box(answer));
         let command = compensator.step(&mut state, wanted, answer, black_box(1e-3));
         state.sent(black_box(command));
