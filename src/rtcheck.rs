@@ -52,7 +52,7 @@ pub(crate) struct RtcheckArgs {
 /// A scenario that is none; a bus that cannot be used, or with a host on it; real time is required
 /// and was not granted.
 pub(crate) fn command(args: &RtcheckArgs) -> Result<ExitCode, CommandError> {
-    let overrides = Overrides { duration_s: Some(args.seconds), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(args.seconds), ..Overrides::default() };
     let run = args.scenario.as_deref().map(|path| Run::load(path, overrides)).transpose()?;
     if let Some(run) = &run {
         warn(&run.warnings);

@@ -36,6 +36,11 @@ pub enum BenchError {
     },
     /// A damper that takes no wear in software.
     Damper(DamperError),
+    /// Classical frames in a loop that is faster than they are made for.
+    ClassicalRate {
+        /// The rate (Hz).
+        found_hz: u32,
+    },
     /// Pace fast with a rig on a real bus.
     FastOnBus {
         /// The bus.
@@ -254,6 +259,7 @@ impl BenchError {
             | Self::Protocol(_)
             | Self::NoRig { .. }
             | Self::Damper(_)
+            | Self::ClassicalRate { .. }
             | Self::FastOnBus { .. }
             | Self::OtherHost { .. }
             | Self::BusLoad { .. }
@@ -383,6 +389,11 @@ impl fmt::Display for BenchError {
                 write!(f, "{}: found no slot on a rig, expected on = \"rig\"", quoted(title))
             }
             Self::Damper(why) => write!(f, "the damper on the rig: {why}"),
+            Self::ClassicalRate { found_hz } => write!(
+                f,
+                "--profile: found classical at {found_hz} Hz, expected fd: classical CAN is the \
+                 profile of 1 kHz"
+            ),
             Self::FastOnBus { bus } => write!(
                 f,
                 "--pace: found pace fast on {}, expected lockstep or realtime: pace fast runs on \
@@ -623,6 +634,7 @@ mod tests {
                 BenchError::Protocol(can_protocol::Error::NodeRange { value: 9 }),
                 [true, false, false],
             ),
+            (BenchError::ClassicalRate { found_hz: 2000 }, [true, false, false]),
             (BenchError::FastOnBus { bus: bus() }, [true, false, false]),
             (BenchError::OtherHost { bus: bus(), id: 0x80 }, [true, false, false]),
             (BenchError::BusLoad { bus: bus(), load: 1.08 }, [true, false, false]),

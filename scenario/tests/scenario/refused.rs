@@ -67,8 +67,8 @@ fn a_file_of_another_kind_is_named_as_such() {
 fn an_option_out_of_range_is_named_without_a_line_of_the_scenario() {
     let path = shipped().join("ss9-160kmh.toml");
     let said = |overrides| Run::load(&path, overrides).unwrap_err().to_string();
-    let duration = |duration_s| Overrides { duration_s: Some(duration_s), speed_kmh: None };
-    let speed = |speed_kmh| Overrides { duration_s: None, speed_kmh: Some(speed_kmh) };
+    let duration = |duration_s| Overrides { duration_s: Some(duration_s), ..Overrides::default() };
+    let speed = |speed_kmh| Overrides { speed_kmh: Some(speed_kmh), ..Overrides::default() };
     assert_eq!(said(duration(-1.0)), "--duration -1: expected 0.001 to 86400 s");
     assert_eq!(said(duration(f64::NAN)), "--duration NaN: expected 0.001 to 86400 s");
     assert_eq!(said(speed(700.0)), "--speed-kmh 700: expected more than 0 and at most 600 km/h");

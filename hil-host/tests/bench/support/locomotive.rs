@@ -26,7 +26,7 @@ pub(crate) fn lasting(duration_s: f64, tables: &str) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     let source = Source::from_text(&path, &format!("{text}\n{tables}"));
-    let overrides = Overrides { duration_s: Some(duration_s), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(duration_s), ..Overrides::default() };
     Run::from_source(&source, overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
