@@ -36,6 +36,13 @@ pub enum BenchError {
     },
     /// A damper that takes no wear in software.
     Damper(DamperError),
+    /// A measurement of the budget that a limit has ended.
+    Budget {
+        /// The rate (Hz).
+        rate_hz: u32,
+        /// What has ended it.
+        why: String,
+    },
     /// Classical frames in a loop that is faster than they are made for.
     ClassicalRate {
         /// The rate (Hz).
@@ -389,6 +396,9 @@ impl fmt::Display for BenchError {
                 write!(f, "{}: found no slot on a rig, expected on = \"rig\"", quoted(title))
             }
             Self::Damper(why) => write!(f, "the damper on the rig: {why}"),
+            Self::Budget { rate_hz, why } => {
+                write!(f, "the loop at {rate_hz} Hz has ended before all was measured: {why}")
+            }
             Self::ClassicalRate { found_hz } => write!(
                 f,
                 "--profile: found classical at {found_hz} Hz, expected fd: classical CAN is the \
@@ -634,6 +644,7 @@ mod tests {
                 BenchError::Protocol(can_protocol::Error::NodeRange { value: 9 }),
                 [true, false, false],
             ),
+            (BenchError::Budget { rate_hz: 4000, why: String::new() }, [false, false, false]),
             (BenchError::ClassicalRate { found_hz: 2000 }, [true, false, false]),
             (BenchError::FastOnBus { bus: bus() }, [true, false, false]),
             (BenchError::OtherHost { bus: bus(), id: 0x80 }, [true, false, false]),

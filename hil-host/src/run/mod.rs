@@ -38,7 +38,7 @@ use crate::control::{Asker, Course, End, Requests, Session, SessionState};
 use crate::gateway::GatewayPlan;
 use crate::live::{Facts, LivePage, Phase, RunEnd, SlotFacts, edges_us};
 use crate::options::{PaceChoice, RunOptions};
-use crate::page::{SHOWN_CYCLES, page};
+use crate::page::{SHOWN_MS, page};
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
     self, ABOUT, BusEvent, PART_CYCLES, Row, RunEvent, column_reference, open_parts, part_name,
@@ -355,7 +355,9 @@ const fn name_of(file: RunFile) -> &'static str {
 /// The rows around the cycle that stopped a run; none of a run that was not stopped.
 fn around_stop(record: &Path, summary: &Summary) -> Result<Vec<Row>, BenchError> {
     let Some(cause) = &summary.cause else { return Ok(Vec::new()) };
-    let (before, behind) = SHOWN_CYCLES;
+    let (before, behind) = SHOWN_MS;
+    let per_ms = u64::from(summary.rate_hz) / 1000;
+    let (before, behind) = (before * per_ms, behind * per_ms);
     let cycles = cause.cycle.saturating_sub(before)..=cause.cycle + behind;
     let failed = |why| BenchError::File { file: record.to_owned(), why };
     let rows = record::rows_of(open_parts(record)?, cycles).map_err(failed)?;
