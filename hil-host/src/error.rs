@@ -284,7 +284,8 @@ impl BenchError {
             Self::Gateway(why) => why.is_bad_input(),
             Self::Input(why) => why.is_bad_input(),
             Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
-            Self::SilentRigs { .. }
+            Self::Budget { .. }
+            | Self::SilentRigs { .. }
             | Self::BlindRigs { .. }
             | Self::ForeignVersion { .. }
             | Self::RefusedSync { .. }
