@@ -134,11 +134,12 @@ fn a_damper_on_a_rig_does_as_at_the_usual_rate() {
     for rate in [Rate::Double, Rate::Fourfold] {
         let found = figures(rate);
         // The ram lags by 0.5 ms and the force is held over a cycle: late by 0.5 ms - T / 2, which
-        // is 0 at 1 kHz and 0.375 ms at 4 kHz. A millisecond costs 5 % of the damping.
+        // is 0 at 1 kHz and 0.375 ms at 4 kHz. On a track at 160 km/h, far below the critical
+        // speed, that shows in the fourth digit.
         for (name, found, usual, percent) in [
-            ("force", found[0], usual[0], 2.0),
-            ("stroke", found[1], usual[1], 2.0),
-            ("work", found[2], usual[2], 4.0),
+            ("force", found[0], usual[0], 0.2),
+            ("stroke", found[1], usual[1], 0.2),
+            ("work", found[2], usual[2], 0.5),
         ] {
             let off = 100.0 * (found / usual - 1.0);
             println!("{rate}: {name} {found:.5} against {usual:.5}, {off:+.3} %");
@@ -240,6 +241,7 @@ fn a_rig_that_is_six_milliseconds_late_is_so_at_every_rate() {
         assert!((stop.cause.value - late_s).abs() < 0.3e-3, "{rate}: {stop}");
         assert_eq!(stop.cycle, rate.cycles(0.5 + MEASURING_S), "{rate}");
         let delay = state.gate.delays[0].residual(run.cycle_s()).unwrap();
-        assert_eq!(delay.blocks, 5, "{rate}");
+        // Of the five seconds behind the first one the last block lacks a cycle.
+        assert_eq!(delay.blocks, 4, "{rate}");
     }
 }
