@@ -14,7 +14,7 @@ use std::time::Duration;
 
 fn cycle(criterion: &mut Criterion) {
     let path = Path::new("scenarios/ss9-160kmh.toml");
-    let run = match Run::load(path, Overrides { duration_s: Some(60.0), speed_kmh: None }) {
+    let run = match Run::load(path, Overrides { duration_s: Some(60.0), ..Overrides::default() }) {
         Ok(run) => run,
         Err(error) => panic!("{error}"),
     };

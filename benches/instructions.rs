@@ -27,7 +27,7 @@ fn main() {
         _ => return println!("counts nothing by itself: cargo xtask instructions"),
     };
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/ss9-160kmh.toml");
-    let overrides = Overrides { duration_s: Some(20.0), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(20.0), ..Overrides::default() };
     let run = Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"));
     let track = run.track.view();
     let mut line = hil_host::run::line(&run, &track);

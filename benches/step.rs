@@ -11,7 +11,7 @@ use std::path::Path;
 
 fn step(criterion: &mut Criterion) {
     let path = Path::new("scenarios/ss9-160kmh.toml");
-    let run = match Run::load(path, Overrides { duration_s: Some(60.0), speed_kmh: None }) {
+    let run = match Run::load(path, Overrides { duration_s: Some(60.0), ..Overrides::default() }) {
         Ok(run) => run,
         Err(error) => panic!("{error}"),
     };

@@ -8,7 +8,7 @@ use can_protocol::Profile;
 use clap::{Args, ValueEnum};
 use files::{ResultFolder, quoted};
 use hil_host::realtime::RealtimeOptions;
-use scenario::run::Overrides;
+use scenario::run::{Overrides, Rate};
 use std::fmt;
 use std::num::NonZeroU8;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use std::str::FromStr;
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum ProfileChoice {
-    /// Classical CAN, 8 bytes, 1 kHz.
+    /// Classical CAN, 8 bytes, 1 kHz alone.
     Classical,
     /// CAN FD with bit-rate switch, 16 bytes.
     Fd,
@@ -66,11 +66,14 @@ pub(crate) struct OverrideArgs {
     #[arg(long, value_name = "KMH",
         value_parser = number("a speed over 0 and up to 600 km/h", |kmh| kmh > 0.0 && kmh <= 600.0))]
     speed_kmh: Option<f64>,
+    /// Another rate of the control loop (Hz). Rigs need --profile fd above 1000.
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    rate: Option<Rate>,
 }
 
 impl OverrideArgs {
     pub(crate) fn overrides(&self) -> Overrides {
-        Overrides { duration_s: self.duration, speed_kmh: self.speed_kmh }
+        Overrides { duration_s: self.duration, speed_kmh: self.speed_kmh, rate: self.rate }
     }
 }
 
@@ -134,6 +137,12 @@ impl FromStr for BitRate {
         let rate = number.parse::<f64>().map_err(|_| invalid())? * unit;
         if (1e3..=20e6).contains(&rate) { Ok(Self(rate)) } else { Err(invalid()) }
     }
+}
+
+/// The rate of `--rate`.
+pub(crate) fn rate(text: &str) -> Result<Rate, InvalidValue> {
+    let found = text.parse().ok().and_then(Rate::of_hz);
+    found.ok_or_else(|| InvalidValue { found: text.to_owned(), expected: "1000, 2000 or 4000 Hz" })
 }
 
 /// The factor of `--slow-down`.
@@ -201,6 +210,15 @@ mod tests {
                 "found {text}, expected a bit rate in bit/s from 1k to 20M, such as 500k or 1M"
             );
             assert_eq!(refused, expected);
+        }
+    }
+
+    #[test]
+    fn a_rate_is_one_of_three() {
+        assert_eq!(rate("4000"), Ok(Rate::Fourfold));
+        for text in ["0", "3000", "8000", "1e3", "fast"] {
+            let refused = rate(text).unwrap_err().to_string();
+            assert_eq!(refused, format!("found {text}, expected 1000, 2000 or 4000 Hz"));
         }
     }
 

@@ -81,7 +81,7 @@ pub(crate) fn command(args: &ReproduceArgs) -> Result<ExitCode, CommandError> {
         return Err(CommandError::option(format!("--figure {given}"), expected));
     }
     let locomotive = Locomotive::load(&args.scenario, &[])?;
-    warn(&Run::load(&args.scenario, Overrides::default())?.warnings);
+    warn(&Run::load_at_usual_rate(&args.scenario, Overrides::default())?.warnings);
     let [from_kmh, to_kmh] = SPEEDS_KMH;
     let seeds = (1..=args.seeds).collect();
     let procedure = Procedure { from_kmh, to_kmh, seeds, ..Procedure::default() };

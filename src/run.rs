@@ -365,9 +365,10 @@ fn summary_lines(summary: &Summary) -> Vec<String> {
     let mut lines = Vec::new();
     lines.push(summary.title.clone());
     lines.push(format!(
-        "{} cycles of 1 ms, {} | vehicle step p50 {:.1} p99 {:.1} µs | cycle p50 {:.1} p99 {:.1} \
+        "{} cycles of {} ms, {} | vehicle step p50 {:.1} p99 {:.1} µs | cycle p50 {:.1} p99 {:.1} \
          p99.9 {:.1} max {:.0} µs | skipped {}",
         summary.steps,
+        1e3 / f64::from(summary.rate_hz),
         if summary.not_held.is_empty() { summary.state.name() } else { "completed, not held" },
         summary.step_compute_us.p50,
         summary.step_compute_us.p99,

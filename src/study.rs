@@ -103,7 +103,10 @@ pub(crate) fn command_over<S: Study>(
     let varied = Varied { scenario: args.scenario.clone(), grid };
     let asked = VariedStudy { varied, study };
     let identity = asked.identity()?;
-    let run = Run::load(&args.scenario, Overrides { duration_s: Some(1.0), speed_kmh: None })?;
+    let run = Run::load_at_usual_rate(
+        &args.scenario,
+        Overrides { duration_s: Some(1.0), ..Overrides::default() },
+    )?;
     let name = format!("{}-{}", output::stem(&args.scenario), S::NAME);
     let (mut folder, changed) =
         ResultFolder::for_identity(args.out.as_deref(), &name, S::NAME, &identity)?;

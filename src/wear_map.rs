@@ -57,7 +57,7 @@ pub(crate) struct WearMapArgs {
 /// # Errors
 /// Bad input, before anything is written; a disk that fails.
 pub(crate) fn command(args: &WearMapArgs) -> Result<ExitCode, CommandError> {
-    let run = Run::load(&args.scenario, args.overrides.overrides())?;
+    let run = Run::load_at_usual_rate(&args.scenario, args.overrides.overrides())?;
     let mut folder = args.printed.folder(&args.scenario, "wear-map", &FILES)?;
     warn(&run.warnings);
     let progress = bar("dampers on rigs");

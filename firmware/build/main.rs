@@ -25,7 +25,7 @@ fn main() {
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
     // The start is rounded up to pages otherwise, which flash has none of.
     println!("cargo::rustc-link-arg-bins=--nmagic");
-    let overrides = Overrides { duration_s: Some(TRACK_S), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(TRACK_S), ..Overrides::default() };
     let run = Run::load(&root.join(SCENARIO), overrides).unwrap_or_else(|e| panic!("{e}"));
     write(&out.join("setup.rs"), &setup::source(&run));
     write(&out.join("expected.rs"), &expected::source(&run));

@@ -35,7 +35,7 @@ pub(crate) fn toml_files(bytes: &[u8]) {
 fn scenario(text: &[u8]) {
     let Ok(text) = std::str::from_utf8(text) else { return };
     let next_to_them = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/fuzzed.toml");
-    let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
     check(Run::from_source(&Source::from_text(&next_to_them, text), overrides));
 }
 

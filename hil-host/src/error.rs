@@ -36,6 +36,18 @@ pub enum BenchError {
     },
     /// A damper that takes no wear in software.
     Damper(DamperError),
+    /// A measurement of the budget that a limit has ended.
+    Budget {
+        /// The rate (Hz).
+        rate_hz: u32,
+        /// What has ended it.
+        why: String,
+    },
+    /// Classical frames in a loop that is faster than they are made for.
+    ClassicalRate {
+        /// The rate (Hz).
+        found_hz: u32,
+    },
     /// Pace fast with a rig on a real bus.
     FastOnBus {
         /// The bus.
@@ -254,6 +266,7 @@ impl BenchError {
             | Self::Protocol(_)
             | Self::NoRig { .. }
             | Self::Damper(_)
+            | Self::ClassicalRate { .. }
             | Self::FastOnBus { .. }
             | Self::OtherHost { .. }
             | Self::BusLoad { .. }
@@ -271,7 +284,8 @@ impl BenchError {
             Self::Gateway(why) => why.is_bad_input(),
             Self::Input(why) => why.is_bad_input(),
             Self::Folder(why) => !matches!(why, FolderError::Disk(..)),
-            Self::SilentRigs { .. }
+            Self::Budget { .. }
+            | Self::SilentRigs { .. }
             | Self::BlindRigs { .. }
             | Self::ForeignVersion { .. }
             | Self::RefusedSync { .. }
@@ -383,6 +397,14 @@ impl fmt::Display for BenchError {
                 write!(f, "{}: found no slot on a rig, expected on = \"rig\"", quoted(title))
             }
             Self::Damper(why) => write!(f, "the damper on the rig: {why}"),
+            Self::Budget { rate_hz, why } => {
+                write!(f, "the loop at {rate_hz} Hz has ended before all was measured: {why}")
+            }
+            Self::ClassicalRate { found_hz } => write!(
+                f,
+                "--profile: found classical at {found_hz} Hz, expected fd: classical CAN is the \
+                 profile of 1 kHz"
+            ),
             Self::FastOnBus { bus } => write!(
                 f,
                 "--pace: found pace fast on {}, expected lockstep or realtime: pace fast runs on \
@@ -623,6 +645,8 @@ mod tests {
                 BenchError::Protocol(can_protocol::Error::NodeRange { value: 9 }),
                 [true, false, false],
             ),
+            (BenchError::Budget { rate_hz: 4000, why: String::new() }, [false, false, false]),
+            (BenchError::ClassicalRate { found_hz: 2000 }, [true, false, false]),
             (BenchError::FastOnBus { bus: bus() }, [true, false, false]),
             (BenchError::OtherHost { bus: bus(), id: 0x80 }, [true, false, false]),
             (BenchError::BusLoad { bus: bus(), load: 1.08 }, [true, false, false]),

@@ -345,3 +345,55 @@ fn a_rig_whose_paced_host_dies_goes_safe_in_the_fifth_cycle() {
     assert!(summary.frames.received <= 30, "{summary:?}");
     assert!(safe < 30 || summary.frames.received == 30, "{summary:?}");
 }
+
+/// Round trips of each kind in a turn.
+const ROUNDS: usize = 4000;
+
+/// Past the capture of the test's output.
+fn aloud(line: &str) {
+    let _unheard = writeln!(std::io::stderr(), "{line}");
+}
+
+/// From the host's send to its receive of the answer, next to two processes in C that do nothing
+/// else. Times are printed and never judged.
+#[test]
+fn a_round_trip_next_to_a_plain_echo_pair_in_c() {
+    let Some(vcan) = Vcan::new() else { return };
+    let Some(echo) = std::env::var_os("VCAN_C_ECHO") else {
+        aloud("SKIPPED: no C compiler has made a plain echo pair to compare with");
+        return;
+    };
+    let in_c = |vcan: &Vcan| {
+        let output = Command::new(&echo).args([&vcan.0, &ROUNDS.to_string()]).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8_lossy(&output.stdout).trim().parse::<u64>().unwrap()
+    };
+    let ours = |vcan: &Vcan| {
+        let (median_ns, summary) = with_rig(vcan, |mut bus| {
+            let sync = Host::new(Profile::Classical).sync_message(Pace::LockStep);
+            let mut armed = Armed::greet(&mut bus, &sync, CYCLE);
+            let mut times_ns: Vec<u64> = (0..ROUNDS)
+                .map(|_| {
+                    let begin = Instant::now();
+                    armed.run(&mut bus);
+                    begin.elapsed().as_nanos() as u64
+                })
+                .collect();
+            let end = armed.host.state(RunState::Standby);
+            armed.ask(&mut bus, &end);
+            times_ns.sort_unstable();
+            times_ns[ROUNDS / 2]
+        });
+        assert_eq!(summary.frames.lost, 0);
+        median_ns
+    };
+    // In turns: whatever else the machine does meets both.
+    let turns: Vec<[u64; 2]> = (0..3).map(|_| [in_c(&vcan), ours(&vcan)]).collect();
+    let least = |kind: usize| turns.iter().map(|turn| turn[kind]).min().unwrap() as f64 * 1e-3;
+    let (in_c, ours) = (least(0), least(1));
+    aloud(&format!(
+        "round trip over vcan, least median of three turns of {ROUNDS}: ours {ours:.1} us (with the \
+         emulated rig, without the vehicle step), plain C echo pair {in_c:.1} us, ratio {:.2}",
+        ours / in_c
+    ));
+}

@@ -4,7 +4,8 @@
 //! command -> delay line -> drive (ideal, servo, rths-benchmark) -> noise -> reading
 //! ```
 //!
-//! **Delay.** A command is the position of the eyes at the instant at which the cycle begins; the
+//! **Delay.** The pure delay is a time: `delay_cycles` counts cycles of 1 ms, and a rig in a faster
+//! loop keeps as many more commands. A command is the position of the eyes at the instant at which the cycle begins; the
 //! reading is taken at its end. With velocity the reference runs on over the cycle and the ram is
 //! behind it by the drive and the whole cycles of pure delay: 0.5 ms on the default rig. Without
 //! velocity the reference stands still until the next command, which costs the cycle as well:
@@ -24,23 +25,28 @@ use crate::noise::Noise;
 use crate::servo::{Servo, ServoState};
 use firmware_core::damper::DamperState;
 use scenario::rig::{DELAY_CYCLES_MAX, DisplacementSensor, Drive, RigSetup, SensorSetup};
+use scenario::run::{CYCLE_S, Rate};
 
 /// Speed below which a ram that is held by a controller counts as being at rest (m/s): in a second
 /// it moves by no more than the thickness of a hair.
 pub const AT_REST_M_PER_S: f64 = 0.1e-3;
 
-/// References that the delay line keeps.
-const LINE: usize = DELAY_CYCLES_MAX as usize + 1;
+/// Cycles per millisecond of the fastest loop.
+const MOST_PER_MS: usize = Rate::Fourfold.per_ms() as usize;
 
-/// Forces that a late load cell keeps: 14 cycles at most.
-const FORCES: usize = 16;
+/// References that the delay line keeps.
+const LINE: usize = DELAY_CYCLES_MAX as usize * MOST_PER_MS + 1;
+
+/// Forces that a late load cell keeps: 14 ms at most.
+const FORCES: usize = 16 * MOST_PER_MS;
 
 /// A rig that exists only as numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Emulator {
     plant: Plant,
     stroke_m: f64,
-    delay_cycles: u16,
+    /// Pure delay (s).
+    delay_s: f64,
     force_noise_n: f64,
     displacement_noise_m: f64,
     sensors: SensorSetup,
@@ -85,7 +91,7 @@ impl Emulator {
                 Drive::RthsBenchmark => Plant::Benchmark(Benchmark::new(setup, period_s)),
             },
             stroke_m: setup.stroke_m,
-            delay_cycles: setup.delay_cycles.min(DELAY_CYCLES_MAX),
+            delay_s: f64::from(setup.delay_cycles.min(DELAY_CYCLES_MAX)) * CYCLE_S,
             force_noise_n: setup.force_noise_n,
             displacement_noise_m: setup.displacement_noise_m,
             sensors: setup.sensors,
@@ -234,7 +240,9 @@ impl Emulator {
     fn delayed(&self, state: &mut EmulatorState, reference: Reference) -> Reference {
         let length = LINE as u64;
         let put = (state.cycle % length) as usize;
-        let due = ((state.cycle + length - u64::from(self.delay_cycles)) % length) as usize;
+        // A rig in a loop that is faster than any of a bench is late by less.
+        let cycles = (libm::round(self.delay_s / self.period_s) as u64).min(length - 1);
+        let due = ((state.cycle + length - cycles) % length) as usize;
         if let Some(place) = state.line.get_mut(put) {
             *place = reference;
         }

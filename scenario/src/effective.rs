@@ -1,5 +1,6 @@
 //! A run as files of its own: every default written out, no default is left to the program.
 
+use crate::cycle::Rate;
 use crate::damper::DamperFile;
 use crate::error::ScenarioError;
 use crate::irregularity::IrregularityFile;
@@ -22,7 +23,7 @@ pub struct Effective {
 /// The scenario with every default written out; files that it names get their full path.
 pub(crate) fn effective(
     mut file: RunFile,
-    (motion, rig): (&Motion, &RigSetup),
+    (motion, rig, rate): (&Motion, &RigSetup, Rate),
     source: &Source,
     mut vehicle: VehicleFile,
     vehicle_source: &Source,
@@ -36,7 +37,7 @@ pub(crate) fn effective(
     file.rig = file.rig.with_defaults(&file.damper, rig);
     file.motion = file.motion.with_defaults();
     file.readiness = file.readiness.with_defaults();
-    file.plausibility = file.plausibility.with_defaults(motion.stroke_m);
+    file.plausibility = file.plausibility.with_defaults(motion.stroke_m, rate);
     for slot in file.slot.iter_mut().filter(|slot| slot.on == On::Rig) {
         slot.model = Some(slot.model.take().unwrap_or_default().over(&file.damper));
         slot.accept_delay_error = Some(slot.accept_delay_error.unwrap_or(false));

@@ -12,7 +12,7 @@
 //! command that asks for more is replaced by the nearest one within them; with `"stop"` that also
 //! brings the bench to SAFE. Wear in software and `ramp_s = 0` need commands to be cut.
 
-use crate::cycle::CYCLE_S;
+use crate::cycle::Rate;
 use crate::error::ScenarioError;
 use crate::quantity::Quantity;
 use crate::source::Source;
@@ -92,7 +92,7 @@ impl MotionFile {
     ///
     /// # Errors
     /// The first number that does not fit, with file and line.
-    pub(crate) fn build(&self, source: &Source) -> Result<Motion, ScenarioError> {
+    pub(crate) fn build(&self, source: &Source, rate: Rate) -> Result<Motion, ScenarioError> {
         if let Some(force) = &self.force_n {
             let new = format!(
                 "[motion] force_n is now `force = {{ limit_n = {} }}` under [plausibility]",
@@ -105,7 +105,7 @@ impl MotionFile {
         };
         let ramp_s = within(&self.ramp_s, "ramp_s", (0.0, RAMP_MAX_S), "s", RAMP_S)?;
         Ok(Motion {
-            ramp_cycles: libm::round(ramp_s / CYCLE_S) as u32,
+            ramp_cycles: rate.cycles(ramp_s) as u32,
             stroke_m: within(&self.stroke_m, "stroke_m", (1e-3, 1.0), "m", STROKE_M)?,
             velocity_m_per_s: within(
                 &self.velocity_m_per_s,
@@ -126,14 +126,14 @@ impl MotionFile {
     }
 }
 
-/// Cycles between the fades in which a host on a real bus measures the delay of its rigs.
-pub const MEASURING_CYCLES: u32 = 6000;
+/// Time between the fades in which a host on a real bus measures the delay of its rigs (s).
+pub const MEASURING_S: f64 = 6.0;
 
 impl Motion {
     /// The time that the ramps at both ends and the measurement of the delay take, from a ram that
     /// does not begin far away (s).
-    pub(crate) fn ramps_s(&self) -> f64 {
-        (4.0 * f64::from(self.ramp_cycles) + f64::from(MEASURING_CYCLES)) * CYCLE_S
+    pub(crate) fn ramps_s(&self, rate: Rate) -> f64 {
+        (4.0 * f64::from(self.ramp_cycles) + rate.cycles(MEASURING_S) as f64) * rate.cycle_s()
     }
 }
 
@@ -144,7 +144,7 @@ mod tests {
 
     fn built(text: &str) -> Result<Motion, ScenarioError> {
         let source = Source::from_text(Path::new("motion.toml"), text);
-        source.parse::<MotionFile>()?.build(&source)
+        source.parse::<MotionFile>()?.build(&source, Rate::Usual)
     }
 
     #[test]
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn the_defaults_written_out_build_the_same() {
         let source = Source::from_text(Path::new("motion.toml"), "");
-        let written = MotionFile::default().with_defaults().build(&source).unwrap();
+        let written = MotionFile::default().with_defaults().build(&source, Rate::Usual).unwrap();
         assert_eq!(written, built("").unwrap());
     }
 }

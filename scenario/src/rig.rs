@@ -47,7 +47,7 @@ pub struct RigFile {
     pub rate_m_per_s: Option<Quantity>,
     /// Time constant of the first-order lag of an ideal rig.
     pub lag_s: Option<Quantity>,
-    /// Pure delay of the actuator, in whole cycles.
+    /// Pure delay of the actuator, in whole cycles of 1 ms.
     pub delay_cycles: Option<u16>,
     /// Stiffness of the fixture in series with the damper; absent for a rigid one, and for the
     /// usual one of a servo rig.
@@ -115,7 +115,7 @@ pub struct RigSetup {
     pub rate_m_per_s: f64,
     /// Time constant of the first-order lag of an ideal rig (s).
     pub lag_s: f64,
-    /// Pure delay in whole cycles.
+    /// Pure delay in whole cycles of 1 ms.
     pub delay_cycles: u16,
     /// Compliance of the fixture (m/N), zero when rigid.
     pub fixture_m_per_n: f64,
@@ -139,7 +139,7 @@ const LAG_S: f64 = 0.5e-3;
 const FORCE_NOISE_N: f64 = 5.0;
 const DISPLACEMENT_NOISE_M: f64 = 0.2e-6;
 
-/// Longest pure delay that a rig keeps (cycles).
+/// Longest pure delay that a rig keeps (cycles of 1 ms).
 pub const DELAY_CYCLES_MAX: u16 = 64;
 /// The same as a time (s).
 pub const DELAY_MAX_S: f64 = DELAY_CYCLES_MAX as f64 * CYCLE_S;

@@ -1,9 +1,9 @@
 //! A run: vehicle, speed, track, damper slots and rig, ready to be simulated.
 
 pub use crate::compensation::{CompensationFile, CompensationKind};
-pub use crate::cycle::CYCLE_S;
+pub use crate::cycle::{CYCLE_S, Rate};
 pub use crate::effective::Effective;
-pub use crate::motion::{BeyondLimits, MEASURING_CYCLES, Motion};
+pub use crate::motion::{BeyondLimits, MEASURING_S, Motion};
 pub use crate::plausibility::{BEYOND_STROKE_M, ForceLimit, Plausibility};
 pub use crate::readiness::Readiness;
 pub use crate::run_file::{IfRigDropsOut, On, RunFile, SlotFile, StandsFor, VirtualWearFile};
@@ -21,7 +21,7 @@ use crate::minimum_speed::minimum_speed_m_per_s;
 use crate::quantity::Quantity;
 use crate::rig::{RigFile, RigSetup};
 use crate::setting::Setting;
-use crate::slot::slots;
+use crate::slot::{refuse_clipped_wear, slots};
 use crate::source::Source;
 use crate::stand_in;
 use crate::title;
@@ -37,10 +37,10 @@ use firmware_core::wheel_rail::table::ContactTable;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Substeps per cycle unless a scenario says otherwise: chosen by the convergence test.
+/// Substeps per millisecond unless a scenario says otherwise: chosen by the convergence test.
 pub const SUBSTEPS: u32 = 4;
 
-/// Most substeps per cycle.
+/// Most substeps per millisecond.
 const SUBSTEPS_MAX: u32 = 64;
 
 /// No wheel on rail has run faster (km/h).
@@ -71,6 +71,8 @@ pub struct Run {
     pub duration_s: f64,
     /// Time at the start that statistics leave out (s).
     pub run_in_s: f64,
+    /// How often the control loop turns.
+    pub rate: Rate,
     /// Substeps per cycle.
     pub substeps: u32,
     /// The track; its first stretch where there are [`Run::stretches`].
@@ -115,6 +117,15 @@ enum Slow {
     Finer,
 }
 
+/// Which rates a loop may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rates {
+    /// Each of [`Rate::ALL`].
+    All,
+    /// The usual one: what asks does not know another.
+    Usual,
+}
+
 /// What the command line changes in a scenario.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Overrides {
@@ -122,6 +133,8 @@ pub struct Overrides {
     pub duration_s: Option<f64>,
     /// Another speed (km/h).
     pub speed_kmh: Option<f64>,
+    /// Another rate of the control loop.
+    pub rate: Option<Rate>,
 }
 
 impl Run {
@@ -134,17 +147,25 @@ impl Run {
         Self::from_source(&source, overrides)
     }
 
+    /// The same for what knows the usual rate of 1 kHz alone.
+    ///
+    /// # Errors
+    /// As for [`Run::load`]; another rate.
+    pub fn load_at_usual_rate(path: &Path, overrides: Overrides) -> Result<Self, ScenarioError> {
+        Self::build(&Source::read(path)?, overrides, &[], (Slow::Refused, Rates::Usual))
+    }
+
     /// The same with other numbers in the scenario and in its vehicle.
     ///
     /// # Errors
-    /// As for [`Run::load`]; a key that leads nowhere.
+    /// As for [`Run::load_at_usual_rate`]; a key that leads nowhere.
     pub fn load_with(
         path: &Path,
         overrides: Overrides,
         settings: &[Setting],
     ) -> Result<Self, ScenarioError> {
         let source = Source::read(path)?.with_settings(settings)?;
-        Self::build(&source, overrides, settings, Slow::Refused)
+        Self::build(&source, overrides, settings, (Slow::Refused, Rates::Usual))
     }
 
     /// The same for a study that varies its speed: where one needs finer substeps it gets them.
@@ -157,7 +178,7 @@ impl Run {
         settings: &[Setting],
     ) -> Result<Self, ScenarioError> {
         let source = Source::read(path)?.with_settings(settings)?;
-        Self::build(&source, overrides, settings, Slow::Finer)
+        Self::build(&source, overrides, settings, (Slow::Finer, Rates::Usual))
     }
 
     /// Builds a scenario from its text.
@@ -165,14 +186,14 @@ impl Run {
     /// # Errors
     /// One line with file, line and key for the first thing that does not fit.
     pub fn from_source(source: &Source, overrides: Overrides) -> Result<Self, ScenarioError> {
-        Self::build(source, overrides, &[], Slow::Refused)
+        Self::build(source, overrides, &[], (Slow::Refused, Rates::All))
     }
 
     fn build(
         source: &Source,
         overrides: Overrides,
         settings: &[Setting],
-        slow: Slow,
+        (slow, rates): (Slow, Rates),
     ) -> Result<Self, ScenarioError> {
         let file: RunFile = source.parse_as(Kind::Scenario)?;
         let mut inputs = Inputs::default();
@@ -188,10 +209,15 @@ impl Run {
         };
         // A short run keeps half of itself for its statistics.
         let run_in_s = run_in_s.min(0.5 * duration_s);
+        let rate = file.overridden_rate(source, overrides, rates)?;
         let substeps = file.substeps.unwrap_or(SUBSTEPS);
         if !(2..=SUBSTEPS_MAX).contains(&substeps) {
             let found = format!("substeps = {substeps}, expected 2 to {SUBSTEPS_MAX}");
             return Err(source.whole_error(found));
+        }
+        if !substeps.is_multiple_of(rate.per_ms()) {
+            let expected = format!("a multiple of {} at {rate}", rate.per_ms());
+            return Err(source.whole_error(format!("substeps = {substeps}, expected {expected}")));
         }
         let vehicle_source = source.named("vehicle", &file.vehicle)?;
         inputs.note("vehicle", vehicle_source.content_hash());
@@ -203,7 +229,7 @@ impl Run {
         let rig = rig_file.build(source)?;
         let compare = file.compare.as_ref().map(|compare| compare.build(source, &vehicle));
         let compare = compare.transpose()?;
-        let mut slots = slots(&file, &vehicle_file, source)?;
+        let mut slots = slots(&file, &vehicle_file, source, rate)?;
         stand_in::place(&file, &vehicle, source, &mut slots)?;
         debug_assert_eq!(slots.len(), vehicle.dampers.len(), "one slot for each damper");
         for (number, slot) in slots.iter_mut().enumerate() {
@@ -215,16 +241,17 @@ impl Run {
         let table = contact.as_ref().map(|contact| &*contact.table);
 
         let wheels = (&vehicle, table);
-        let (speed_m_per_s, substeps) = file
+        let (speed_m_per_s, substeps_per_ms) = file
             .speed_and_substeps(source, wheels, substeps, slow)
             .map_err(|error| overrides.blamed_for_speed(error))?;
         let start = Self::steady(&vehicle, contact.as_ref(), speed_m_per_s).map_err(|error| {
             ScenarioError::Equilibrium { file: vehicle_source.path().to_owned(), part: None, error }
         })?;
-        let motion = file.motion.build(source)?;
+        let motion = file.motion.build(source, rate)?;
+        refuse_clipped_wear(&slots, &motion, rate, source)?;
         let readiness = file.readiness.build(source)?;
-        let plausibility = file.plausibility.build(source, motion.stroke_m)?;
-        let ramps_s = if on_rigs(&slots) { motion.ramps_s() } else { 0.0 };
+        let plausibility = file.plausibility.build(source, motion.stroke_m, rate)?;
+        let ramps_s = if on_rigs(&slots) { motion.ramps_s(rate) } else { 0.0 };
         let end_m = START_M + speed_m_per_s * (duration_s + ramps_s) + 20.0;
         let reach_m = vehicle.bodies.iter().map(|body| body.station_m.abs()).fold(0.0, f64::max);
         let (track, stretches) = file.track.build(source, (0.0, end_m), reach_m, &mut inputs)?;
@@ -247,8 +274,10 @@ impl Run {
         let body_names =
             vehicle_file.body.iter().map(|body| quoted(&body.name).to_string()).collect();
         file.run_in_s = Some(Quantity::plain(run_in_s));
-        file.substeps = Some(substeps);
-        let effective = effective(file, (&motion, &rig), source, vehicle_file, &vehicle_source)?;
+        file.substeps = Some(substeps_per_ms);
+        file.rate_hz = Some(Quantity::plain(f64::from(rate.hz())));
+        let effective =
+            effective(file, (&motion, &rig, rate), source, vehicle_file, &vehicle_source)?;
         Ok(Self {
             title,
             vehicle_name,
@@ -258,7 +287,8 @@ impl Run {
             speed_m_per_s,
             duration_s,
             run_in_s,
-            substeps,
+            rate,
+            substeps: substeps_per_ms / rate.per_ms(),
             track,
             stretches,
             band,
@@ -300,7 +330,12 @@ impl Run {
 
     /// Number of control cycles.
     pub fn cycles(&self) -> u64 {
-        libm::round(self.duration_s / CYCLE_S) as u64
+        self.rate.cycles(self.duration_s)
+    }
+
+    /// Length of a control cycle (s).
+    pub fn cycle_s(&self) -> f64 {
+        self.rate.cycle_s()
     }
 }
 
@@ -319,6 +354,28 @@ impl Overrides {
 }
 
 impl RunFile {
+    /// The rate of the loop, which the command line may have changed.
+    fn overridden_rate(
+        &self,
+        source: &Source,
+        overrides: Overrides,
+        rates: Rates,
+    ) -> Result<Rate, ScenarioError> {
+        let expected = match rates {
+            Rates::All => "1000, 2000 or 4000 Hz",
+            Rates::Usual => "1000 Hz: no other rate is supported here",
+        };
+        let fits = |rate: &Rate| rates == Rates::All || *rate == Rate::Usual;
+        if let Some(rate) = overrides.rate {
+            let (option, found) = ("--rate", f64::from(rate.hz()));
+            let refused = || ScenarioError::Option { option, found, expected: expected.to_owned() };
+            return Some(rate).filter(fits).ok_or_else(refused);
+        }
+        let Some(given) = &self.rate_hz else { return Ok(Rate::Usual) };
+        let rate = Rate::ALL.into_iter().find(|rate| f64::from(rate.hz()) == given.value);
+        rate.filter(fits).ok_or_else(|| given.refused(source, "rate_hz", expected))
+    }
+
     /// The duration (s), which the command line may have changed.
     fn overridden_duration_s(
         &mut self,

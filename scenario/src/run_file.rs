@@ -31,7 +31,9 @@ pub struct RunFile {
     pub duration_s: Quantity,
     /// Time at the start that statistics leave out.
     pub run_in_s: Option<Quantity>,
-    /// Substeps per cycle of 1 ms.
+    /// Cycles of the control loop per second: 1000, 2000 or 4000.
+    pub rate_hz: Option<Quantity>,
+    /// Substeps per millisecond.
     pub substeps: Option<u32>,
     /// The track.
     #[serde(default)]

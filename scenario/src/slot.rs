@@ -1,9 +1,10 @@
 //! The damper slots of a run: modelled, or on a rig.
 
-use crate::cycle::CYCLE_S;
+use crate::cycle::Rate;
 use crate::damper::DamperFile;
 use crate::damper_mass;
 use crate::error::ScenarioError;
+use crate::motion::Motion;
 use crate::run_file::{IfRigDropsOut, On, RunFile, SlotFile, StandsFor};
 use crate::source::Source;
 use crate::vehicle::VehicleFile;
@@ -11,7 +12,10 @@ use crate::watch::WatchSetup;
 use files::{did_you_mean, quoted};
 use firmware_core::compensation::Compensator;
 use firmware_core::damper::{Damper, DamperError, Nominal};
+use firmware_core::line::RigSlot;
+use firmware_core::supervision::CommandLimits;
 use firmware_core::vehicle::DAMPER_SLOTS;
+use firmware_core::virtual_wear::{MOST_AHEAD_CYCLES, MOST_ROUNDING_CYCLES};
 
 /// One slot, ready to run.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,6 +84,7 @@ pub(crate) fn slots(
     file: &RunFile,
     vehicle: &VehicleFile,
     source: &Source,
+    rate: Rate,
 ) -> Result<Vec<Slot>, ScenarioError> {
     let places: Vec<&str> = vehicle.damper_slot.iter().map(|slot| slot.place.as_str()).collect();
     debug_assert!(places.len() <= DAMPER_SLOTS);
@@ -113,7 +118,7 @@ pub(crate) fn slots(
     for place in places {
         let given = file.slot.iter().find(|slot| slot.place == place);
         let force = match given {
-            Some(slot) if slot.on == On::Rig => slot.rig(file, source, &mut nodes)?,
+            Some(slot) if slot.on == On::Rig => slot.rig(file, (source, rate), &mut nodes)?,
             given => {
                 let own = given.map(|slot| slot.damper.clone()).unwrap_or_default();
                 SlotForce::Modelled(own.over(&file.damper).build(source)?)
@@ -128,7 +133,7 @@ impl SlotFile {
     fn rig(
         &self,
         file: &RunFile,
-        source: &Source,
+        (source, rate): (&Source, Rate),
         nodes: &mut Vec<(Option<String>, u8)>,
     ) -> Result<SlotForce, ScenarioError> {
         let node = self.node.unwrap_or(1);
@@ -162,7 +167,7 @@ impl SlotFile {
         let model = self.model.clone().unwrap_or_default().over(&file.damper).build(source)?;
         let refused =
             |error: DamperError| source.whole_error(format!("slot \"{place}\": model: {error}"));
-        let specimen = damper_mass::without(model).map_err(refused)?.prepared(CYCLE_S);
+        let specimen = damper_mass::without(model).map_err(refused)?.prepared(rate.cycle_s());
         let model = worn(&specimen, clearance, compliance).map_err(refused)?;
         let watch = match &self.watch {
             Some(watch) => Some(Box::new(watch.build(source, &file.damper)?)),
@@ -184,6 +189,51 @@ impl SlotFile {
             if_drops_out: self.if_rig_drops_out.unwrap_or_default(),
         })
     }
+}
+
+/// Refuses wear in software that a faster loop cannot compute far enough ahead, or not round: both
+/// are bounded in cycles, which are shorter there.
+pub(crate) fn refuse_clipped_wear(
+    slots: &[Slot],
+    motion: &Motion,
+    rate: Rate,
+    source: &Source,
+) -> Result<(), ScenarioError> {
+    let limits = CommandLimits {
+        stroke_m: motion.stroke_m,
+        velocity_m_per_s: motion.velocity_m_per_s,
+        acceleration_m_per_s2: motion.acceleration_m_per_s2,
+    };
+    for Slot { place, force } in slots.iter().filter(|_| rate > Rate::Usual) {
+        let SlotForce::Rig {
+            virtual_clearance_2a_m: clearance_2a_m,
+            virtual_compliance_m_per_n: compliance_m_per_n,
+            specimen,
+            model,
+            compensator,
+            ..
+        } = force
+        else {
+            continue;
+        };
+        if *clearance_2a_m == 0.0 && *compliance_m_per_n == 0.0 {
+            continue;
+        }
+        let cycle_s = rate.cycle_s();
+        let rig = RigSlot::new((**model).clone(), *compensator, limits, cycle_s);
+        let rig = rig.behind_wear(*clearance_2a_m, *compliance_m_per_n, specimen, cycle_s);
+        let cycles = rig.wear.map_or((0, 0), |wear| (wear.ahead_cycles, wear.rounding_cycles));
+        let (found, most, of) = match cycles {
+            (MOST_AHEAD_CYCLES, _) => ("the delay that is compensated", MOST_AHEAD_CYCLES, "ahead"),
+            (_, MOST_ROUNDING_CYCLES) => ("acceleration_m_per_s2", MOST_ROUNDING_CYCLES, "round"),
+            _ => continue,
+        };
+        return Err(source.whole_error(format!(
+            "slot \"{place}\": virtual_wear at {rate}: {found} takes {most} cycles or more {of}, \
+             expected fewer: a slower rate"
+        )));
+    }
+    Ok(())
 }
 
 /// A damper with wear in series: the damper that a vehicle feels when a rig carries the first and

@@ -21,8 +21,8 @@ const ENDS_AT_LEAST: usize = 99;
 /// Loses frames and prints what became of the sessions; whether all was as expected.
 pub(super) fn inject(args: &FaultsArgs, seconds: f64) -> Result<bool, CommandError> {
     let session_s = seconds.min(SESSION_S);
-    let overrides = Overrides { duration_s: Some(session_s), speed_kmh: None };
-    let run = Run::load(&args.scenario, overrides)?;
+    let overrides = Overrides { duration_s: Some(session_s), ..Overrides::default() };
+    let run = Run::load_at_usual_rate(&args.scenario, overrides)?;
     let sessions = |seconds: f64| (seconds / session_s).ceil().max(1.0) as usize;
     let cycles = (session_s / CYCLE_S).round() as u64;
     let of = |measurements: f64, sessions: usize| Losses {

@@ -58,8 +58,8 @@ pub(crate) fn command(args: &FaultsArgs) -> Result<ExitCode, CommandError> {
     let holds = if let Some(seconds) = args.sound {
         sound::listen(args, seconds)?
     } else {
-        let overrides = Overrides { duration_s: Some(10.0), speed_kmh: None };
-        let run = Run::load(&args.scenario, overrides)?;
+        let overrides = Overrides { duration_s: Some(10.0), ..Overrides::default() };
+        let run = Run::load_at_usual_rate(&args.scenario, overrides)?;
         let all_right = rows::inject(&run)? & rows::drop_out(&run)?;
         let random = args.cycles == 0 || random::inject(&run, args)?;
         let losses = args.loss.map_or(Ok(true), |seconds| loss::inject(args, seconds))?;

@@ -22,7 +22,7 @@ use std::time::Duration;
 /// A scenario of the repository, perhaps cut to a duration.
 pub(crate) fn scenario(name: &str, duration_s: impl Into<Option<f64>>) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios").join(name);
-    let overrides = Overrides { duration_s: duration_s.into(), speed_kmh: None };
+    let overrides = Overrides { duration_s: duration_s.into(), ..Overrides::default() };
     Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -36,6 +36,7 @@ mod open_loop;
 mod own_messages;
 mod partial_records;
 mod physics;
+mod rates;
 mod real_records;
 mod rehearse;
 mod replay;

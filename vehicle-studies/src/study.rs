@@ -95,7 +95,7 @@ impl Varied {
         let mut settings = self.grid.point(index);
         settings.retain(|setting| own_key != Some(setting.key.as_str()));
         let load = |duration_s: f64| {
-            let overrides = Overrides { duration_s: Some(duration_s), speed_kmh: None };
+            let overrides = Overrides { duration_s: Some(duration_s), ..Overrides::default() };
             Run::load_as_fine_as_needed(&self.scenario, overrides, &settings)
         };
         let short = load(1.0)?;

@@ -42,6 +42,28 @@ fn virtual_environment(folder: &Path) -> Result<PathBuf, String> {
     Ok(python)
 }
 
+/// A plain C echo pair, which the round trip over a virtual interface is compared with.
+///
+/// The tests find it as `VCAN_C_ECHO`; without a compiler the comparison is left out.
+pub(crate) fn c_echo(run: &mut Run) -> Outcome {
+    let program = run.target.join("vcan/echo");
+    let compiled = std::fs::create_dir_all(run.target.join("vcan"))
+        .map_err(|error| error.to_string())
+        .and_then(|()| {
+            // Static: a throw-away machine needs nothing else.
+            let mut compiler = Command::new("cc");
+            compiler.args(["-O2", "-static", "-o"]).arg(&program);
+            quiet(compiler.arg(run.root.join("xtask/src/echo.c")))
+        });
+    match compiled {
+        Ok(_) => {
+            run.equipment.push(("VCAN_C_ECHO".into(), program.into()));
+            Outcome::Passed
+        }
+        Err(reason) => Outcome::Skipped(format!("no plain C echo pair to compare with: {reason}")),
+    }
+}
+
 /// `HyperQueue` for that Python, for the test that spreads a sweep over a scheduler's workers.
 pub(crate) fn hyperqueue(run: &mut Run) -> Outcome {
     let python = run.target.join("cantools/bin/python3");

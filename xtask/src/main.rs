@@ -7,7 +7,7 @@
 //! cargo xtask firmware   the no_std crates for a Cortex-M7: that they cannot panic there, and in
 //!                        QEMU that they have the host's bits; `--full` for 10,000 steps,
 //!                        `--table` for the kinds of instructions in a step
-//! cargo xtask vcan       the tests over SocketCAN
+//! cargo xtask vcan       the tests over SocketCAN; a round trip next to that of an echo pair in C
 //! cargo xtask power-cut  kills an emulated machine that records, and reads what is on its disk
 //! cargo xtask bench      the benchmarks; what follows goes to criterion. `--v3` first builds them
 //!                        for x86-64-v3 (AVX2), in a target folder of its own
@@ -67,14 +67,17 @@ fn main() -> ExitCode {
         ["firmware", "--debian"] => firmware(&mut run, Compiler::Debian, Length::Short),
         ["vcan", "--uml", rest @ ..] => {
             run.step("cantools", equipment::cantools);
+            run.step("echo", equipment::c_echo);
             run.step("vcan", |run| vcan::test(run, vcan::Place::Uml, rest));
         }
         ["vcan", "--qemu", rest @ ..] => {
             run.step("cantools", equipment::cantools);
+            run.step("echo", equipment::c_echo);
             run.step("vcan", |run| vcan::test(run, vcan::Place::Qemu, rest));
         }
         ["vcan", rest @ ..] => {
             run.step("cantools", equipment::cantools);
+            run.step("echo", equipment::c_echo);
             run.step("vcan", |run| vcan::test(run, vcan::Place::Any, rest));
         }
         ["power-cut", rest @ ..] => {

@@ -98,7 +98,7 @@ fn passages(basis: &Basis<'_>, each: &[(f64, f64)]) -> Result<Vec<Passed>, Evide
             EvidenceError::check(basis.stop)?;
             let relief = Setting::to("damper.f_relief_n", relief_n);
             let settings = [&dampers(*ke_n_per_m, *clearance_2a_m), slice::from_ref(&relief)];
-            let overrides = Overrides { duration_s: None, speed_kmh: None };
+            let overrides = Overrides { duration_s: None, ..Overrides::default() };
             let run = Run::load_with(&scenario, overrides, &settings.concat())?;
             let equipped = Equipped::of(&run)?.until(basis.stop);
             let curve = Curve::of(&run, &equipped, &procedure)?;

@@ -41,7 +41,7 @@ impl Locomotive {
     /// # Errors
     /// A scenario that cannot run, or one whose vehicle has no damper.
     pub fn load(scenario: &Path, changes: &[Setting]) -> Result<Self, EvidenceError> {
-        let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
         let run = Run::load_with(scenario, overrides, changes)?;
         let in_file = |why| StudyError::InFile(scenario.to_owned(), Box::new(why));
         let equipped = Equipped::of(&run).map_err(|why| in_file(why.into()))?;

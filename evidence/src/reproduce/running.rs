@@ -48,7 +48,8 @@ pub(super) fn run_with(
 ) -> Result<Run, EvidenceError> {
     EvidenceError::check(basis.stop)?;
     let settings = [&dampers(ke_n_per_m, clearance_2a_m), further].concat();
-    let overrides = Overrides { duration_s: Some(1.0), speed_kmh: Some(speed_kmh) };
+    let overrides =
+        Overrides { duration_s: Some(1.0), speed_kmh: Some(speed_kmh), ..Overrides::default() };
     Ok(Run::load_as_fine_as_needed(basis.scenario, overrides, &settings)?)
 }
 

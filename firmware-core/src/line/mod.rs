@@ -42,7 +42,9 @@ mod yawing_bogie;
 
 pub use ahead::Ahead;
 pub use fade::{Fade, TooFar, URGENT_S};
-pub use residual_delay::{BLOCK_CYCLES, DelayBlocks, FEWEST_BLOCKS, ResidualDelay, Sensitivity};
+pub use residual_delay::{
+    BLOCK_S, DelayBlocks, FEWEST_BLOCKS, ResidualDelay, Sensitivity, block_cycles,
+};
 pub use slot::{RigSlot, Slot, SlotState};
 pub use stand_in::StandIn;
 
@@ -130,6 +132,17 @@ impl LineState {
     }
 }
 
+/// The arrows of a step, for whoever times them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arrow {
+    /// The forces of the cycle are chosen.
+    Guard,
+    /// The vehicle has moved.
+    VehicleStep,
+    /// The commands stand.
+    Compensation,
+}
+
 impl Line<'_> {
     fn running<'t>(&'t self, track: &'t Track<'t>) -> Running<'t> {
         Running {
@@ -213,6 +226,20 @@ impl Line<'_> {
         inputs: &[ForceInput; DAMPER_SLOTS],
         answers: &[Option<Answer>; DAMPER_SLOTS],
     ) {
+        self.step_in_arrows(track, state, inputs, answers, |_| {});
+    }
+
+    /// The same, and says behind each arrow of the module's drawing that it is done; in the safe
+    /// state the guard alone. The core has no clock: who wants times takes them.
+    #[inline]
+    pub fn step_in_arrows(
+        &self,
+        track: &Track<'_>,
+        state: &mut LineState,
+        inputs: &[ForceInput; DAMPER_SLOTS],
+        answers: &[Option<Answer>; DAMPER_SLOTS],
+        mut done: impl FnMut(Arrow),
+    ) {
         self.assert_configured();
         debug_assert!(state.state.moves() || state.is_safe(), "a step in {:?}", state.state);
         let mut held_n = [0.0; DAMPER_SLOTS];
@@ -231,6 +258,7 @@ impl Line<'_> {
             self.advance_fades(state);
         }
         state.cycle += 1;
+        done(Arrow::Guard);
         if state.is_safe() {
             for (slot, memory) in self.slots.iter().zip(&mut state.slots) {
                 let Slot::Rig(_) = slot else { continue };
@@ -246,6 +274,7 @@ impl Line<'_> {
         let running = self.running(track);
         let mut forces = SlotForces { line: self, slots: &mut state.slots, held_n };
         self.vehicle.step(&mut state.vehicle, &running, &mut forces, self.substeps);
+        done(Arrow::VehicleStep);
         let motions = self.vehicle.damper_motions(&state.vehicle, &running);
         if !self.is_plausible(state, &motions) {
             // The model has blown up: the last sound command is the one to stop from.
@@ -269,6 +298,7 @@ impl Line<'_> {
             memory.take_motion(rig, vehicle, (*input, *answer), (fade, phase), self.cycle_s);
             debug_assert!(memory.command.is_finite(), "a plausible state gives a finite command");
         }
+        done(Arrow::Compensation);
         debug_assert!(!state.is_safe(), "a line in its safe state moves nothing");
     }
 }

@@ -18,8 +18,8 @@ use super::KNOWN_DELAY_CYCLES;
 use crate::compensation::damping_energy_lost;
 use crate::damper::Damper;
 
-/// Cycles of a block: a second at 1 kHz.
-pub const BLOCK_CYCLES: u32 = 1000;
+/// Length of a block (s).
+pub const BLOCK_S: f64 = 1.0;
 /// Fewest blocks of an interval.
 pub const FEWEST_BLOCKS: u32 = 4;
 
@@ -66,7 +66,7 @@ impl DelayBlocks {
             self.rate2 += rate * rate;
         }
         self.cycles += 1;
-        if self.cycles == BLOCK_CYCLES {
+        if self.cycles >= block_cycles(cycle_s) {
             self.end_block();
         }
     }
@@ -98,6 +98,12 @@ impl DelayBlocks {
             blocks: self.blocks,
         })
     }
+}
+
+/// Cycles of a block: 1000 at 1 kHz.
+pub fn block_cycles(cycle_s: f64) -> u32 {
+    debug_assert!(cycle_s > 0.0 && cycle_s <= BLOCK_S, "a cycle of {cycle_s} s");
+    libm::round(BLOCK_S / cycle_s) as u32
 }
 
 impl ResidualDelay {
@@ -152,6 +158,7 @@ mod tests {
     use core::f64::consts::TAU;
 
     const CYCLE_S: f64 = 1e-3;
+    const BLOCK_CYCLES: u32 = 1000;
 
     /// A motion of 3.5 Hz and 3.46 mm, measured so many cycles late.
     fn late(cycles: f64, seconds: u32, jitter: impl Fn(u32) -> f64) -> DelayBlocks {
@@ -196,6 +203,20 @@ mod tests {
         assert!((delay.worst_cost(sensitivity) - 0.0389).abs() < 1e-4, "{delay:?}");
         let early = ResidualDelay { mean_s: -0.5e-3, ..delay };
         assert_eq!(early.worst_s(sensitivity), -1.5e-3);
+    }
+
+    #[test]
+    fn a_block_is_a_second_at_every_rate() {
+        assert_eq!([1e-3, 0.5e-3, 0.25e-3].map(block_cycles), [1000, 2000, 4000]);
+        // 2 ms late in steps of a quarter of a millisecond, for five seconds.
+        let at = |t_s: f64| 3.46e-3 * libm::sin(TAU * 3.5 * t_s);
+        let mut blocks = DelayBlocks::default();
+        for t_s in (0..=20_000).map(|n| f64::from(n) * 0.25e-3) {
+            blocks.take(at(t_s), at(t_s - 2e-3), 0.25e-3);
+        }
+        let found = blocks.residual(0.25e-3).unwrap();
+        assert_eq!(found.blocks, 5);
+        assert!((found.mean_s - (2e-3 - 0.125e-3)).abs() < 2e-6, "{found:?}");
     }
 
     #[test]

@@ -391,7 +391,7 @@ impl Belief {
     }
 
     fn judge_work(&mut self, checks: &Checks, displacement_m: f64, force_n: f64) {
-        self.work.take(&checks.work, displacement_m, force_n);
+        self.work.take(&checks.work, displacement_m, force_n, checks.cycle_s);
         let found = [
             (self.work.wrong_sign(), checks.wrong_sign),
             (self.work.wrong_phase(), checks.wrong_phase),

@@ -33,8 +33,8 @@ pub const SUMMED: usize = 10;
 pub const LEAST_STIFFNESS_N_PER_M: f64 = 3e6;
 /// Energy of that spring under a force, J/N2.
 const COMPLIANCE_HALF: f64 = 0.5 / LEAST_STIFFNESS_N_PER_M;
-/// Share by which the slow mean follows the displacement, per cycle of control: 3 s at 1 kHz.
-const SLOW: f64 = 1.0 / 3000.0;
+/// Time constant with which the slow mean follows the displacement (s).
+const SLOW_S: f64 = 3.0;
 
 /// Shares of the most possible work that may be given back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,7 +132,8 @@ impl Cycle {
 }
 
 impl Work {
-    /// Takes displacement (m) and force (N) of one instant, tension positive; the worst so far.
+    /// Takes displacement (m) and force (N) of one instant, tension positive, in control cycles of
+    /// `cycle_s`; the worst so far.
     ///
     /// ```
     /// use firmware_core::supervision::{Work, WorkLimits, WorkVerdict};
@@ -140,12 +141,19 @@ impl Work {
     /// let wave = |n: u32| 0.022 * f64::from(n);
     /// for n in 0..3000 {
     ///     // A dashpot: force along the velocity.
-    ///     work.take(&WorkLimits::USUAL, 3e-3 * wave(n).sin(), 16e3 * wave(n).cos());
+    ///     work.take(&WorkLimits::USUAL, 3e-3 * wave(n).sin(), 16e3 * wave(n).cos(), 1e-3);
     /// }
     /// assert_eq!(work.verdict(), WorkVerdict::Passive);
     /// assert!((work.last_cycle_j() - 151.0).abs() < 1.0);
     /// ```
-    pub fn take(&mut self, limits: &WorkLimits, displacement_m: f64, force_n: f64) -> WorkVerdict {
+    pub fn take(
+        &mut self,
+        limits: &WorkLimits,
+        displacement_m: f64,
+        force_n: f64,
+        cycle_s: f64,
+    ) -> WorkVerdict {
+        debug_assert!(cycle_s > 0.0 && cycle_s < SLOW_S, "a cycle of {cycle_s} s");
         self.ended = None;
         let Some((x_m, f_n)) = self.last.replace((displacement_m, force_n)) else {
             self.slow_m = displacement_m;
@@ -158,7 +166,7 @@ impl Work {
         self.most_j += (mean_n * step_m).abs();
         self.low_m = self.low_m.min(displacement_m);
         self.high_m = self.high_m.max(displacement_m);
-        self.slow_m += SLOW * (displacement_m - self.slow_m);
+        self.slow_m += cycle_s / SLOW_S * (displacement_m - self.slow_m);
         let below = displacement_m < self.slow_m - LEAST_AMPLITUDE_M;
         let comes_up = x_m < self.slow_m && displacement_m >= self.slow_m;
         if comes_up && self.was_below {
@@ -253,7 +261,8 @@ mod tests {
         let phase = |n: u32| core::f64::consts::TAU * 3.5e-3 * f64::from(n);
         (0..20_000).find(|n| {
             let x = amplitude_m * libm::sin(phase(*n));
-            work.take(&WorkLimits::USUAL, x, 16e3 * libm::sin(phase(*n) + lead_rad(*n))) == verdict
+            work.take(&WorkLimits::USUAL, x, 16e3 * libm::sin(phase(*n) + lead_rad(*n)), 1e-3)
+                == verdict
         })
     }
 
@@ -290,7 +299,7 @@ mod tests {
             for n in 0..5000 {
                 let phase = core::f64::consts::TAU * 3.5e-3 * f64::from(n);
                 let force_n = sign * 16e3 * libm::cos(phase);
-                work.take(&WorkLimits::USUAL, 3.46e-3 * libm::sin(phase), force_n);
+                work.take(&WorkLimits::USUAL, 3.46e-3 * libm::sin(phase), force_n, 1e-3);
             }
             work.most_given().map(Option::unwrap)
         };
@@ -313,7 +322,7 @@ mod tests {
             let phase = core::f64::consts::TAU * 4e-3 * f64::from(n);
             let drift_m = 20e-3 + 1e-7 * f64::from(n);
             let force_n = -16e3 * libm::sin(phase);
-            work.take(&WorkLimits::USUAL, drift_m + 3e-3 * libm::cos(phase), force_n);
+            work.take(&WorkLimits::USUAL, drift_m + 3e-3 * libm::cos(phase), force_n, 1e-3);
             if n > 5000 {
                 assert!((work.last_cycle_j() - 150.8).abs() < 2.0, "{}", work.last_cycle_j());
             }
@@ -329,7 +338,7 @@ mod tests {
         for n in 0..10_000 {
             let turn = core::f64::consts::TAU * 1e-3 * f64::from(n);
             let at_m = 3e-3 * libm::sin(turn) + 0.3e-3 * libm::sin(20.0 * turn);
-            work.take(&WorkLimits::USUAL, at_m, 16e3 * libm::cos(turn));
+            work.take(&WorkLimits::USUAL, at_m, 16e3 * libm::cos(turn), 1e-3);
         }
         assert!((8..=9).contains(&work.counted), "{}", work.counted);
     }
@@ -398,7 +407,7 @@ mod tests {
             for step in 1..=8 {
                 let share = f64::from(step) / 8.0;
                 let at_m = 1e-3 * (from_mm + share * (to_mm - from_mm));
-                work.take(&limits, at_m, from_n + share * (to_n - from_n));
+                work.take(&limits, at_m, from_n + share * (to_n - from_n), 1e-3);
             }
         }
         assert_eq!((work.counted, work.verdict()), (1, WorkVerdict::Passive));

@@ -47,6 +47,7 @@ use crate::damper::{Damper, DamperState, Motion};
 use joint::Joint;
 use mismatch::{Correction, Mismatch};
 use reference::Reference;
+pub use rounding::MOST_ROUNDING_CYCLES;
 use rounding::{Rounding, rounding_cycles};
 
 /// The motion is computed by at most so many cycles ahead.

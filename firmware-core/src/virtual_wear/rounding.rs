@@ -12,7 +12,7 @@
 use crate::ring::Ring;
 
 /// Most cycles on either side of a contact.
-pub(super) const MOST_ROUNDING_CYCLES: u8 = 15;
+pub const MOST_ROUNDING_CYCLES: u8 = 15;
 
 /// Places of the ring, one more than the longest mean.
 const KEPT: usize = 2 * MOST_ROUNDING_CYCLES as usize + 2;

@@ -27,7 +27,7 @@ pub(crate) use section::section;
 use crate::statistics::Statistics;
 use crate::summary::Summary;
 use scenario::compare::CompareSetup;
-use scenario::run::{CYCLE_S, Run, SlotForce};
+use scenario::run::{Run, SlotForce};
 
 /// Compares a run with its second one.
 pub(crate) fn compare(
@@ -54,7 +54,7 @@ pub(crate) fn compare(
         name: setup.name.clone(),
         damper: ComparedDamper::from(&setup.damper),
         state: second.end,
-        duration_s: second.counts.run_cycles as f64 * CYCLE_S,
+        duration_s: second.counts.run_cycles as f64 * run.cycle_s(),
         trajectory_hash: format!("{:016x}", second.hash),
         modelled_instead: instead.map(|(slot, _)| slot.place.clone()).collect(),
         quantities: quantities.collect(),

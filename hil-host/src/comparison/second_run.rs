@@ -113,6 +113,6 @@ fn through(
     write(&rows).map_err(failed)?;
     record.into_last().finish().and_then(|_| open.hold()).map_err(failed)?;
     bar.finish();
-    let statistics = Statistics::of(&path, run.run_in_s, |_| {})?;
+    let statistics = Statistics::of(&path, run.run_in_s, run.cycle_s(), |_| {})?;
     Ok(Some(SecondRun { counts, statistics, watched, hash, end }))
 }

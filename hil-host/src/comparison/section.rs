@@ -9,7 +9,7 @@ use crate::record::Row;
 use crate::statistics::{Liveliest, SEGMENT_S};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use report::{Cell, Plot, Section, Table};
-use scenario::run::{CYCLE_S, Run};
+use scenario::run::Run;
 use signal::spectrum::Welch;
 use std::path::PathBuf;
 
@@ -55,9 +55,10 @@ type Pair = (Row, Row);
 /// The spectra of carbody and front bogie, each before and after, and the rows of [`SHOWN_S`] in
 /// which the front bogie's lateral acceleration differs most; all rows of a short run.
 fn both(run: &Run, records: &[PathBuf; 2]) -> Result<([[Welch; 2]; 2], Vec<Pair>), BenchError> {
-    let welch = || [(); 2].map(|()| Welch::new(1.0 / CYCLE_S, SEGMENT_S));
+    let cycle_s = run.cycle_s();
+    let welch = || [(); 2].map(|()| Welch::new(1.0 / cycle_s, SEGMENT_S));
     let mut whole = [welch(), welch()];
-    let mut most_different = Liveliest::new((SHOWN_S / CYCLE_S) as usize);
+    let mut most_different = Liveliest::new((SHOWN_S / cycle_s) as usize);
     each_pair(records, run.run_in_s, |after, before| {
         let [of_after, of_before] = [after, before].map(|row| row.acceleration_m_per_s2);
         for (spectra, body) in whole.iter_mut().zip([0, 2]) {
@@ -67,7 +68,7 @@ fn both(run: &Run, records: &[PathBuf; 2]) -> Result<([[Welch; 2]; 2], Vec<Pair>
         most_different.take(after.time_s, of_after[2] - of_before[2]);
     })?;
     let from_s = most_different.begin_s();
-    let to_s = from_s.map_or(f64::INFINITY, |from_s| from_s + SHOWN_S - 0.5 * CYCLE_S);
+    let to_s = from_s.map_or(f64::INFINITY, |from_s| from_s + SHOWN_S - 0.5 * cycle_s);
     let mut shown = Vec::new();
     each_pair(records, from_s.unwrap_or(run.run_in_s), |after, before| {
         if after.time_s < to_s {

@@ -1,6 +1,6 @@
 //! Arming: the exchange with every rig, and the sealed commands until every ram is known.
 
-use super::cycle::{HEARTBEAT_CYCLES, SYNC_CYCLES};
+use super::cycle::{HEARTBEAT_S, SYNC_S};
 use super::no_answer::NoAnswer;
 use super::port::{Port, PortState};
 use super::requests::Requests;
@@ -263,13 +263,14 @@ impl Session<'_> {
         exchanges: &mut [HostArming],
         cycle: u64,
     ) {
-        if cycle.is_multiple_of(HEARTBEAT_CYCLES) {
+        if cycle.is_multiple_of(self.cycles(HEARTBEAT_S)) {
             let heartbeat = self.heartbeat(state);
             for bus in buses.iter_mut() {
                 bus.send(&heartbeat);
             }
         }
-        if cycle % SYNC_CYCLES == SYNC_CYCLES - 1 {
+        let sync_cycles = self.cycles(SYNC_S);
+        if cycle % sync_cycles == sync_cycles - 1 {
             let sync = self.sync(state);
             for bus in buses.iter_mut() {
                 bus.send(&sync);

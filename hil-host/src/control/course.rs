@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn a_day_holds_three_stretches_and_is_set_up_at_once() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-        let overrides = Overrides { duration_s: Some(86_400.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(86_400.0), ..Overrides::default() };
         let run = Run::load(&path, overrides).unwrap();
         let first = run.track.samples.samples.len();
         // 24 h at 160 km/h are 3840 km; the fades and the measurement of the delay take 8 s more.
@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn a_course_without_a_next_stretch_says_so_once_and_stays() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-        let overrides = Overrides { duration_s: Some(3.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(3.0), ..Overrides::default() };
         let run = Run::load(&path, overrides).unwrap().in_stretches_of(1024);
         let track = run.track.view();
         let mut course = Course::new(&run, &track);
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn a_short_run_has_one_stretch_and_no_thread() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-        let overrides = Overrides { duration_s: Some(500.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(500.0), ..Overrides::default() };
         let run = Run::load(&path, overrides).unwrap();
         let track = run.track.view();
         let mut course = Course::new(&run, &track);

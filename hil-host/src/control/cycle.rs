@@ -3,6 +3,7 @@
 use super::buses::Buses;
 use super::port::PortState;
 use super::session::{Session, SessionState};
+use super::stopwatch::{Stage, Stopwatch};
 use crate::bus::{Bus, Sent};
 use crate::clock::Tick;
 use crate::record::{FrameBytes, InputKind, Row};
@@ -11,24 +12,24 @@ use can_protocol::Frame;
 use core::time::Duration;
 use firmware_core::compensation::Answer;
 use firmware_core::guard::ForceInput;
-use firmware_core::line::Slot;
+use firmware_core::line::{Arrow, Slot};
 use firmware_core::supervision::{Action, Cause, Signal, State};
 use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 use std::time::Instant;
 
-/// Cycles between two frames with the residual of a watched rig: 20 Hz.
-const RESIDUAL_CYCLES: u64 = 50;
+/// Time between two frames with the residual of a watched rig (s).
+const RESIDUAL_S: f64 = 0.05;
 
-/// Cycles between two heartbeats: 50 Hz.
-pub(super) const HEARTBEAT_CYCLES: u64 = 20;
+/// Time between two heartbeats (s).
+pub(super) const HEARTBEAT_S: f64 = 0.02;
 
 /// Cycles in a row in which the bus has no room, after which the session ends.
 const MOST_LATE_IN_A_ROW: u32 = 2;
 
-/// Cycles between two syncs: 10 Hz.
-pub(super) const SYNC_CYCLES: u64 = 100;
+/// Time between two syncs (s).
+pub(super) const SYNC_S: f64 = 0.1;
 
 /// What arrived for the damper slots in a cycle.
 pub(super) struct Inputs {
@@ -69,19 +70,31 @@ impl Session<'_> {
         buses: &mut Buses<'_, '_, B>,
         tick: Tick,
     ) -> Row {
-        self.cycle_of(state, buses, tick, |session, state, inputs| {
-            session.guard_step_and_compensate(track, state, inputs)
+        self.timed_cycle_on(track, state, buses, tick, &mut ())
+    }
+
+    /// The same under a stopwatch.
+    pub(crate) fn timed_cycle_on<B: Bus>(
+        &self,
+        track: &Track<'_>,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        tick: Tick,
+        watch: &mut impl Stopwatch,
+    ) -> Row {
+        self.cycle_of((state, buses), tick, watch, |session, state, inputs, watch| {
+            session.guard_step_and_compensate(track, state, inputs, watch)
         })
     }
 
     /// The same around any `step`, which leaves a command in the slot of every rig and gives the
     /// time that it took.
-    pub(super) fn cycle_of<B: Bus>(
+    pub(super) fn cycle_of<B: Bus, W: Stopwatch>(
         &self,
-        state: &mut SessionState,
-        buses: &mut Buses<'_, '_, B>,
+        (state, buses): (&mut SessionState, &mut Buses<'_, '_, B>),
         tick: Tick,
-        step: impl FnOnce(&Self, &mut SessionState, &Inputs) -> Duration,
+        watch: &mut W,
+        step: impl FnOnce(&Self, &mut SessionState, &Inputs, &mut W) -> Duration,
     ) -> Row {
         let woken = Instant::now();
         if tick.skipped > 0 {
@@ -94,18 +107,25 @@ impl Session<'_> {
             }
         }
         self.receive(state, buses);
+        watch.lap(Stage::Receive);
         let inputs = self.decode(state);
+        watch.lap(Stage::Decode);
         self.judge(state, &inputs);
-        let compute = step(self, state, &inputs);
+        let compute = step(self, state, &inputs, watch);
         self.judge_commands(state);
         self.measure_delay(state, &inputs);
         self.watch_growth(state);
+        watch.lap(Stage::Compensate);
         let commands = self.encode(state);
+        watch.lap(Stage::Encode);
         self.send(state, buses, &commands);
+        watch.lap(Stage::Send);
         self.watch(state, &inputs);
         self.announce(state, buses);
         state.hash = state.line.hashed(state.hash, self.line.vehicle);
-        self.row(state, &inputs, &Timing { compute, cycle: woken.elapsed(), tick })
+        let row = self.row(state, &inputs, &Timing { compute, cycle: woken.elapsed(), tick });
+        watch.lap(Stage::Record);
+        row
     }
 
     /// Receive: drains every bus. Each port keeps its newest measurement.
@@ -187,9 +207,11 @@ impl Session<'_> {
         track: &Track<'_>,
         state: &mut SessionState,
         inputs: &Inputs,
+        watch: &mut impl Stopwatch,
     ) -> Duration {
         let (begin, cycle) = (Instant::now(), state.line.cycle);
-        self.line.step_on(track, &mut state.line, &inputs.force, &inputs.answer);
+        let done = |arrow: Arrow| watch.lap(arrow.into());
+        self.line.step_in_arrows(track, &mut state.line, &inputs.force, &inputs.answer, done);
         debug_assert_eq!(state.line.cycle, cycle + 1, "a step is one cycle");
         if state.line.is_safe() && state.stop.is_none() {
             self.stop(state, None, Self::fact(Signal::Vehicle), Action::Stop);
@@ -283,9 +305,9 @@ impl Session<'_> {
 
     /// The host's slow messages, in the cycles that the protocol gives them.
     fn announce<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>) {
-        let is_due = |period: u64| state.line.cycle % period == 1;
-        let (residuals, sync) = (is_due(RESIDUAL_CYCLES), is_due(SYNC_CYCLES));
-        if is_due(HEARTBEAT_CYCLES) {
+        let is_due = |period_s: f64| state.line.cycle % self.cycles(period_s) == 1;
+        let (residuals, sync) = (is_due(RESIDUAL_S), is_due(SYNC_S));
+        if is_due(HEARTBEAT_S) {
             let heartbeat = self.heartbeat(state);
             buses.send_to_all(&heartbeat);
         }

@@ -10,21 +10,21 @@
 //! accepts that. A slot whose motion is too small to measure passes: nothing is known of it, and
 //! the summary says so.
 
-use firmware_core::line::{BLOCK_CYCLES, DelayBlocks, FEWEST_BLOCKS};
+use firmware_core::line::{BLOCK_S, DelayBlocks, FEWEST_BLOCKS};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use firmware_core::virtual_wear::WearFound;
-use scenario::run::MEASURING_CYCLES;
+use scenario::run::MEASURING_S;
 
 /// Share of the damping from which on a run is warned of.
 pub const COST_WARNED: f64 = 0.02;
 /// Share of the damping from which on it is refused.
 pub const COST_REFUSED: f64 = 0.05;
 
-/// Cycles before the blocks: a compensator settles.
-pub(super) const SETTLING_CYCLES: u32 = BLOCK_CYCLES;
+/// Time before the blocks: a compensator settles (s).
+pub(super) const SETTLING_S: f64 = BLOCK_S;
 
 // One block more than an interval needs.
-const _: () = assert!(MEASURING_CYCLES == SETTLING_CYCLES + (FEWEST_BLOCKS + 1) * BLOCK_CYCLES);
+const _: () = assert!(MEASURING_S == SETTLING_S + (FEWEST_BLOCKS + 1) as f64 * BLOCK_S);
 
 /// Parameters of the gate.
 #[derive(Debug, Clone, Copy, PartialEq)]

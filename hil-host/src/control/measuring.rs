@@ -2,7 +2,7 @@
 //! as the gate asks, and how far its damper is off the model that wear in software relies on.
 
 use super::cycle::Inputs;
-use super::delay_gate::{COST_REFUSED, DelayGate, SETTLING_CYCLES};
+use super::delay_gate::{COST_REFUSED, DelayGate, SETTLING_S};
 use super::session::{Session, SessionState};
 use firmware_core::compensation::delay_that_costs;
 use firmware_core::line::{Sensitivity, Slot};
@@ -24,10 +24,11 @@ impl Session<'_> {
         if state.line.state != State::RampIn || state.gate.is_judged || cycle <= begin {
             return;
         }
-        if cycle == begin + u64::from(SETTLING_CYCLES) {
+        let settled = begin + self.cycles(SETTLING_S);
+        if cycle == settled {
             state.line.slots.iter_mut().for_each(|slot| slot.wear.clear());
         }
-        if cycle > begin + u64::from(SETTLING_CYCLES) {
+        if cycle > settled {
             for port in &self.ports {
                 let answer = inputs.answer[port.slot];
                 let measured_m = answer.map_or(f64::NAN, |answer| answer.displacement_m);

@@ -35,6 +35,7 @@ mod requests;
 mod row;
 mod session;
 mod stop;
+mod stopwatch;
 mod terms;
 mod watch;
 
@@ -45,12 +46,13 @@ pub use no_answer::NoAnswer;
 pub use notices::Notices;
 pub use open_loop::{Motion, Seen};
 pub(crate) use pacing::Ending;
-pub use pacing::{End, Pace, SILENCE, STOP_CYCLES};
+pub use pacing::{End, Pace, SILENCE, STOP_S};
 pub(crate) use port::{Agreed, MOST_FORCE_N};
 pub use port::{Port, PortState};
 pub use requests::{Asker, Requests};
 pub use session::{Session, SessionState};
 pub use stop::{DropOutSummary, NotedSummary, Notice, Stop, StopSummary};
+pub(crate) use stopwatch::{Stage, Stopwatch};
 pub use terms::Arming;
 pub use watch::{View, Watch, WatchState};
 

@@ -130,7 +130,7 @@ impl Session<'_> {
         buses: &mut Buses<'_, '_, B>,
         tick: Tick,
     ) -> Row {
-        self.cycle_of(state, buses, tick, |session, state, _| {
+        self.cycle_of((state, buses), tick, &mut (), |session, state, _, ()| {
             let begin = Instant::now();
             // Past the end of the motion the rams stay where they were sent.
             let held = std::array::from_fn(|slot| Command {

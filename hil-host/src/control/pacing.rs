@@ -40,8 +40,9 @@ pub const SILENCE: Duration = Duration::from_secs(1);
 const FAREWELLS: u32 = 4;
 const FAREWELL: Duration = Duration::from_millis(20);
 
-/// Cycles of the safe stop before the session ends.
-pub const STOP_CYCLES: u64 = 200;
+/// Time of the safe stop before the session ends (s): braking from the highest speed of a command
+/// takes a quarter of it.
+pub const STOP_S: f64 = 0.2;
 
 /// How a session ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -102,7 +103,7 @@ impl Ending {
     ) -> Option<End> {
         if state.line.is_safe() {
             let since = *self.safe_since.get_or_insert(state.line.cycle);
-            return (state.line.cycle >= since + STOP_CYCLES).then_some(End::Safe);
+            return (state.line.cycle >= since + session.cycles(STOP_S)).then_some(End::Safe);
         }
         let why = match state.line.state {
             State::RampOut => Some(End::RampedOut),

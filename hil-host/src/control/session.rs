@@ -195,6 +195,11 @@ impl Session<'_> {
         Heartbeat::new(Sender::Host, counter, run, self.arming.boot).encode().0
     }
 
+    /// Whole cycles in a time of the model (s), to the nearest.
+    pub(crate) fn cycles(&self, time_s: f64) -> u64 {
+        libm::round(time_s / self.line.cycle_s) as u64
+    }
+
     /// Length of a cycle in the model.
     pub(super) fn period_us(&self) -> NonZeroU16 {
         let period_us = (self.line.cycle_s * 1e6).round() as u16;

@@ -18,7 +18,6 @@
 
 use can_protocol::Watch as Verdict;
 use firmware_core::damper::{Damper, DamperState, Motion};
-use scenario::run::CYCLE_S;
 use scenario::watch::{Limit, WatchSetup};
 
 /// Share of the limit below which drift is cleared.
@@ -27,6 +26,8 @@ const RELEASE: f64 = 2.0 / 3.0;
 /// Parameters of a watch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watch {
+    /// Length of a cycle (s).
+    cycle_s: f64,
     damper: Damper,
     settle_cycles: u64,
     learn_cycles: u64,
@@ -77,14 +78,16 @@ impl Default for View {
 }
 
 impl Watch {
-    /// A watch for cycles of [`CYCLE_S`].
-    pub fn new(setup: &WatchSetup) -> Self {
-        let cycles = |time_s: f64| libm::round(time_s / CYCLE_S) as u64;
+    /// A watch for cycles of `cycle_s`.
+    pub fn new(setup: &WatchSetup, cycle_s: f64) -> Self {
+        debug_assert!(cycle_s > 0.0 && cycle_s.is_finite(), "a cycle of {cycle_s} s");
+        let cycles = |time_s: f64| libm::round(time_s / cycle_s) as u64;
         Self {
-            damper: setup.damper.clone().prepared(CYCLE_S),
+            cycle_s,
+            damper: setup.damper.clone().prepared(cycle_s),
             settle_cycles: cycles(setup.settle_s),
             learn_cycles: cycles(setup.learn_s).max(1),
-            forget: -libm::expm1(-CYCLE_S / setup.window_s),
+            forget: -libm::expm1(-cycle_s / setup.window_s),
             limit: setup.limit,
         }
     }
@@ -102,7 +105,7 @@ impl Watch {
             state.waited = 0;
             return;
         };
-        let step_s = CYCLE_S * (1.0 + f64::from(state.waited));
+        let step_s = self.cycle_s * (1.0 + f64::from(state.waited));
         state.waited = 0;
         let residual_n = force_n - self.damper.advance(damper, motion, step_s);
         state.view.residual_n = Some(residual_n);
@@ -139,10 +142,14 @@ impl Watch {
 mod tests {
     use super::*;
     use firmware_core::damper::Nominal;
+    use scenario::run::CYCLE_S;
 
     fn watch(limit: Limit) -> Watch {
         let damper = Damper::new(Nominal::NEW, &[]).unwrap();
-        Watch::new(&WatchSetup { damper, settle_s: 0.1, learn_s: 1.0, window_s: 2.0, limit })
+        Watch::new(
+            &WatchSetup { damper, settle_s: 0.1, learn_s: 1.0, window_s: 2.0, limit },
+            CYCLE_S,
+        )
     }
 
     /// Displacement of a damper that rests in its clearance: the model has no force.

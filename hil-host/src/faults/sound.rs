@@ -19,7 +19,7 @@ use crate::run::{Plan, Terms, session};
 use can_protocol::{Profile, Watch};
 use rayon::prelude::*;
 use scenario::rig::RigSetup;
-use scenario::run::{CYCLE_S, Overrides, Run, SlotForce};
+use scenario::run::{Overrides, Run, SlotForce};
 use scenario::setting::Setting;
 use scenario::watch::{Limit, WatchSetup};
 use std::path::Path;
@@ -166,7 +166,7 @@ impl SoundCase {
             session.cycle_on(&track, &mut state, &mut buses, Tick::default());
             let drifts = state.ports.iter().any(|port| port.watch.view.verdict == Watch::Drift);
             if drifts && !is_drifting {
-                let time_s = state.line.time_s(CYCLE_S);
+                let time_s = state.line.time_s(run.cycle_s());
                 let message = format!("at {time_s:.3} s, force off its model");
                 alarms.push(FalseAlarm { signal: WATCH, message });
             }
@@ -205,7 +205,7 @@ impl SoundCase {
             settings.push(Setting::to("track.curve.length_m", 1e3 + 100.0 * seconds));
         }
         let path = if self.is_curve { scenarios.curve } else { scenarios.straight };
-        let overrides = Overrides { duration_s: Some(seconds), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(seconds), ..Overrides::default() };
         let mut run = Run::load_with(path, overrides, &settings)?;
         let rig = if self.is_slow { slow(run.rig) } else { run.rig };
         run.rig = RigSetup { seed: u64::from(noise_seed), ..rig };

@@ -64,6 +64,11 @@ pub enum GatewayError {
         /// The factor.
         found: u8,
     },
+    /// A rate above the usual one: the preparation and the time-outs of the rig are made for it.
+    Rate {
+        /// The rate (Hz).
+        found_hz: u32,
+    },
 }
 
 impl GatewayError {
@@ -134,6 +139,9 @@ impl fmt::Display for GatewayError {
                 "--slow-down: found {found}, expected 1 with --dbc: the rig's own messages cannot \
                  say it"
             ),
+            Self::Rate { found_hz } => {
+                write!(f, "rate_hz: found {found_hz}, expected 1000 with --dbc")
+            }
         }
     }
 }

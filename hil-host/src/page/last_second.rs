@@ -6,8 +6,8 @@ use crate::summary::Summary;
 use report::{Plot, Section};
 use scenario::run::{Run, SlotForce};
 
-/// Cycles that are shown before a stop, and behind it.
-pub(crate) const SHOWN_CYCLES: (u64, u64) = (1000, 100);
+/// Time that is shown before a stop, and behind it (ms).
+pub(crate) const SHOWN_MS: (u64, u64) = (1000, 100);
 
 /// The rows around the stop: of every rig command, measured displacement, both forces and age; of a
 /// run without a rig the motion of the leading wheelset and the damper forces.

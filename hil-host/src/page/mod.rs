@@ -17,7 +17,7 @@ use crate::record::Row;
 use crate::statistics::Statistics;
 use crate::summary::Summary;
 use events::events;
-pub(crate) use last_second::SHOWN_CYCLES;
+pub(crate) use last_second::SHOWN_MS;
 use last_second::last_second;
 use motion::{accelerations, forces, loops};
 use overview::{about, overview};

@@ -68,7 +68,7 @@ pub(super) fn overview(run: &Run, summary: &Summary, counts: &Counts, ending: En
     section = section
         .tiles([
             state,
-            Tile::count("cycles of 1 ms", summary.steps),
+            Tile::count(&format!("cycles of {}", run.rate.cycle_in_words()), summary.steps),
             Tile::number("vehicle step, median", summary.step_compute_us.p50, "µs"),
             Tile::count("ticks skipped", summary.overruns),
             if summary.frames.lost > 0 { lost.bad() } else { lost },

@@ -52,7 +52,7 @@ pub(super) fn timing(
             cycle.max.into(),
         ])
         .row([
-            Cell::from("vehicle step of 1 ms"),
+            Cell::from("vehicle step"),
             step.p50.into(),
             step.p99.into(),
             Cell::Empty,

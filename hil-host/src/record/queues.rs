@@ -12,13 +12,13 @@ use firmware_core::vehicle::DAMPER_SLOTS;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Time that the queues hold at one cycle per millisecond (s).
+/// Time that the queues hold (s).
 const HELD_S: usize = 4;
 
-/// Rows in a second.
+/// Rows in a second at one cycle per millisecond.
 const ROWS_PER_S: usize = 1024;
 
-/// Rows that fit between the loop and the thread that writes them.
+/// Rows that fit between the loop and the thread that writes them, at one cycle per millisecond.
 pub const ROWS: usize = HELD_S * ROWS_PER_S;
 
 /// Frames in a second for each rig: a command and a measurement in every cycle, and slow messages.
@@ -58,11 +58,17 @@ impl Default for Queues {
 }
 
 impl Queues {
-    /// Queues that hold four seconds of a run with so many rigs.
+    /// Queues that hold four seconds of a run with so many rigs, at one cycle per millisecond.
     pub fn for_rigs(rigs: usize) -> Self {
+        Self::for_cycles(1, rigs)
+    }
+
+    /// The same at so many cycles per millisecond.
+    pub fn for_cycles(per_ms: usize, rigs: usize) -> Self {
+        debug_assert!((1..=4).contains(&per_ms), "{per_ms} cycles per millisecond");
         Self {
-            rows: bounded(ROWS),
-            events: bounded(HELD_S * FRAMES_PER_S * rigs.max(1)),
+            rows: bounded(per_ms * ROWS),
+            events: bounded(per_ms * HELD_S * FRAMES_PER_S * rigs.max(1)),
             notices: bounded(NOTICES),
         }
     }

@@ -8,7 +8,7 @@ use crate::summary::is_worn;
 use firmware_core::line::{DelayBlocks, Sensitivity, SlotState};
 use firmware_core::supervision::Reached;
 use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX, WearFound};
-use scenario::run::{CYCLE_S, Slot, SlotForce};
+use scenario::run::{Slot, SlotForce};
 use serde::Serialize;
 
 /// Share of a limit that is to be left.
@@ -116,9 +116,9 @@ fn value(
 }
 
 /// What the commands have asked of the limits of `[motion]`, or of tighter ones of the rig.
-pub(super) fn of_motion(slot: &Slot, memory: &SlotState) -> [CheckMargin; 3] {
+pub(super) fn of_motion(slot: &Slot, memory: &SlotState, cycle_s: f64) -> [CheckMargin; 3] {
     let (demand, limits) = (memory.demand, memory.limits);
-    let acceleration = demand.speed_change_m_per_s / CYCLE_S;
+    let acceleration = demand.speed_change_m_per_s / cycle_s;
     [
         value("stroke_m", Some("m"), Some(demand.stroke_m), limits.stroke_m),
         value(
@@ -152,11 +152,12 @@ pub(super) fn of_plausibility(slot: &Slot, reached: &[Reached]) -> Vec<CheckMarg
 pub(super) fn of_delay(
     slot: &Slot,
     delays: &DelayBlocks,
+    cycle_s: f64,
     linear: Option<&LinearVehicle>,
 ) -> Option<CheckMargin> {
     let SlotForce::Rig { model, accept_delay_error, .. } = &slot.force else { return None };
     let sensitivity = Sensitivity::of(model, linear?.hunting.frequency_hz);
-    let cost = delays.residual(CYCLE_S).map(|delay| delay.worst_cost(sensitivity));
+    let cost = delays.residual(cycle_s).map(|delay| delay.worst_cost(sensitivity));
     let limit = if *accept_delay_error { f64::INFINITY } else { COST_REFUSED };
     let reached = value("damping_lost", None, cost, limit);
     Some(CheckMargin::new(Some(&slot.place), LimitOf::Delay, &reached))

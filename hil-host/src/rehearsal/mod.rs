@@ -26,10 +26,10 @@ use crate::linear_vehicle::LinearVehicle;
 use crate::measured_ram::MeasuredRam;
 use crate::progress_bar::LateBar;
 use crate::record::Row;
-use crate::run::{Plan, StabilityCheck, Terms, in_memory, needed_bytes};
-use can_protocol::{Profile, RunState};
+use crate::run::{Plan, StabilityCheck, Terms, in_memory, needed_bytes, profile_of};
+use can_protocol::RunState;
 use checks::{of_delay, of_disk, of_motion, of_plausibility, of_stability, of_wear};
-use scenario::run::{CYCLE_S, Run};
+use scenario::run::Run;
 use serde::Serialize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -79,7 +79,7 @@ pub fn rehearse(
     if plan.rigs.is_empty() {
         return Err(BenchError::NoRig { title: run.title.clone() });
     }
-    let profile = Profile::Classical;
+    let profile = profile_of(run.rate);
     let terms = Terms {
         gate_hz: linear.map(|linear| linear.hunting.frequency_hz),
         shows_progress: true,
@@ -101,10 +101,10 @@ pub fn rehearse(
         let mut checks = Vec::new();
         for (port, memory) in session.ports.iter().zip(&state.ports) {
             let Some(slot) = run.slots.get(port.slot) else { continue };
-            checks.extend(of_motion(slot, &state.line.slots[port.slot]));
+            checks.extend(of_motion(slot, &state.line.slots[port.slot], run.cycle_s()));
             checks.extend(of_plausibility(slot, &port.reached(memory)));
             checks.extend(of_wear(slot, state.gate.wear[port.slot]));
-            checks.extend(of_delay(slot, &state.gate.delays[port.slot], linear));
+            checks.extend(of_delay(slot, &state.gate.delays[port.slot], run.cycle_s(), linear));
         }
         checks.extend(of_stability(&StabilityCheck::of(session, run, linear)));
         let is_whole = !state.ports.iter().any(PortState::has_dropped_out);
@@ -120,7 +120,7 @@ pub fn rehearse(
         title: run.title.clone(),
         rigs: "emulated rig",
         speed_kmh: 3.6 * run.speed_m_per_s,
-        duration_s: run_cycles as f64 * CYCLE_S,
+        duration_s: run_cycles as f64 * run.cycle_s(),
         ram,
         state,
         cause,

@@ -18,7 +18,7 @@ mod script;
 use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::clock::Tick;
-use crate::control::{Arming, Buses, Course, Ending, STOP_CYCLES, Session, SessionState};
+use crate::control::{Arming, Buses, Course, Ending, STOP_S, Session, SessionState};
 use crate::options::PaceChoice;
 use crate::record::{LogFault, LogReader, Queues, Row, RowReader};
 use crate::run::{LOG, Plan, RECORD, RunAbout, SCENARIO, Terms, kept_summary, read_about, session};
@@ -273,7 +273,7 @@ impl Again<'_, '_, '_, '_> {
     fn must_go_on(&self, row: &Row) -> Result<(), BenchError> {
         let line = &self.state.line;
         let has_rigs = !self.session.ports.is_empty();
-        let most = self.cycles.saturating_add(STOP_CYCLES);
+        let most = self.cycles.saturating_add(self.session.cycles(STOP_S));
         let is_over = if has_rigs { self.is_log_over() } else { line.cycle >= most };
         if is_over || !(line.state.moves() || line.is_safe()) {
             let (cycle, last) = (row.cycle, line.cycle);

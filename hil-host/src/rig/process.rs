@@ -191,7 +191,7 @@ fn send_out<B: Bus>(rig: &mut RigNode, bus: &mut B) {
 fn come_to_rest<B: Bus>(rig: &mut RigNode, bus: &mut B, pacer: &mut Pacer) {
     pacer.restart();
     // From the highest speed that a command can name this takes a second at most.
-    for _ in 0..1000 {
+    for _ in 0..1_000_000_000 / pacer.period_ns() {
         if rig.is_at_rest() {
             break;
         }

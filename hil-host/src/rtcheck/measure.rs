@@ -18,7 +18,7 @@ use firmware_core::guard::ForceInput;
 use firmware_core::line::{Line, Slot};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use hdrhistogram::Histogram;
-use scenario::run::{CYCLE_S, Run};
+use scenario::run::{Rate, Run};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::ScopedJoinHandle;
 use std::time::Duration;
@@ -31,6 +31,8 @@ const GLANCE: Duration = Duration::from_millis(50);
 pub struct Options {
     /// Ticks to measure.
     pub ticks: u64,
+    /// Their rate.
+    pub rate: Rate,
     /// Real-time set-up of the loop's thread.
     pub realtime: RealtimeOptions,
     /// The bus whose answer time is measured; none in memory.
@@ -164,7 +166,7 @@ fn paced(
         }
         return Err(BenchError::RealtimeRefused);
     }
-    let mut pacer = Pacer::new((CYCLE_S * 1e9) as u64, 1);
+    let mut pacer = Pacer::new(options.rate.cycle_ns(), 1);
     'stretches: loop {
         let track = course.as_ref().map(Course::track);
         while !ticks.are_over() {

@@ -6,11 +6,14 @@
 //! and its answer is timed. A page may be fed in every other second, to measure what it costs the
 //! loop.
 //!
+//! [`budget`] times every stage of the loop at every rate, with an emulated rig.
+//!
 //! [`measure`] measures, [`Measured`] holds the times in histograms that were made before, and
 //! [`RtCheck`] judges them. Judging is pure, so that its tests need no clock.
 
 mod answer;
 mod beside_page;
+mod budget;
 mod distribution;
 mod measure;
 mod result;
@@ -18,6 +21,7 @@ mod ticks;
 
 pub use answer::{AnswerTimes, AnsweredBy};
 pub use beside_page::{BesidePage, PartTimes};
+pub use budget::{Budget, BudgetOptions, RateBudget, StageTimes, budget};
 pub use distribution::{Bin, Distribution, histogram_lines};
 pub use measure::{Measured, Options, measure};
 pub use result::{AnswerResult, BesidePageResult, Outcome, PartResult, RtCheck, Setup};

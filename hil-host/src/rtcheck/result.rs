@@ -8,7 +8,7 @@ use super::distribution::{Bin, Distribution, bins, histogram_lines};
 use super::measure::Measured;
 use crate::doctor::{Check, InterfaceKind, Verdict, asks_for_a_change, lines};
 use report::{Cell, Table};
-use scenario::run::CYCLE_S;
+use scenario::run::Rate;
 use serde::Serialize;
 
 /// Share of the period that the worst vehicle step may take: the rest is for frames and lateness.
@@ -17,6 +17,8 @@ const STEP_SHARE: f64 = 0.5;
 /// What was asked for, as far as the judgement needs it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
+    /// Rate of the ticks.
+    pub rate: Rate,
     /// Highest lateness (µs).
     pub budget_us: f64,
     /// The vehicle whose step was computed.
@@ -140,17 +142,14 @@ impl RtCheck {
         let step_us = Distribution::of(&measured.step_ns);
         let answers = measured.answers.as_ref().zip(setup.bus.as_ref());
         let answers = answers.map(|(times, (bus, kind))| AnswerResult::of(times, bus, kind));
-        let mut checks = vec![
-            lateness(lateness_us, setup.budget_us),
-            skipped(measured),
-            step(step_us, setup.vehicle.as_deref()),
-        ];
+        let mut checks =
+            vec![lateness(lateness_us, setup.budget_us), skipped(measured), step(step_us, setup)];
         checks.extend(answers.as_ref().map(AnswerResult::check));
         let is_held = !asks_for_a_change(&checks) && measured.met > 0;
         Self {
             format: 1,
             outcome: if is_held { Outcome::Held } else { Outcome::NotHeld },
-            period_us: CYCLE_S * 1e6,
+            period_us: 1e-3 * setup.rate.cycle_ns() as f64,
             budget_us: setup.budget_us,
             realtime: measured.realtime.lines().collect(),
             expected_ticks: measured.expected,
@@ -294,11 +293,11 @@ fn skipped(measured: &Measured) -> Check {
     )
 }
 
-fn step(found: Option<Distribution>, vehicle: Option<&str>) -> Check {
-    let limit_us = STEP_SHARE * CYCLE_S * 1e6;
+fn step(found: Option<Distribution>, setup: &Setup) -> Check {
+    let limit_us = STEP_SHARE * 1e-3 * setup.rate.cycle_ns() as f64;
     let (what, expected) = ("vehicle step, worst", format!("at most {limit_us} us"));
     let Some(found) = found else {
-        let why = match vehicle {
+        let why = match setup.vehicle {
             Some(_) => "no tick was met",
             None => "no scenario was given: `yawbench rtcheck scenarios/ss9-160kmh.toml`",
         };
@@ -365,6 +364,7 @@ mod tests {
 
     fn setup(kind: InterfaceKind) -> Setup {
         Setup {
+            rate: Rate::Usual,
             budget_us: 100.0,
             vehicle: Some("SS9".to_owned()),
             bus: Some(("socketcan:x0".to_owned(), kind)),
@@ -445,7 +445,7 @@ mod tests {
     fn nothing_measured_is_not_held() {
         let mut measured = Measured { expected: 0, met: 0, is_interrupted: true, ..held() };
         (measured.lateness_ns, measured.step_ns, measured.answers) = (empty(), empty(), None);
-        let bare = Setup { budget_us: 100.0, vehicle: None, bus: None };
+        let bare = Setup { rate: Rate::Usual, budget_us: 100.0, vehicle: None, bus: None };
         let result = RtCheck::of(&measured, &bare);
         assert_eq!((result.outcome, failing(&result)), (Outcome::NotHeld, vec![]));
         assert!(!result.lines().join("\n").contains("NaN"));

@@ -35,7 +35,8 @@ pub fn report(folder: &Path) -> Result<LateReport, BenchError> {
     let about = read_about(&folder)?;
     let run = Run::load(&folder.file(SCENARIO), Overrides::default())?;
     let mut counts = Counts::default();
-    let statistics = Statistics::of(&folder.file(RECORD), run.run_in_s, |row| counts.take(row))?;
+    let record = folder.file(RECORD);
+    let statistics = Statistics::of(&record, run.run_in_s, run.cycle_s(), |row| counts.take(row))?;
     let kept = kept_summary(&folder)?;
     let ending = match &kept {
         Some(kept) if is_of(kept, &counts) => Ending::Known,

@@ -14,7 +14,7 @@ use crate::measured_ram::{MeasuredRam, MeasuredRams};
 use crate::options::RunOptions;
 use firmware_core::compensation::{Compensator, damping_energy_lost};
 use firmware_core::line::{KNOWN_DELAY_CYCLES, Sensitivity};
-use scenario::run::{CYCLE_S, Run, SlotForce};
+use scenario::run::{Run, SlotForce};
 use serde::{Deserialize, Serialize};
 
 /// How late the ram of a rig was before a run.
@@ -64,7 +64,7 @@ fn judge(
         let place = &slot.place;
         let Sensitivity { relaxation_s, .. } = Sensitivity::of(model, frequency_hz);
         let cost = |ram: &MeasuredRam| {
-            let left_s = left_s(compensator, ram.delay_s);
+            let left_s = left_s(compensator, ram.delay_s, run.cycle_s());
             (left_s, damping_energy_lost(left_s, frequency_hz, relaxation_s))
         };
         let of_rig = rams.of_rig(place, *node, frequency_hz);
@@ -104,10 +104,10 @@ fn judge(
 }
 
 /// What a compensator leaves of the delay of a ram (s).
-fn left_s(compensator: &Compensator, ram_s: f64) -> f64 {
+fn left_s(compensator: &Compensator, ram_s: f64, cycle_s: f64) -> f64 {
     let [gain, delay_s, ..] = compensator.series(&compensator.start()).0;
     match compensator {
-        Compensator::None => ram_s + KNOWN_DELAY_CYCLES * CYCLE_S,
+        Compensator::None => ram_s + KNOWN_DELAY_CYCLES * cycle_s,
         Compensator::Feedforward(_) => ram_s - delay_s / gain,
         Compensator::Adaptive(adaptive) => {
             let [_, reach, _] = adaptive.reach;
@@ -134,7 +134,7 @@ mod tests {
             (Compensator::Adaptive(Adaptive::new(Series([1.0, 6e-3, 0.0, 0.0]), 60.0)), 9.0, 0.0),
             (Compensator::Adaptive(Adaptive::new(Series([1.0, 6e-3, 0.0, 0.0]), 60.0)), 12.0, 1.0),
         ] {
-            let found_ms = 1e3 * left_s(&compensator, 1e-3 * ram_ms);
+            let found_ms = 1e3 * left_s(&compensator, 1e-3 * ram_ms, 1e-3);
             assert!((found_ms - expected_ms).abs() < 1e-9, "{ram_ms}: {found_ms}, {expected_ms}");
         }
     }

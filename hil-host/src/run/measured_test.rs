@@ -111,7 +111,7 @@ impl Reading {
             tracking_most_m: f64::NAN,
             blocks: Vec::new(),
         };
-        let (tracking, temperature_degc) = (Tracking::default(), Vec::new());
+        let (tracking, temperature_degc) = (Tracking::new(CYCLE_S), Vec::new());
         Self { test, slot, tracking, last_m: None, in_block: BLOCK_CYCLES, temperature_degc }
     }
 

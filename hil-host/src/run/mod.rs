@@ -25,8 +25,8 @@ pub(crate) use late_report::kept_summary;
 pub use late_report::{LateReport, report};
 pub use measured_test::{Delay, MeasuredTest};
 pub use open_loop::{OPEN_LOOP_FILES, OpenLoopPlan, OpenLoopRecord, PlannedTest, open_loop};
-pub(crate) use plan::Plan;
 pub use plan::is_on_a_bus;
+pub(crate) use plan::{Plan, profile_of};
 pub use sequence::{Origin, on_the_way};
 pub(crate) use setup::{Terms, limits, session};
 pub use setup::{line, watch_of};
@@ -38,7 +38,7 @@ use crate::control::{Asker, Course, End, Requests, Session, SessionState};
 use crate::gateway::GatewayPlan;
 use crate::live::{Facts, LivePage, Phase, RunEnd, SlotFacts, edges_us};
 use crate::options::{PaceChoice, RunOptions};
-use crate::page::{SHOWN_CYCLES, page};
+use crate::page::{SHOWN_MS, page};
 use crate::realtime::{self, RealtimeOptions};
 use crate::record::{
     self, ABOUT, BusEvent, PART_CYCLES, Row, RunEvent, column_reference, open_parts, part_name,
@@ -54,7 +54,7 @@ pub(crate) use in_memory::in_memory;
 use plan::BusLoad;
 use recording::{Output, Place, Recording, RunFile, Task};
 use report::Section;
-use scenario::run::{CYCLE_S, Run, SlotForce};
+use scenario::run::{Run, SlotForce};
 use setup::{arming, open_buses, pace};
 pub(crate) use space::needed_bytes;
 pub(crate) use stability_check::StabilityCheck;
@@ -109,9 +109,10 @@ pub fn run(
     if let Some(live) = live {
         live.begin(facts(run, options, &plan));
     }
+    plan.check_rate(run.rate, options)?;
     plan.check_pace(options.pace)?;
     plan.check_gateway(options)?;
-    let load = plan.load(options)?;
+    let load = plan.load(run.rate, options)?;
     let mut folder = checked_folder(run, options, &plan)?;
     let other = run.compared(|slot| plan.is_emulated(slot))?;
     let mut buses = open_buses(run, options, &plan)?;
@@ -122,8 +123,9 @@ pub fn run(
     }
 
     let track = run.track.view();
-    let mut pace = pace(options);
-    let session = session(run, &track, &plan.rigs, terms(options, &plan, pace.on_the_wire())?)?;
+    let mut pace = pace(run.rate, options);
+    let session =
+        session(run, &track, &plan.rigs, terms(run, options, &plan, pace.on_the_wire())?)?;
     StabilityCheck::of(&session, run, options.linear.as_ref()).pass(plan.real_bus())?;
     let known_rams = measured_delay::pass(run, options)?;
     let mut state = session.start(session.line.start(run.start.state.clone()));
@@ -167,7 +169,7 @@ pub fn run(
         live.end(end_of_loop(recording.end, &state));
     }
     // The recorder has counted the rows.
-    let statistics = Statistics::of(&folder.file(RECORD), run.run_in_s, |_| {})?;
+    let statistics = Statistics::of(&folder.file(RECORD), run.run_in_s, run.cycle_s(), |_| {})?;
 
     let known = (&recording, &statistics, read_events(&folder.file(EVENTS)));
     let asker = requests.asker().filter(|_| recording.end == End::Stopped);
@@ -213,7 +215,12 @@ pub fn run(
 }
 
 /// What the rigs are given in the handshake.
-fn terms(options: &RunOptions, plan: &Plan, pace: WirePace) -> Result<Terms, BenchError> {
+fn terms(
+    run: &Run,
+    options: &RunOptions,
+    plan: &Plan,
+    pace: WirePace,
+) -> Result<Terms, BenchError> {
     // Without a clock a rig is as late as on the memory bus, bit for bit.
     let has_clock = pace == WirePace::Clock && plan.real_bus().is_some();
     let hunting_hz = options.linear.as_ref().map(|linear| linear.hunting.frequency_hz);
@@ -221,7 +228,7 @@ fn terms(options: &RunOptions, plan: &Plan, pace: WirePace) -> Result<Terms, Ben
         profile: options.profile,
         pace,
         slow_down: options.slow_down,
-        arming: arming(&plan.buses, options)?,
+        arming: arming(&plan.buses, run.rate, options)?,
         gate_hz: hunting_hz.filter(|_| has_clock),
         shows_progress: true,
     })
@@ -234,7 +241,7 @@ fn facts(run: &Run, options: &RunOptions, plan: &Plan) -> Facts {
         title: run.title.clone(),
         vehicle: run.vehicle_name.clone(),
         speed_kmh: run.speed_m_per_s * 3.6,
-        duration_s: run.cycles() as f64 * CYCLE_S,
+        duration_s: run.cycles() as f64 * run.cycle_s(),
         bus: buses.collect::<Vec<_>>().join(", "),
         pace: options.pace.name(),
         is_clocked: options.pace == PaceChoice::Realtime,
@@ -348,7 +355,9 @@ const fn name_of(file: RunFile) -> &'static str {
 /// The rows around the cycle that stopped a run; none of a run that was not stopped.
 fn around_stop(record: &Path, summary: &Summary) -> Result<Vec<Row>, BenchError> {
     let Some(cause) = &summary.cause else { return Ok(Vec::new()) };
-    let (before, behind) = SHOWN_CYCLES;
+    let (before, behind) = SHOWN_MS;
+    let per_ms = u64::from(summary.rate_hz) / 1000;
+    let (before, behind) = (before * per_ms, behind * per_ms);
     let cycles = cause.cycle.saturating_sub(before)..=cause.cycle + behind;
     let failed = |why| BenchError::File { file: record.to_owned(), why };
     let rows = record::rows_of(open_parts(record)?, cycles).map_err(failed)?;

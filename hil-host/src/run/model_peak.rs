@@ -17,7 +17,7 @@ use scenario::run::{ForceLimit, Run};
 const LEAST_N: f64 = 5e3;
 
 /// Cycles that are looked at: two minutes, which take a second.
-const CYCLES_MAX: u64 = 120_000;
+const LONGEST_S: f64 = 120.0;
 
 /// Cycles after which progress is shown again.
 const SHOWN: u64 = 1000;
@@ -37,7 +37,7 @@ pub(super) fn believed_forces_n(
     let mut most_n = [0.0_f64; DAMPER_SLOTS];
     // The ramps run over the same track.
     let cycles = run.cycles() + 4 * u64::from(run.motion.ramp_cycles);
-    let cycles = cycles.min(CYCLES_MAX);
+    let cycles = cycles.min(run.rate.cycles(LONGEST_S));
     let mut bar = shows_progress.then(|| LateBar::new("forces of the models", cycles));
     for cycle in 0..cycles {
         if let Some(bar) = bar.as_mut().filter(|_| cycle.is_multiple_of(SHOWN)) {
@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn the_limit_is_half_as_much_again_as_the_model_reaches() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-        let overrides = Overrides { duration_s: Some(10.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(10.0), ..Overrides::default() };
         let mut run = Run::load(&path, overrides).unwrap();
         let track = run.track.view();
         let believed_n = believed_forces_n(&run, line(&run, &track), false);

@@ -25,7 +25,7 @@ use firmware_core::supervision::{Checks, CommandLimits};
 use firmware_core::track::Track;
 use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle, VehicleState};
 use scenario::rig::RigSetup;
-use scenario::run::{BeyondLimits, CYCLE_S, Readiness};
+use scenario::run::{BeyondLimits, CYCLE_S, Rate, Readiness};
 use std::ops::RangeInclusive;
 
 /// The damper slot of the only rig.
@@ -114,7 +114,7 @@ pub fn open_loop(
     space::check(folder.path(), folder.free_bytes(), cycles * Row::size() as u64 * 2, cycles)?;
     let mut buses = vec![open_bus(plan, options)?];
     let (vehicle, track) = (Vehicle::of_one_damper(), Track::default());
-    let mut pace = pace(options);
+    let mut pace = pace(Rate::Usual, options);
     let session = Session {
         line: line(plan, &vehicle, &track),
         ports: [port(plan, options.profile)?].into_iter().collect(),
@@ -123,7 +123,8 @@ pub fn open_loop(
         slow_down: options.slow_down,
         arming: Arming {
             needs_what_it_asks: plan.needs_its_limits,
-            ..arming(std::slice::from_ref(&options.bus), options)?.requiring(&plan.readiness)
+            ..arming(std::slice::from_ref(&options.bus), Rate::Usual, options)?
+                .requiring(&plan.readiness)
         },
         watched: [None; 3],
         rear_bogie: None,

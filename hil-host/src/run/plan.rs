@@ -4,8 +4,8 @@ use crate::BenchError;
 use crate::bus::BusChoice;
 use crate::gateway::{self, GatewayError};
 use crate::options::{PaceChoice, RunOptions};
-use can_protocol::{BusPlan, Node, Verdict};
-use scenario::run::{CYCLE_S, Run, SlotForce};
+use can_protocol::{BusPlan, Node, Profile, Verdict};
+use scenario::run::{Rate, Run, SlotForce};
 
 /// Where the rig of a slot is.
 #[derive(Debug, Clone, Copy)]
@@ -38,6 +38,11 @@ pub(crate) struct BusLoad {
 pub fn is_on_a_bus(run: &Run, default: &BusChoice) -> bool {
     // A bus that cannot be one is refused later, by name.
     Plan::new(run, default).map_or(true, |plan| plan.real_bus().is_some())
+}
+
+/// The frames of a loop on emulated rigs: classical ones at the usual rate, CAN FD above.
+pub(crate) fn profile_of(rate: Rate) -> Profile {
+    if rate > Rate::Usual { Profile::Fd } else { Profile::Classical }
 }
 
 impl Plan {
@@ -73,6 +78,19 @@ impl Plan {
         self.buses.iter().find(|bus| **bus != BusChoice::Memory)
     }
 
+    /// Refuses a rate that the frames, or the messages of a rig's own, are not made for.
+    pub(crate) fn check_rate(&self, rate: Rate, options: &RunOptions) -> Result<(), BenchError> {
+        if rate > Rate::Usual && !self.rigs.is_empty() {
+            if options.gateway.is_some() {
+                return Err(GatewayError::Rate { found_hz: rate.hz() }.into());
+            }
+            if options.profile == Profile::Classical {
+                return Err(BenchError::ClassicalRate { found_hz: rate.hz() });
+            }
+        }
+        Ok(())
+    }
+
     /// Refuses a pace that a bus cannot keep.
     pub(crate) fn check_pace(&self, pace: PaceChoice) -> Result<(), BenchError> {
         match self.real_bus() {
@@ -101,13 +119,13 @@ impl Plan {
     }
 
     /// The load of every bus; too much is refused.
-    pub(crate) fn load(&self, options: &RunOptions) -> Result<BusLoad, BenchError> {
+    pub(crate) fn load(&self, rate: Rate, options: &RunOptions) -> Result<BusLoad, BenchError> {
         let mut found = BusLoad { lines: Vec::new(), most: 0.0 };
         for (number, bus) in self.buses.iter().enumerate() {
             let plan = BusPlan {
                 profile: options.profile,
                 rigs: self.rigs.iter().filter(|rig| rig.bus == number).count() as u8,
-                rate_hz: 1.0 / (CYCLE_S * f64::from(options.slow_down.get())),
+                rate_hz: 1.0 / (rate.cycle_s() * f64::from(options.slow_down.get())),
                 nominal_bits_per_s: options.bit_rates.0,
                 data_bits_per_s: options.bit_rates.1,
             };

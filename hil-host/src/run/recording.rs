@@ -132,7 +132,8 @@ pub(super) fn record<B: Bus, P: Place, W: Work>(
     open[2].add(happened.file());
     // The headers, before anything moves.
     open[0].hold().map_err(failed(RunFile::Record))?;
-    let mut queues = Queues::for_rigs(session.ports.len());
+    let per_ms = session.cycles(1e-3).max(1) as usize;
+    let mut queues = Queues::for_cycles(per_ms, session.ports.len());
     let (mut recorder, drain) = queues.split();
     recorder.rows_lost_at_most = lost_cycles_max.map_or(u64::MAX, u64::from);
     let done = AtomicBool::new(false);

@@ -15,7 +15,7 @@ use firmware_core::line::{Fade, Line, RigSlot, Slot, StandIn};
 use firmware_core::supervision::CommandLimits;
 use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
-use scenario::run::{CYCLE_S, IfRigDropsOut, MEASURING_CYCLES, Run, SlotForce};
+use scenario::run::{IfRigDropsOut, MEASURING_S, Rate, Run, SlotForce};
 use std::num::NonZeroU8;
 use std::time::Duration;
 
@@ -70,7 +70,7 @@ pub(crate) fn session<'a>(
     let body = |name: &str| run.body_names.iter().position(|body| body == name);
     let mut line = line(run, track);
     if gate.is_some() {
-        line.fade.measuring_cycles = MEASURING_CYCLES;
+        line.fade.measuring_cycles = run.rate.cycles(MEASURING_S) as u32;
     }
     Ok(Session {
         line,
@@ -89,7 +89,8 @@ pub(crate) fn session<'a>(
 #[expect(clippy::large_stack_arrays, reason = "made once, before the loop")]
 pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
     debug_assert!(run.slots.len() <= DAMPER_SLOTS, "a vehicle with {} slots", run.slots.len());
-    let substep_s = CYCLE_S / f64::from(run.substeps);
+    let cycle_s = run.cycle_s();
+    let substep_s = cycle_s / f64::from(run.substeps);
     let mut slots = [const { Slot::Empty }; DAMPER_SLOTS];
     for (slot, place) in slots.iter_mut().zip(&run.slots) {
         *slot = match &place.force {
@@ -103,13 +104,13 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
                 ..
             } => {
                 let model = (**model).clone().prepared(substep_s);
-                let rig = RigSlot::new(model, *compensator, limits(run), CYCLE_S);
+                let rig = RigSlot::new(model, *compensator, limits(run), cycle_s);
                 let (clearance, compliance) =
                     (*virtual_clearance_2a_m, *virtual_compliance_m_per_n);
                 Slot::Rig(if clearance == 0.0 && compliance == 0.0 {
                     rig
                 } else {
-                    rig.behind_wear(clearance, compliance, specimen, CYCLE_S)
+                    rig.behind_wear(clearance, compliance, specimen, cycle_s)
                 })
             }
             SlotForce::StandIn { of, is_reversed, model, .. } => Slot::StandIn(StandIn {
@@ -124,7 +125,7 @@ pub fn line<'a>(run: &'a Run, track: &'a Track<'a>) -> Line<'a> {
         track,
         contact: run.contact.as_ref().map(|contact| &*contact.table),
         speed_m_per_s: run.speed_m_per_s,
-        cycle_s: CYCLE_S,
+        cycle_s,
         substeps: run.substeps,
         slots,
         fade: Fade {
@@ -162,27 +163,31 @@ pub(crate) fn limits(run: &Run) -> CommandLimits {
 /// The watch over the rig of a slot.
 pub fn watch_of(run: &Run, slot: usize) -> Option<Watch> {
     match run.slots.get(slot).map(|slot| &slot.force) {
-        Some(SlotForce::Rig { watch: Some(watch), .. }) => Some(Watch::new(watch)),
+        Some(SlotForce::Rig { watch: Some(watch), .. }) => Some(Watch::new(watch, run.cycle_s())),
         _ => None,
     }
 }
 
 /// What the host brings into the arming exchange.
-pub(super) fn arming(buses: &[BusChoice], options: &RunOptions) -> Result<Arming, BenchError> {
+pub(super) fn arming(
+    buses: &[BusChoice],
+    rate: Rate,
+    options: &RunOptions,
+) -> Result<Arming, BenchError> {
     if buses.iter().all(|bus| *bus == BusChoice::Memory) {
         return Ok(Arming::in_memory());
     }
     let draw = Draw::system().map_err(|why| BenchError::NoRandom { why })?;
-    let cycle = Duration::from_secs_f64(CYCLE_S * f64::from(options.slow_down.get()));
+    let cycle = Duration::from_nanos(rate.cycle_ns()) * u32::from(options.slow_down.get());
     Ok(Arming::on_a_bus(draw, cycle))
 }
 
 /// The pace of the loop.
-pub(super) fn pace(options: &RunOptions) -> Pace {
+pub(super) fn pace(rate: Rate, options: &RunOptions) -> Pace {
     match options.pace {
         PaceChoice::Realtime => {
-            let period_ns = (CYCLE_S * 1e9) as u64;
-            Pace::Realtime(Pacer::new(period_ns, u32::from(options.slow_down.get())))
+            let slow_down = u32::from(options.slow_down.get());
+            Pace::Realtime(Pacer::new(rate.cycle_ns(), slow_down))
         }
         PaceChoice::Lockstep => Pace::LockStep,
         PaceChoice::Fast => Pace::Fast,

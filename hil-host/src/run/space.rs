@@ -53,7 +53,7 @@ mod tests {
     #[test]
     fn a_day_on_one_rig_needs_eighty_six_gigabytes_and_less_is_refused() {
         let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-        let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
         let run = Run::load(&scenario, overrides).unwrap();
         let plan = Plan::new(&run, &BusChoice::Memory).unwrap();
         let second = needed_bytes(&run, &plan, Profile::Classical) - REST_BYTES;

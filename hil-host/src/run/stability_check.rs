@@ -13,7 +13,7 @@ use firmware_core::compensation::{Compensator, Series, delay_that_costs};
 use firmware_core::line::{KNOWN_DELAY_CYCLES, RigSlot, Sensitivity, Slot};
 use firmware_core::supervision::OLDEST_CYCLES;
 use firmware_core::vehicle::DAMPER_SLOTS;
-use scenario::run::{CYCLE_S, Run};
+use scenario::run::Run;
 
 /// What was found of every rig.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -29,7 +29,7 @@ impl StabilityCheck {
         let found = rigs.filter_map(|(slot, (kind, place))| {
             let Slot::Rig(rig) = kind else { return None };
             let group = group_of(slot, &session.line.slots);
-            Some((place.place.clone(), of_rig(rig, group, vehicle)))
+            Some((place.place.clone(), of_rig(rig, session.line.cycle_s, group, vehicle)))
         });
         Self { rigs: found.collect() }
     }
@@ -67,18 +67,23 @@ fn group_of(rig: usize, slots: &[Slot<'_>; DAMPER_SLOTS]) -> ForceGroup {
     group
 }
 
-fn of_rig(rig: &RigSlot<'_>, group: ForceGroup, vehicle: &LinearVehicle) -> Stability {
+fn of_rig(
+    rig: &RigSlot<'_>,
+    cycle_s: f64,
+    group: ForceGroup,
+    vehicle: &LinearVehicle,
+) -> Stability {
     let series = match rig.compensator {
         Compensator::None => Series::IDENTITY,
         compensator => {
             let own = compensator.series(&compensator.start());
-            own.with_delay(KNOWN_DELAY_CYCLES * CYCLE_S)
+            own.with_delay(KNOWN_DELAY_CYCLES * cycle_s)
         }
     };
     let hunting_hz = vehicle.hunting.frequency_hz;
     let Sensitivity { relaxation_s, .. } = Sensitivity::of(&rig.model, hunting_hz);
     let let_through_s = delay_that_costs(COST_REFUSED, hunting_hz, relaxation_s);
-    let delay_s = let_through_s + f64::from(OLDEST_CYCLES) * CYCLE_S;
+    let delay_s = let_through_s + f64::from(OLDEST_CYCLES) * cycle_s;
     RigLoop::new(vehicle, group, rig.model.nominal(), series).check(
         delay_s,
         BEYOND_HUNTING * hunting_hz,

@@ -107,7 +107,8 @@ impl FinishedRun {
         let run = Run::load(&folder.file(SCENARIO), Overrides::default())?;
         let mut counts = Counts::default();
         let record = folder.file(RECORD);
-        let statistics = Statistics::of(&record, run.run_in_s, |row| counts.take(row))?;
+        let statistics =
+            Statistics::of(&record, run.run_in_s, run.cycle_s(), |row| counts.take(row))?;
         let (last_cycle, hash) = counts.last;
         let is_whole = counts.rows() == self.cycles && last_cycle == self.cycles;
         if !is_whole || format!("{hash:016x}") != self.trajectory_hash {

@@ -41,16 +41,18 @@ pub(crate) struct Statistics {
 }
 
 impl Statistics {
-    /// Of the record of a run that leaves out the first `run_in_s`. Each row goes to `each` once.
+    /// Of the record of a run in cycles of `cycle_s` that leaves out the first `run_in_s`. Each row
+    /// goes to `each` once.
     ///
     /// # Errors
     /// The record cannot be read.
     pub(crate) fn of(
         record: &Path,
         run_in_s: f64,
+        cycle_s: f64,
         mut each: impl FnMut(&Row),
     ) -> Result<Self, BenchError> {
-        let (mut shown, mut is_over) = (Sums::default(), false);
+        let (mut shown, mut is_over) = (Sums::new(cycle_s), false);
         let (mut all_rows, mut run_rows) = (0, 0);
         let mut bar = LateBar::new("reading the record", 2 * PARTS);
         read(record, (&mut bar, 0), |row| {
@@ -61,7 +63,7 @@ impl Statistics {
             }
             run_rows += 1;
             if !is_over && row.time_s >= run_in_s {
-                (shown, is_over) = (Sums::default(), true);
+                (shown, is_over) = (Sums::new(cycle_s), true);
             }
             shown.take(row);
         })?;
@@ -81,7 +83,7 @@ impl Statistics {
         })?;
         bar.finish();
         traces.finish();
-        let counted = (!is_over).then(Sums::default);
+        let counted = (!is_over).then(|| Sums::new(cycle_s));
         Ok(Self { shown, counted, traces })
     }
 
@@ -150,7 +152,7 @@ mod tests {
     fn figures_in_passes_are_those_of_all_samples_at_once() {
         let (path, rows) = record(20_000);
         let mut counts = Counts::default();
-        let found = Statistics::of(&path, 2.0, |row| counts.take(row)).unwrap();
+        let found = Statistics::of(&path, 2.0, CYCLE_S, |row| counts.take(row)).unwrap();
         std::fs::remove_file(path).unwrap();
         let after: Vec<&Row> = rows.iter().filter(|row| row.time_s >= 2.0).collect();
         assert_eq!((counts.rows(), counts.run_cycles), (20_100, 20_000));
@@ -178,7 +180,7 @@ mod tests {
     #[test]
     fn a_run_that_ends_before_its_run_in_is_over_is_shown_and_has_no_figures() {
         let (path, _) = record(1000);
-        let found = Statistics::of(&path, 2.0, |_| {}).unwrap();
+        let found = Statistics::of(&path, 2.0, CYCLE_S, |_| {}).unwrap();
         std::fs::remove_file(path).unwrap();
         assert_eq!((found.shown.rows, found.after_run_in().rows), (1000, 0));
         assert_eq!(found.traces.force[1].value.len(), 1000);

@@ -9,7 +9,6 @@ use super::tracking::Tracking;
 use crate::record::{ForceSource, InputKind, Row};
 use firmware_core::line::DelayBlocks;
 use firmware_core::vehicle::DAMPER_SLOTS;
-use scenario::run::CYCLE_S;
 use signal::spectrum::Welch;
 use signal::statistics::HalfCycles;
 
@@ -41,6 +40,8 @@ pub(crate) struct Sums {
 /// Figures of a damper slot.
 #[derive(Debug, Clone)]
 pub(crate) struct SlotSums {
+    /// Length of a cycle (s).
+    cycle_s: f64,
     /// Least and greatest force; none of no row (N).
     pub(crate) force_range: Option<(f64, f64)>,
     /// Force (N).
@@ -79,10 +80,12 @@ pub(crate) struct SlotSums {
     cycle_span: Option<(f64, f64)>,
 }
 
-impl Default for Sums {
-    fn default() -> Self {
-        let welch = || Welch::new(1.0 / CYCLE_S, SEGMENT_S);
+impl Sums {
+    /// Those of no row yet, of a loop with cycles of `cycle_s`.
+    pub(crate) fn new(cycle_s: f64) -> Self {
+        let welch = || Welch::new(1.0 / cycle_s, SEGMENT_S);
         let slot = || SlotSums {
+            cycle_s,
             force_range: None,
             force: Power::default(),
             stroke_sum_m: 0.0,
@@ -93,11 +96,11 @@ impl Default for Sums {
             given: Energy::default(),
             taken: Energy::default(),
             wanted: Energy::default(),
-            tracking: Tracking::default(),
-            following: Tracking::default(),
+            tracking: Tracking::new(cycle_s),
+            following: Tracking::new(cycle_s),
             delay: DelayBlocks::default(),
             residual: Power::default(),
-            liveliest: Liveliest::new((ZOOM_S / CYCLE_S) as usize),
+            liveliest: Liveliest::new((ZOOM_S / cycle_s) as usize),
             cycles: HalfCycles::new(0.0, 0.0),
             extremes_m: 0.0,
             cycle_count: 0,
@@ -113,9 +116,7 @@ impl Default for Sums {
             wheelset_lateral_max_m: 0.0,
         }
     }
-}
 
-impl Sums {
     /// The first pass.
     pub(super) fn take(&mut self, row: &Row) {
         self.rows += 1;
@@ -171,7 +172,7 @@ impl SlotSums {
         self.stroke.take(stroke_m);
         self.stroke_max_m = self.stroke_max_m.max(stroke_m.abs());
         self.spectrum.push(stroke_m);
-        self.work_j += force_n * row.extension_m_per_s[slot] * CYCLE_S;
+        self.work_j += force_n * row.extension_m_per_s[slot] * self.cycle_s;
         self.liveliest.take(row.time_s, force_n);
         match row.force_source[slot] {
             ForceSource::StandIn => return self.residual.take(force_n - row.model_n[slot]),
@@ -187,7 +188,7 @@ impl SlotSums {
         self.tracking.take(row.command_m[slot], row.measured_m[slot]);
         self.wanted.take(force_n, row.wanted_m[slot]);
         self.following.take(row.wanted_m[slot], row.measured_m[slot]);
-        self.delay.take(row.wanted_m[slot], fresh_m(row, slot), CYCLE_S);
+        self.delay.take(row.wanted_m[slot], fresh_m(row, slot), self.cycle_s);
         let residual_n = row.measured_n[slot] - row.model_n[slot];
         if residual_n.is_finite() {
             self.residual.take(residual_n);
@@ -202,7 +203,7 @@ impl SlotSums {
     /// Half the rate of zero crossings (Hz).
     pub(crate) fn zero_crossing_hz(&self) -> Option<f64> {
         let (start, end) = self.cycle_span?;
-        let (rate_hz, span) = (1.0 / CYCLE_S, end - start);
+        let (rate_hz, span) = (1.0 / self.cycle_s, end - start);
         (span > 0.0).then(|| 0.5 * self.cycle_count as f64 / span * rate_hz)
     }
 }

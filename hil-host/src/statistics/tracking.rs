@@ -8,11 +8,12 @@
 //! runs on with it: its measurement that arrives in a cycle is the command that leaves in it.
 
 use super::power::Power;
-use scenario::run::CYCLE_S;
 
 /// How well a ram follows, from commands and the measurements of the same cycles.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tracking {
+    /// Length of a cycle (s).
+    cycle_s: f64,
     command: Power,
     command_sum_m: f64,
     commands: u64,
@@ -24,12 +25,28 @@ pub(crate) struct Tracking {
 }
 
 impl Tracking {
+    /// That of no command yet, in cycles of `cycle_s`.
+    pub(crate) fn new(cycle_s: f64) -> Self {
+        debug_assert!(cycle_s > 0.0 && cycle_s.is_finite(), "a cycle of {cycle_s} s");
+        Self {
+            cycle_s,
+            command: Power::default(),
+            command_sum_m: 0.0,
+            commands: 0,
+            error: Power::default(),
+            last_m: None,
+            with_rate: 0.0,
+            rate2: 0.0,
+            most_m: 0.0,
+        }
+    }
+
     pub(crate) fn take(&mut self, command_m: f64, measured_m: f64) {
         self.command.take(command_m);
         self.command_sum_m += command_m;
         self.commands += 1;
         let Some(before_m) = self.last_m.replace(command_m) else { return };
-        let (error, rate) = (measured_m - command_m, (command_m - before_m) / CYCLE_S);
+        let (error, rate) = (measured_m - command_m, (command_m - before_m) / self.cycle_s);
         if !error.is_finite() {
             return;
         }
@@ -77,11 +94,12 @@ impl Tracking {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use scenario::run::CYCLE_S;
 
     #[test]
     fn a_sine_that_comes_two_milliseconds_late_has_that_delay() {
         let at = |n: f64| 3.46e-3 * libm::sin(2.0 * core::f64::consts::PI * 3.5 * n * CYCLE_S);
-        let mut tracking = Tracking::default();
+        let mut tracking = Tracking::new(CYCLE_S);
         for n in (0..4000).map(f64::from) {
             tracking.take(at(n), at(n - 2.0));
         }
@@ -90,7 +108,7 @@ mod tests {
         // w tau = 4.4 %.
         assert!((tracking.nrmse() - 0.044).abs() < 1e-3, "{tracking:?}");
         // 40 mm away from the middle it is the same.
-        let mut away = Tracking::default();
+        let mut away = Tracking::new(CYCLE_S);
         for n in (0..4000).map(f64::from) {
             away.take(at(n) + 40e-3, at(n - 2.0) + 40e-3);
         }

@@ -7,7 +7,7 @@ use crate::counts::Counts;
 use crate::linear_vehicle::Hunting;
 use crate::statistics::{SlotSums, Sums};
 use can_protocol::Watch;
-use scenario::run::{CYCLE_S, Run, Slot, SlotForce};
+use scenario::run::{Run, Slot, SlotForce};
 use serde::Serialize;
 use signal::spectrum::Spectrum;
 
@@ -89,16 +89,21 @@ pub(crate) fn dampers(
 ) -> Vec<DamperSummary> {
     let slots = run.slots.iter().enumerate();
     let dampers = slots.map(|(slot, place)| {
-        let tracking = TrackingSummary::of(&place.force, hunting, &sums.slots[slot]);
+        let tracking = TrackingSummary::of(&place.force, hunting, &sums.slots[slot], run.cycle_s());
         let stand_in = StandInSummary::of(run, slot, sums, counts.model_from_s[slot]);
-        DamperSummary { stand_in, tracking, ..damper(place, slot, counts, sums) }
+        DamperSummary { stand_in, tracking, ..damper(place, slot, counts, (sums, run.cycle_s())) }
     });
     dampers.collect()
 }
 
-fn damper(place: &Slot, slot: usize, counts: &Counts, sums: &Sums) -> DamperSummary {
+fn damper(
+    place: &Slot,
+    slot: usize,
+    counts: &Counts,
+    (sums, cycle_s): (&Sums, f64),
+) -> DamperSummary {
     let rig = matches!(place.force, SlotForce::Rig { .. });
-    let duration_s = (sums.rows as f64 * CYCLE_S).max(CYCLE_S);
+    let duration_s = (sums.rows as f64 * cycle_s).max(cycle_s);
     let sums = &sums.slots[slot];
     let (min, max) = sums.force_range.unwrap_or((0.0, 0.0));
     let spectrum = sums.spectrum.spectrum().ok();

@@ -9,7 +9,7 @@ use crate::linear_vehicle::Hunting;
 use crate::options::PaceChoice;
 use crate::record::RunEvent;
 use crate::statistics::Statistics;
-use scenario::run::{CYCLE_S, Run};
+use scenario::run::Run;
 use serde::Deserialize;
 
 /// What only the program knew and `summary.json` holds.
@@ -90,11 +90,12 @@ impl Summary {
             bus: asked.bus.clone(),
             pace: asked.pace,
             speed_kmh: run.speed_m_per_s * 3.6,
+            rate_hz: run.rate.hz(),
             steps: counts.run_cycles,
             cycles,
-            duration_s: counts.run_cycles as f64 * CYCLE_S,
+            duration_s: counts.run_cycles as f64 * run.cycle_s(),
             run_in_s: run.run_in_s,
-            statistics_s: sums.rows as f64 * CYCLE_S,
+            statistics_s: sums.rows as f64 * run.cycle_s(),
             wall_s: kept.map_or(0.0, |kept| kept.wall_s),
             overruns: kept.map_or(counts.skipped, |kept| kept.overruns),
             cycle_time_us: percentiles(&counts.cycle_ns),

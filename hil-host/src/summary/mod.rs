@@ -39,7 +39,6 @@ use crate::record::RunEvent;
 use crate::statistics::Statistics;
 use frames::frames;
 use held::Counted;
-use scenario::run::CYCLE_S;
 use serde::Serialize;
 use sessions::sessions;
 use times::step_percentiles;
@@ -61,6 +60,8 @@ pub struct Summary {
     pub pace: PaceChoice,
     /// Running speed (km/h).
     pub speed_kmh: f64,
+    /// Control cycles per second (Hz).
+    pub rate_hz: u32,
     /// Control cycles of RUN.
     pub steps: u64,
     /// All control cycles, those before and after RUN included.
@@ -143,7 +144,7 @@ impl Summary {
                 damper.limited_commands = Some(state.line.slots[port.slot].limited);
                 damper.virtual_wear = WearSummary::of(outcome.line, state, port.slot);
                 if let Some(tracking) = &mut damper.tracking {
-                    let delay = state.gate.delays[port.slot].residual(CYCLE_S);
+                    let delay = state.gate.delays[port.slot].residual(run.cycle_s());
                     tracking.before_run = delay.map(|delay| tracking.measured(delay));
                 }
             }
@@ -171,11 +172,12 @@ impl Summary {
             bus: outcome.bus.clone(),
             pace: outcome.pace,
             speed_kmh: run.speed_m_per_s * 3.6,
+            rate_hz: run.rate.hz(),
             steps: counts.run_cycles,
             cycles: state.line.cycle,
-            duration_s: counts.run_cycles as f64 * CYCLE_S,
+            duration_s: counts.run_cycles as f64 * run.cycle_s(),
             run_in_s: run.run_in_s,
-            statistics_s: sums.rows as f64 * CYCLE_S,
+            statistics_s: sums.rows as f64 * run.cycle_s(),
             wall_s: outcome.wall_s,
             overruns: state.skipped,
             cycle_time_us: percentiles(&counts.cycle_ns),

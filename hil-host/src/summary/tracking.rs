@@ -4,7 +4,7 @@ use crate::control::{COST_REFUSED, COST_WARNED};
 use crate::linear_vehicle::Hunting;
 use crate::statistics::SlotSums;
 use firmware_core::line::{ResidualDelay, Sensitivity};
-use scenario::run::{CYCLE_S, SlotForce};
+use scenario::run::SlotForce;
 use serde::Serialize;
 
 /// A share of the damping that prints as nothing, %.
@@ -51,7 +51,12 @@ pub struct MeasuredDelay {
 
 impl TrackingSummary {
     /// That of a slot; none without a rig.
-    pub(super) fn of(force: &SlotForce, hunting: Option<Hunting>, sums: &SlotSums) -> Option<Self> {
+    pub(super) fn of(
+        force: &SlotForce,
+        hunting: Option<Hunting>,
+        sums: &SlotSums,
+        cycle_s: f64,
+    ) -> Option<Self> {
         let SlotForce::Rig { model, accept_delay_error, .. } = force else { return None };
         let (asked, taken) = (sums.wanted.sum(), sums.taken.sum());
         let finite = |value: f64| value.is_finite().then_some(value);
@@ -65,7 +70,7 @@ impl TrackingSummary {
             exchanged_energy_error: finite((asked - taken) / taken),
             sensitivity: hunting.map(|hunting| Sensitivity::of(model, hunting.frequency_hz)),
         };
-        let delay = sums.delay.residual(CYCLE_S).map(|delay| without_delay.measured(delay));
+        let delay = sums.delay.residual(cycle_s).map(|delay| without_delay.measured(delay));
         Some(Self { delay, ..without_delay })
     }
 

@@ -3,7 +3,6 @@
 use crate::control::SessionState;
 use firmware_core::line::{Line, Slot};
 use firmware_core::virtual_wear::{FORCE_ERROR_MAX, LOOP_GAIN_MAX};
-use scenario::run::CYCLE_S;
 use serde::Serialize;
 
 /// Wear in software, and what the ramp-in found of it.
@@ -41,7 +40,7 @@ impl WearSummary {
             compliance_m_per_n: wear.compliance_m_per_n,
             ahead_cycles: wear.ahead_cycles,
             rounding_m: if has_contacts {
-                wear.rounding_m(memory.fastest_m_per_s(), CYCLE_S)
+                wear.rounding_m(memory.fastest_m_per_s(), line.cycle_s)
             } else {
                 0.0
             },

@@ -6,7 +6,7 @@ use can_protocol::{Frame, MessageId, Pace as WirePace, Profile};
 use hil_host::bus::{Bus, BusCounters, MemoryBus, Sent, WireFrame};
 use hil_host::clock::{Pacer, Tick};
 use hil_host::control::{
-    Asker, Buses, Course, End, NoAnswer, Pace, Requests, STOP_CYCLES, Session, SessionState,
+    Asker, Buses, Course, End, NoAnswer, Pace, Requests, STOP_S, Session, SessionState,
 };
 use hil_host::record::{Queues, ROWS};
 use hil_host::rig::RigNode;
@@ -159,7 +159,7 @@ fn a_host_whose_rig_falls_silent_goes_safe_in_the_fifth_cycle_and_ends_after_the
     let end = session.run(&mut course, &mut state, &mut buses, &mut pace, 5000, &Requests::armed());
     assert_eq!(end, End::Safe);
     // The last measurement is used in cycle 301; the guard trips in the fifth cycle after it.
-    assert_eq!(state.line.cycle, 301 + 5 + STOP_CYCLES);
+    assert_eq!(state.line.cycle, 301 + 5 + (STOP_S * 1e3) as u64);
     assert_eq!(state.line.slots[0].command.velocity_m_per_s, 0.0);
     assert_eq!(state.skipped, 0);
 }

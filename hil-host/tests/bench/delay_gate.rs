@@ -10,8 +10,11 @@ use hil_host::clock::Pacer;
 use hil_host::control::{Buses, Course, DelayGate, End, Pace, Requests, SessionState};
 use hil_host::record::Queues;
 use hil_host::rig::RigNode;
-use scenario::run::{CYCLE_S, MEASURING_CYCLES, Run};
+use scenario::run::{CYCLE_S, MEASURING_S, Run};
 use std::time::Duration;
+
+/// Cycles between the fades.
+const MEASURING_CYCLES: u32 = (MEASURING_S * 1e3) as u32;
 
 const HUNTING_HZ: f64 = 3.5;
 

@@ -10,6 +10,7 @@ mod gateway;
 mod gateway_maps;
 mod plausibility;
 mod ramps;
+mod rates;
 mod rig_answers;
 mod rig_physics;
 mod rig_process;

@@ -175,7 +175,8 @@ fn a_cause_that_asks_to_ramp_out_ends_at_rest_and_not_in_the_safe_state() {
 #[test]
 fn hunting_that_grows_towards_the_end_of_the_stroke_is_ramped_out() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-worn-2a-4mm.toml");
-    let overrides = Overrides { duration_s: Some(20.0), speed_kmh: Some(320.0) };
+    let overrides =
+        Overrides { duration_s: Some(20.0), speed_kmh: Some(320.0), ..Overrides::default() };
     let mut run = Run::load(&path, overrides).unwrap();
     // It settles at 16 mm.
     for (stroke_m, is_found) in [(13e-3, true), (30e-3, false)] {

@@ -46,7 +46,7 @@ mod check;
 
 pub use check::{ActionFile, CheckFile};
 
-use crate::cycle::CYCLE_S;
+use crate::cycle::Rate;
 use crate::error::ScenarioError;
 use crate::source::Source;
 use check::{Check, Limit, Signal};
@@ -196,13 +196,15 @@ const LOST_ROWS: Signal = Signal {
     actions: &[ActionFile::Log, ActionFile::RampOut],
     ..signal("lost_rows", &[])
 };
-/// Cycles in a row that the record may lose: a second.
-const LOST_ROWS_CYCLES: Condition = Condition { cycles: 1000, action: Action::RampOut };
+/// Rows in a row that the record may lose: those of a second.
+fn usual_lost_rows(rate: Rate) -> Condition {
+    Condition { cycles: rate.hz(), action: Action::RampOut }
+}
 
-/// The checks where a file says nothing, for commands up to a stroke (m).
-fn usual(stroke_m: f64) -> Checks {
+/// The checks where a file says nothing, for commands up to a stroke (m) at a rate.
+fn usual(stroke_m: f64, rate: Rate) -> Checks {
     // Range of the counters and largest force are those of each rig.
-    let usual = Checks::usual(15, CYCLE_S, f64::INFINITY);
+    let usual = Checks::usual(15, rate.cycle_s(), f64::INFINITY);
     // To the micrometre: a sum of decimal numbers is none.
     let limit = libm::round((stroke_m + BEYOND_STROKE_M) * 1e6) / 1e6;
     let displacement = Rule { limit, ..usual.displacement };
@@ -211,8 +213,8 @@ fn usual(stroke_m: f64) -> Checks {
 
 impl PlausibilityFile {
     /// The same with every default written out, for commands up to a stroke (m).
-    pub(crate) fn with_defaults(&self, stroke_m: f64) -> Self {
-        let checks = usual(stroke_m);
+    pub(crate) fn with_defaults(&self, stroke_m: f64, rate: Rate) -> Self {
+        let checks = usual(stroke_m, rate);
         let of_rule = |signal: &Signal, given: &Option<CheckFile>, rule: Rule, limit| {
             let cycles = Some(rule.debounce_cycles);
             Some(signal.with_defaults(given.as_ref(), Some(limit), cycles, rule.action))
@@ -266,7 +268,7 @@ impl PlausibilityFile {
                 None,
                 checks.compensation,
             )),
-            lost_rows: condition(&LOST_ROWS, &self.lost_rows, LOST_ROWS_CYCLES),
+            lost_rows: condition(&LOST_ROWS, &self.lost_rows, usual_lost_rows(rate)),
         }
     }
 
@@ -278,8 +280,9 @@ impl PlausibilityFile {
         &self,
         source: &Source,
         stroke_m: f64,
+        rate: Rate,
     ) -> Result<Plausibility, ScenarioError> {
-        let usual = usual(stroke_m);
+        let usual = usual(stroke_m, rate);
         let force = check(source, &FORCE, self.force.as_ref());
         let residual = check(source, &RESIDUAL, self.residual.as_ref());
         let lost_in_a_row = check(source, &LOST_IN_A_ROW, self.lost_in_a_row.as_ref())
@@ -310,7 +313,7 @@ impl PlausibilityFile {
                 action: check.action_or(usual.action)?,
             })
         };
-        let lost_rows = condition(&LOST_ROWS, &self.lost_rows, LOST_ROWS_CYCLES)?;
+        let lost_rows = condition(&LOST_ROWS, &self.lost_rows, usual_lost_rows(rate))?;
         let run_away = check(source, &COMPENSATION, self.compensation.as_ref());
         run_away.limit()?;
         run_away.cycles_or(1)?;
@@ -395,19 +398,20 @@ mod tests {
 
     fn built(text: &str) -> Result<Plausibility, ScenarioError> {
         let source = Source::from_text(Path::new("table.toml"), text);
-        source.parse::<PlausibilityFile>()?.build(&source, 0.1)
+        source.parse::<PlausibilityFile>()?.build(&source, 0.1, Rate::Usual)
     }
 
     #[test]
     fn an_empty_table_has_the_usual_checks() {
         let table = built("").unwrap();
         assert_eq!(table.force, ForceLimit::Ratio(1.5));
-        assert_eq!(table.checks(15, 40e3), Checks::usual(15, CYCLE_S, 40e3));
+        assert_eq!(table.checks(15, 40e3), Checks::usual(15, 1e-3, 40e3));
     }
 
     #[test]
     fn the_defaults_written_out_build_the_same_and_name_every_signal() {
-        let text = toml::to_string(&PlausibilityFile::default().with_defaults(0.1)).unwrap();
+        let text =
+            toml::to_string(&PlausibilityFile::default().with_defaults(0.1, Rate::Usual)).unwrap();
         assert_eq!(built(&text).unwrap(), built("").unwrap());
         assert_eq!(text.matches("action = ").count(), 20, "{text}");
         assert_eq!(text.matches("after_cycles = ").count(), 15, "{text}");
@@ -425,7 +429,7 @@ mod tests {
         .unwrap();
         assert_eq!((table.lost_rows, built("").unwrap().lost_rows), (None, Some(1000)));
         assert_eq!(table.force, ForceLimit::Force(12e3));
-        let (checks, usual) = (table.checks(255, 12e3), Checks::usual(255, CYCLE_S, 12e3));
+        let (checks, usual) = (table.checks(255, 12e3), Checks::usual(255, 1e-3, 12e3));
         let expected = Checks {
             force: Rule { action: Action::Hold, ..usual.force },
             velocity: Rule { limit: 0.5, ..usual.velocity },

@@ -49,7 +49,7 @@ fn an_edited_damper_is_not_titled_as_new() {
     assert_eq!(run.title, "SS9 at 160 km/h, all yaw dampers with asymmetric damping");
     assert!(!run.effective.scenario.contains("title"), "{}", run.effective.scenario);
     // Another speed is another title.
-    let faster = Overrides { speed_kmh: Some(200.0), duration_s: None };
+    let faster = Overrides { speed_kmh: Some(200.0), ..Overrides::default() };
     let faster = Run::load(&path, faster).unwrap();
     assert_eq!(faster.title, "SS9 at 200 km/h, all yaw dampers with asymmetric damping");
     assert_eq!(

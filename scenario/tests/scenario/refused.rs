@@ -4,7 +4,7 @@ use crate::support::{Folder, shipped};
 use scenario::damper::DamperFile;
 use scenario::datasheet::Datasheet;
 use scenario::rig::RigFile;
-use scenario::run::{Overrides, Run};
+use scenario::run::{Overrides, Rate, Run};
 use scenario::{Kind, ScenarioError};
 
 const GOOD: &str = "title = \"a case\"\nspeed_kmh = 160.0\nduration_s = 1.0\n";
@@ -67,14 +67,47 @@ fn a_file_of_another_kind_is_named_as_such() {
 fn an_option_out_of_range_is_named_without_a_line_of_the_scenario() {
     let path = shipped().join("ss9-160kmh.toml");
     let said = |overrides| Run::load(&path, overrides).unwrap_err().to_string();
-    let duration = |duration_s| Overrides { duration_s: Some(duration_s), speed_kmh: None };
-    let speed = |speed_kmh| Overrides { duration_s: None, speed_kmh: Some(speed_kmh) };
+    let duration = |duration_s| Overrides { duration_s: Some(duration_s), ..Overrides::default() };
+    let speed = |speed_kmh| Overrides { speed_kmh: Some(speed_kmh), ..Overrides::default() };
     assert_eq!(said(duration(-1.0)), "--duration -1: expected 0.001 to 86400 s");
     assert_eq!(said(duration(f64::NAN)), "--duration NaN: expected 0.001 to 86400 s");
     assert_eq!(said(speed(700.0)), "--speed-kmh 700: expected more than 0 and at most 600 km/h");
     let slow = said(speed(20.0));
     assert!(slow.starts_with("--speed-kmh 20: expected at least "), "{slow}");
     assert!(!slow.contains("toml"), "{slow}");
+}
+
+#[test]
+fn a_rate_is_one_of_three_and_divides_the_substeps() {
+    let folder = Folder::new("rates");
+    let run = scenario(&folder, "rate_hz = 4000\n").unwrap();
+    // Four substeps per millisecond: one in each cycle.
+    assert_eq!((run.rate, run.substeps, run.cycles()), (Rate::Fourfold, 1, 4000));
+    assert_eq!((run.motion.ramp_cycles, run.plausibility.lost_rows), (2000, Some(4000)));
+    assert_eq!(run.plausibility.checks(255, 40e3).acceleration.limit, 2400.0);
+    let usual = scenario(&folder, "").unwrap();
+    assert_eq!((usual.rate, usual.substeps, usual.cycles()), (Rate::Usual, 4, 1000));
+    // The same track from end to end, and the same start.
+    assert_eq!((&run.track, &run.start), (&usual.track, &usual.start));
+    let said = |more: &str| scenario(&folder, more).unwrap_err().to_string();
+    for (more, expected) in [
+        ("rate_hz = 3000\n", "rate_hz = 3000, expected 1000, 2000 or 4000 Hz"),
+        ("rate_hz = 4000\nsubsteps = 6\n", "substeps = 6, expected a multiple of 4 at 4 kHz"),
+        ("rate_hz = 2000\nsubsteps = 5\n", "substeps = 5, expected a multiple of 2 at 2 kHz"),
+    ] {
+        let said = said(more);
+        assert!(said.ends_with(expected) && said.contains("run.toml"), "{said}");
+    }
+    // 20 ms are 80 cycles at 4 kHz, and the motion is computed by at most 63 ahead.
+    let worn = "\n[[slot]]\nplace = \"front left\"\non = \"rig\"\n\
+                virtual_wear = { clearance_2a_m = 1e-3 }\n\
+                compensation = { kind = \"polynomial\", delay_s = 20e-3 }\n";
+    assert!(
+        scenario(&folder, worn).is_ok()
+            && scenario(&folder, &format!("rate_hz = 2000{worn}")).is_ok()
+    );
+    let said = said(&format!("rate_hz = 4000{worn}"));
+    assert!(said.contains("virtual_wear at 4 kHz") && !said.contains('\n'), "{said}");
 }
 
 #[test]

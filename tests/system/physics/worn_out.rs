@@ -13,7 +13,7 @@ use vehicle_studies::trip::Equipped;
 
 fn locomotive(nominal: Nominal) -> Equipped<'static> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/ss9-160kmh.toml");
-    let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
     let run = Run::load(&path, overrides).unwrap();
     let damper = Damper::new(nominal, &[]).unwrap();
     Equipped::of(&run).unwrap().with(&damper)
@@ -69,7 +69,7 @@ fn a_stiffer_damper_hunts_later_and_half_the_step_changes_nothing() {
 #[test]
 fn ride_tends_to_that_without_yaw_dampers() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/ss9-160kmh.toml");
-    let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
     let procedure =
         ride::Procedure { seeds: vec![1, 2], section_s: 20.0, ..ride::Procedure::default() };
     let lateral = |clearance_2a_m: f64| {

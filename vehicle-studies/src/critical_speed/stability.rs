@@ -63,7 +63,7 @@ mod tests {
     /// Greatest rms over its limit at a speed, the irregularity scaled.
     fn over_limit(kmh: f64, scale: f64) -> Option<f64> {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-        let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
         let run = Run::load_with(&path, overrides, &[]).unwrap();
         let procedure = Procedure::default();
         let mut track = rough(&procedure, 1);

@@ -18,7 +18,7 @@ fn smooth(direction: &str, speed_kmh: f64, cant_m: f64) -> Curve {
     );
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/test.toml");
     let source = Source::from_text(&path, &text);
-    let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
     let run = Run::from_source(&source, overrides).unwrap();
     Curve::of(&run, &Equipped::of(&run).unwrap(), &Procedure::default()).unwrap()
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 
 fn locomotive(settings: &[Setting]) -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-    let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
     Run::load_with(&path, overrides, settings).unwrap()
 }
 

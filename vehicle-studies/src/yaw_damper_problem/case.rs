@@ -58,7 +58,7 @@ impl<'a> Case<'a> {
         condition: Condition,
         stop: &'a AtomicBool,
     ) -> Result<Self, StudyError> {
-        let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
         let run = Run::load_with(scenario, overrides, &condition.settings())?;
         let in_file = |why| StudyError::InFile(scenario.to_owned(), Box::new(why));
         if run.slots.len() < DAMPER_SLOTS {

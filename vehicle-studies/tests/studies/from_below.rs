@@ -15,7 +15,7 @@ const DEAD_TIME: u16 = 5;
 #[test]
 fn the_interval_holds_the_speed_of_eigenvalues_and_the_ram_never_hunts() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh-servo-rig.toml");
-    let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
     let run = Run::load(&path, overrides).unwrap();
     let equipped = Equipped::of(&run).unwrap();
     // No clearance, and a relief valve that stays shut.

@@ -9,7 +9,7 @@ use vehicle_studies::trip::{Equipped, Rigs};
 
 fn locomotive() -> Run {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-    Run::load(&path, Overrides { duration_s: Some(1.0), speed_kmh: None }).unwrap()
+    Run::load(&path, Overrides { duration_s: Some(1.0), ..Overrides::default() }).unwrap()
 }
 
 fn behind(run: &Run, delay_s: f64, slots: [bool; DAMPER_SLOTS]) -> Equipped<'static> {

@@ -17,7 +17,7 @@ use vehicle_studies::trip::{Equipped, Trip};
 const CYCLES_MAX: usize = 256;
 
 fn bogie_run(place: &Path) -> Run {
-    let overrides = Overrides { duration_s: Some(1.0), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(1.0), ..Overrides::default() };
     Run::load(&place.join("bogie.toml"), overrides).unwrap()
 }
 

@@ -15,7 +15,7 @@ type Judged = (Vec<Row>, AgreedLimits, Vec<Interlock>, [Demand; DAMPER_SLOTS]);
 
 fn run(name: &str, seconds: f64) -> Judged {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(name);
-    let overrides = Overrides { duration_s: Some(seconds), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(seconds), ..Overrides::default() };
     let run = Run::load(&path, overrides).unwrap();
     let mut rows = Vec::new();
     let take = |row: &Row| {

@@ -110,7 +110,7 @@ impl<W: Work> Work for Held<'_, W> {
 /// recorder does not take, as a real one does.
 fn run_with(page: Option<&LivePage>, is_held: bool) -> (End, u64, u64, u64) {
     let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-    let overrides = Overrides { duration_s: Some(7.0), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(7.0), ..Overrides::default() };
     let run = Run::load(&scenario, overrides).unwrap();
     let plan = Plan::new(&run, &BusChoice::Memory).unwrap();
     let track = run.track.view();

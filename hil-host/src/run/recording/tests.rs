@@ -61,7 +61,7 @@ fn recorded_with<P: Place>(
     lost_cycles_max: Option<u32>,
 ) -> (Recording, SessionState) {
     let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/ss9-160kmh.toml");
-    let overrides = Overrides { duration_s: Some(seconds), speed_kmh: None };
+    let overrides = Overrides { duration_s: Some(seconds), ..Overrides::default() };
     let text = std::fs::read_to_string(&scenario).unwrap();
     let source = Source::from_text(&scenario, &format!("{text}\n{tables}"));
     let run = Run::from_source(&source, overrides).unwrap();
@@ -292,7 +292,7 @@ fn a_run_in_parts_is_read_like_a_run_in_one_file() {
         let node = Node::new(1).unwrap();
         let log = read_bus_log(&folder.file(RunFile::Log, 1), node, None).unwrap();
         let mut counts = Counts::default();
-        let statistics = Statistics::of(&record, 0.5, |row| counts.take(row)).unwrap();
+        let statistics = Statistics::of(&record, 0.5, 1e-3, |row| counts.take(row)).unwrap();
         assert_eq!((counts.rows(), statistics.shown.rows), (5000, 2500));
         read.push((
             (series.time_s, series.force_n),
