@@ -6,7 +6,6 @@ use super::session::{Session, SessionState};
 use crate::bus::{Bus, Sent};
 use crate::clock::Tick;
 use crate::record::{FrameBytes, InputKind, Row};
-use crate::wire_state::wire_state;
 use can_protocol::Frame;
 use core::time::Duration;
 use firmware_core::compensation::Answer;
@@ -16,6 +15,7 @@ use firmware_core::supervision::{Action, Cause, Signal, State};
 use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
+use nodes::wire_state;
 use std::time::Instant;
 
 /// Cycles between two frames with the residual of a watched rig: 20 Hz.
