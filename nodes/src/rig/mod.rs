@@ -45,6 +45,7 @@ mod outbox;
 mod plant;
 mod ram;
 mod session;
+pub mod set_point;
 mod states;
 
 pub use condition::Condition;
