@@ -4,7 +4,7 @@
 //!   one behind a microcontroller.
 //! - [`locomotive`]: the host's end with one rig, where no operating system is.
 //! - [`timed`]: either of them, driven by a timer and with a CAN driver of `embedded_can`;
-//!   [`loopback`] is the double of one.
+//!   [`loopback`] and [`serial_line`] are doubles of one.
 //!
 //! Frames and cycles go in, frames come out; there is no clock, no bus and no source of numbers
 //! here. What the host runs and what a Cortex-M7 runs is the same code, and gives the same bits.
@@ -18,6 +18,7 @@ pub mod can;
 pub mod locomotive;
 pub mod loopback;
 pub mod rig;
+pub mod serial_line;
 pub mod timed;
 mod wire_frame;
 mod wire_state;

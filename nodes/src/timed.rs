@@ -1,14 +1,15 @@
 //! A node that is driven by a timer and has a CAN driver: what an image runs.
 //!
-//! One interrupt of the timer is one [`TimedRig::tick`] or [`TimedLocomotive::tick`]. In lock-step a
-//! rig answers a command as soon as it is polled; the locomotive's cycle waits for the tick after
+//! One interrupt of the timer is one [`TimedRig::tick`] or [`TimedLocomotive::tick`]. In lock-step
+//! a rig answers a command as soon as it is polled; the locomotive's cycle waits for the tick after
 //! the answer.
 
 use crate::can::{receive, transmit};
-use crate::locomotive::{Locomotive, SILENCE_TICKS};
+use crate::locomotive::Locomotive;
 use crate::rig::{Numbers, Plant, RigNode};
 use can_protocol::Pace;
 use embedded_can::nb::Can;
+use firmware_core::track::Track;
 
 /// Cycles in which a rig that has lost its host in lock-step comes to rest: a second at 1 kHz,
 /// more than it needs from the highest speed that a command can name.
@@ -18,6 +19,8 @@ const REST_TICKS: u32 = 1000;
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimedRig<P: Plant, N> {
     rig: RigNode<P, N>,
+    /// Ticks of silence after which a lock-step host is lost.
+    silence_ticks: u32,
     /// New commands so far, and ticks since the last of them.
     accepted: u64,
     silent_ticks: u32,
@@ -26,9 +29,10 @@ pub struct TimedRig<P: Plant, N> {
 }
 
 impl<P: Plant, N: Numbers> TimedRig<P, N> {
-    /// A rig that has just started.
-    pub fn new(rig: RigNode<P, N>) -> Self {
-        Self { rig, accepted: 0, silent_ticks: 0, resting: 0 }
+    /// A rig that has just started. In lock-step its host is lost after so many silent ticks,
+    /// usually [`SILENCE_TICKS`](crate::locomotive::SILENCE_TICKS).
+    pub fn new(rig: RigNode<P, N>, silence_ticks: u32) -> Self {
+        Self { rig, silence_ticks, accepted: 0, silent_ticks: 0, resting: 0 }
     }
 
     /// The rig.
@@ -71,7 +75,7 @@ impl<P: Plant, N: Numbers> TimedRig<P, N> {
         let is_new = accepted != self.accepted;
         (self.accepted, self.silent_ticks) =
             (accepted, if is_new { 0 } else { self.silent_ticks.saturating_add(1) });
-        if self.silent_ticks >= SILENCE_TICKS {
+        if self.silent_ticks >= self.silence_ticks {
             self.rig.host_is_silent(self.silent_ticks);
             (self.silent_ticks, self.resting) = (0, REST_TICKS);
         }
@@ -105,12 +109,21 @@ impl<'a> TimedLocomotive<'a> {
         &mut self.0
     }
 
-    /// One tick of the timer, after `skipped` that were missed.
+    /// One tick of the timer on the line's track, after `skipped` that were missed.
     pub fn tick<C: Can>(&mut self, can: &mut C, skipped: u32) {
+        self.tick_with(can, |locomotive| locomotive.tick(skipped));
+    }
+
+    /// The same on a stretch of the track that holds the whole vehicle.
+    pub fn tick_on<C: Can>(&mut self, can: &mut C, track: &Track<'_>, skipped: u32) {
+        self.tick_with(can, |locomotive| locomotive.tick_on(track, skipped));
+    }
+
+    fn tick_with<C: Can>(&mut self, can: &mut C, tick: impl FnOnce(&mut Locomotive<'a>)) {
         while let Some(frame) = receive(can) {
             self.0.hear(&frame);
         }
-        self.0.tick(skipped);
+        tick(&mut self.0);
         let mut had_room = true;
         while let Some(frame) = self.0.take_frame() {
             had_room &= transmit(can, &frame);

@@ -34,6 +34,7 @@ mod operations;
 mod power_cut;
 mod qemu;
 mod release;
+mod roles;
 mod run;
 mod stream;
 mod thumb;
@@ -149,7 +150,10 @@ fn test(run: &mut Run) {
 /// The images for a Cortex-M7: linked, which proves them, and run.
 fn firmware(run: &mut Run, compiler: Compiler, length: Length) {
     run.step("firmware", |run| match thumb::build(run, compiler) {
-        Outcome::Passed => board::test(run, thumb::TARGET, length),
+        Outcome::Passed => {
+            let bits = board::test(run, thumb::TARGET, length);
+            bits.and(roles::test(run, thumb::TARGET, length))
+        }
         worse => worse,
     });
 }

@@ -1,7 +1,7 @@
 //! The locomotive as a node: the run of an image is the run of the host, bit for bit.
 
 use crate::support::locomotive::{NODE, scenario, session};
-use can_protocol::arming::Refusal;
+use can_protocol::arming::{Patience, Refusal};
 use can_protocol::{ArmItem, Fault, FaultCode, Pace as WirePace, Profile, RunState};
 use firmware_core::damper::Damper;
 use firmware_core::line::{Line, LineState};
@@ -46,6 +46,8 @@ fn terms(run: &Run, pace: WirePace) -> Terms {
         boot,
         requirements,
         checks: Checks::usual(profile.counter_modulus(), CYCLE_S, 100e3),
+        patience: Patience::default(),
+        silence_ticks: SILENCE_TICKS,
         cycles: CYCLES,
     }
 }
@@ -87,7 +89,7 @@ fn together<P: Plant>(
     let (mut at_locomotive, mut at_rig) = wire.ends();
     let locomotive = Locomotive::new(line, &mut state, terms).unwrap();
     let mut locomotive = TimedLocomotive::new(locomotive);
-    let mut rig = TimedRig::new(rig);
+    let mut rig = TimedRig::new(rig, SILENCE_TICKS);
     for tick in 0..MOST_TICKS {
         let is_rig_there = disturb(tick, locomotive.locomotive_mut(), &mut at_rig);
         locomotive.tick(&mut at_locomotive, 0);
@@ -232,7 +234,7 @@ fn a_rig_whose_lock_step_host_is_gone_goes_safe_and_rests() {
     let terms = terms(&run, WirePace::LockStep);
     let locomotive = Locomotive::new(&line, &mut state, terms).unwrap();
     let mut locomotive = TimedLocomotive::new(locomotive);
-    let mut rig = TimedRig::new(emulated_rig(&run));
+    let mut rig = TimedRig::new(emulated_rig(&run), SILENCE_TICKS);
     let mut ticks = 0;
     while locomotive.locomotive().state().state != State::Run {
         locomotive.tick(&mut at_locomotive, 0);

@@ -1,9 +1,6 @@
 //! One cycle with a coupled rig, and how a run ends.
 
-use super::{
-    End, HEARTBEAT_CYCLES, Locomotive, Phase, SILENCE_TICKS, STOP_CYCLES, SYNC_CYCLES, fact,
-    fault_of,
-};
+use super::{End, HEARTBEAT_CYCLES, Locomotive, Phase, STOP_CYCLES, SYNC_CYCLES, fact, fault_of};
 use crate::wire_state;
 use can_protocol::{Fault, Pace, PressureOff, RunState, Sender};
 use firmware_core::guard::ForceInput;
@@ -28,7 +25,7 @@ impl Locomotive<'_> {
             Pace::LockStep if self.state.is_safe() || self.rig.has_echo() => self.silent_ticks = 0,
             Pace::LockStep => {
                 self.silent_ticks = self.silent_ticks.saturating_add(1);
-                if self.silent_ticks < SILENCE_TICKS {
+                if self.silent_ticks < self.terms.silence_ticks {
                     return;
                 }
                 // Frames may come, and none of them is one of this session.
@@ -108,7 +105,7 @@ impl Locomotive<'_> {
     /// The slow messages, in the cycles that the protocol gives them.
     fn announce(&mut self) {
         let cycle = self.state.cycle;
-        let is_due = |period: u64| cycle % period == 1;
+        let is_due = |period: u64| cycle.saturating_sub(1).is_multiple_of(period);
         if is_due(HEARTBEAT_CYCLES) {
             self.put_heartbeat();
         }
@@ -171,7 +168,7 @@ impl Locomotive<'_> {
     /// Sends the end of the session until the rig answers: one that does not hear of it would go
     /// safe.
     pub(super) fn leave(&mut self, end: End, sent: u32, waited: u32) {
-        let patience = if sent == 0 { SILENCE_TICKS } else { FAREWELL_TICKS };
+        let patience = if sent == 0 { self.terms.silence_ticks } else { FAREWELL_TICKS };
         let is_answered = self.rig.has_echo();
         self.phase = if is_answered && sent > 0 || sent >= FAREWELLS && waited >= patience {
             Phase::Over(end)

@@ -4,7 +4,7 @@ use super::limits;
 use super::rig_end::RigEnd;
 use super::{End, HEARTBEAT_CYCLES, Locomotive, NotArmed, Phase, SYNC_CYCLES, Terms, period_us};
 use crate::{WATCHDOG_CYCLES, WireFrame};
-use can_protocol::arming::{Agreement, Configuration, HostArming, HostOutcome, HostPlan, Patience};
+use can_protocol::arming::{Agreement, Configuration, HostArming, HostOutcome, HostPlan};
 use can_protocol::{ArmMessage, Error, PROTOCOL_VERSION, Pace, RunState, SessionHistory};
 use firmware_core::command::Command;
 use firmware_core::line::{Line, RigSlot, Slot};
@@ -32,7 +32,7 @@ pub(super) fn exchange(line: &Line<'_>, rig: &RigEnd, terms: &Terms) -> Option<H
             watchdog_cycles: WATCHDOG_CYCLES as u16,
             limits: asked,
         },
-        patience: Patience::default(),
+        patience: terms.patience,
     };
     Some(HostArming::new(plan, SessionHistory::default()))
 }

@@ -33,7 +33,7 @@ pub use overheard::Overheard;
 pub use rig_end::{command_message, measured};
 
 use crate::{WireFrame, wire_state};
-use can_protocol::arming::{HostArming, Listener, Quiet, Refusal, Requirements};
+use can_protocol::arming::{HostArming, Listener, Patience, Quiet, Refusal, Requirements};
 use can_protocol::{Frame, Heartbeat, Node, PROTOCOL_VERSION, Pace, Profile, Sender, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
 use firmware_core::fnv;
@@ -52,7 +52,7 @@ const SYNC_CYCLES: u64 = 100;
 /// Cycles of the safe stop before a session ends.
 pub const STOP_CYCLES: u64 = 200;
 
-/// Ticks after which a rig that owes an answer is lost: a second at 1 kHz.
+/// Ticks after which a rig that owes an answer is usually lost: a second at 1 kHz.
 pub const SILENCE_TICKS: u32 = 1000;
 
 /// Ticks in a row in which the bus has no room, after which the run ends.
@@ -82,6 +82,10 @@ pub struct Terms {
     pub requirements: Requirements,
     /// What is checked of its measurements.
     pub checks: Checks,
+    /// How long it may leave a question of the exchange unanswered.
+    pub patience: Patience,
+    /// Ticks after which a rig that owes an answer in lock-step is lost, as [`SILENCE_TICKS`].
+    pub silence_ticks: u32,
     /// Cycles of RUN.
     pub cycles: u64,
 }

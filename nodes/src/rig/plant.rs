@@ -5,8 +5,8 @@
 use super::condition::Condition;
 use core::fmt::Debug;
 
-/// A ram with what is mounted on it, in cycles. A value has the parameters, and its [`Plant::State`]
-/// everything that changes.
+/// A ram with what is mounted on it, in cycles. A value has the parameters, and its
+/// [`Plant::State`] everything that changes.
 pub trait Plant: Clone {
     /// What it is made from.
     type Setup;
