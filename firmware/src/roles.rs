@@ -11,6 +11,7 @@ use nodes::timed::{TimedLocomotive, TimedRig};
 use same_bits::Random;
 use same_bits::locomotive::BoardWindow;
 use same_bits::two_roles::{self, Feed, Rig};
+use static_cell::StaticCell;
 
 /// Period of the timer (us): a cycle of the model.
 pub const PERIOD_US: u32 = 1000;
@@ -37,6 +38,8 @@ pub fn rig(damper: &'static Damper) -> BoardRig {
     TimedRig::new(rig, SILENCE_TICKS)
 }
 
+static LOCOMOTIVE: StaticCell<BoardLocomotive> = StaticCell::new();
+
 /// The locomotive with its window on the track.
 pub struct BoardLocomotive {
     node: TimedLocomotive<'static>,
@@ -48,12 +51,13 @@ pub struct BoardLocomotive {
 impl BoardLocomotive {
     /// The locomotive of the scenario for so many cycles of RUN; none the second time.
     #[inline(never)]
-    pub fn new(cycles: u32) -> Option<Self> {
+    pub fn new(cycles: u32) -> Option<&'static mut Self> {
         let line: &'static Line<'static> = setup::line_with_rig(setup::vehicle()?)?;
         let state: &'static mut LineState = setup::start(line)?;
         let terms = two_roles::terms(line.cycle_s, cycles, PATIENCE, SILENCE_TICKS);
         let node = TimedLocomotive::new(Locomotive::new(line, state, terms)?);
-        Some(Self { node, line, window: setup::endless_window()?, feed: Feed::default() })
+        let (window, feed) = (setup::endless_window()?, Feed::default());
+        Some(LOCOMOTIVE.try_uninit()?.write(Self { node, line, window, feed }))
     }
 
     /// One tick of the timer; false where the track was not there in time.

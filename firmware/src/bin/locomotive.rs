@@ -29,12 +29,12 @@ fn main() -> ! {
 /// Runs it; whether it has the host's hash.
 fn run(bus: &str, cycles: u32) -> Option<bool> {
     stack::paint();
-    let mut locomotive = BoardLocomotive::new(cycles)?;
+    let locomotive = BoardLocomotive::new(cycles)?;
     let _ = writeln!(Console, "stack setup {}", stack::deepest());
     let timer = cortex_m::Peripherals::take()?.SYST;
     let (end, late) = match bus {
-        "loopback" => on_a_loopback(&mut locomotive, timer)?,
-        "uart" => on_a_line(&mut locomotive, timer)?,
+        "loopback" => on_a_loopback(locomotive, timer)?,
+        "uart" => on_a_line(locomotive, timer)?,
         _ => return None,
     };
     let (hash, host) = (locomotive.hash(), expected::hash("roles", "loopback", cycles));
