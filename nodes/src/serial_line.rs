@@ -79,7 +79,9 @@ mod tests {
 
     fn written(frames: &[WireFrame]) -> Bytes<u8> {
         let mut bytes = Bytes::new();
-        frames.iter().for_each(|frame| write(frame, |byte| bytes.push(byte)));
+        for frame in frames {
+            write(frame, |byte| bytes.push(byte));
+        }
         bytes
     }
 

@@ -113,16 +113,13 @@ impl RigEnd {
         if let Some(temperature_degc) = self.temperature_degc {
             self.belief.temperature(&self.checks, temperature_degc);
         }
-        let arrival = match self.newest.take() {
-            Some(measurement) => {
-                self.used = Some(measurement);
-                self.news = self.news.or(news::of_state(measurement.state));
-                Arrival::Frame(measured(&measurement))
-            }
-            None => {
-                self.receiver.no_frame(&mut self.received);
-                if frames.bad { Arrival::Damaged } else { Arrival::Nothing }
-            }
+        let arrival = if let Some(measurement) = self.newest.take() {
+            self.used = Some(measurement);
+            self.news = self.news.or(news::of_state(measurement.state));
+            Arrival::Frame(measured(&measurement))
+        } else {
+            self.receiver.no_frame(&mut self.received);
+            if frames.bad { Arrival::Damaged } else { Arrival::Nothing }
         };
         self.belief.take(&self.checks, arrival, self.sent)
     }
