@@ -3,6 +3,7 @@
 //! Every struct is taken apart field by field, so that a field that is added later does not get
 //! lost here: it does not compile.
 
+use firmware_core::compensation::{Compensator, Feedforward, Series};
 use firmware_core::damper::Nominal;
 use firmware_core::lanes::Lanes;
 use firmware_core::track::IrregularitySample;
@@ -100,6 +101,26 @@ impl Literal for CreepLaw {
     }
 }
 
+impl Literal for Compensator {
+    fn literal(&self) -> String {
+        match self {
+            Self::None => "Compensator::None".into(),
+            Self::Feedforward(fixed) => format!(
+                "{{ use firmware_core::compensation::{{Feedforward, Series}}; \
+                 Compensator::Feedforward({}) }}",
+                fixed.literal()
+            ),
+            Self::Adaptive(_) => panic!("no adaptive compensator is taken to a board"),
+        }
+    }
+}
+
+impl Literal for Series {
+    fn literal(&self) -> String {
+        format!("Series({})", self.0.literal())
+    }
+}
+
 impl<T: Literal, const N: usize> Literal for heapless::Vec<T, N> {
     fn literal(&self) -> String {
         format!("list(&{})", self.as_slice().literal())
@@ -133,6 +154,7 @@ by_fields! {
     CreepForce { longitudinal_n, lateral_n, spin_moment_n_m }
     Creepage { longitudinal, lateral, spin_per_m }
     DamperMount { first, second, direction }
+    Feedforward { series, known_delay_s, takes_jerk }
     IrregularitySample { vertical_m, alignment_m, cross_level_m, gauge_m }
     Material { shear_modulus_pa, poisson }
     Nominal { ce_n_s_per_m, ke_n_per_m, clearance_2a_m, f_relief_n, c2_n_s_per_m }

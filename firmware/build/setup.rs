@@ -4,9 +4,11 @@
 //! track, the state to start from. A vehicle and its dampers are built from numbers, as anywhere.
 
 use crate::literal::Literal;
+use firmware_core::compensation::Compensator;
 use firmware_core::damper::{Damper, Effect};
 use firmware_core::track::Layout;
 use firmware_core::vehicle::Vehicle;
+use same_bits::two_roles;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use std::fmt::Write;
 
@@ -18,13 +20,27 @@ pub(crate) fn source(run: &Run) -> String {
     assert!((samples.before, samples.behind) == (0, 0), "only a whole track is taken to a board");
     let mut text = String::new();
     let mut number = |name: &str, about: &str, value: f64| {
-        put(&mut text, about, &format!("const {name}: f64 = {}", value.literal()));
+        put(&mut text, about, &format!("pub(crate) const {name}: f64 = {}", value.literal()));
     };
     number("SPEED_M_PER_S", "Running speed (m/s).", run.speed_m_per_s);
     number("CYCLE_S", "Length of a cycle (s).", CYCLE_S);
     number("TRACK_FIRST_M", "Distance of the first sample (m).", samples.first_m);
     number("TRACK_STEP_M", "Distance between samples (m).", samples.step_m);
     number("ROLLING_RADIUS_M", "Nominal rolling radius (m).", rolling_radius_m(&run.vehicle));
+    number("STROKE_M", "Largest displacement of a command (m).", run.motion.stroke_m);
+    let most = run.motion.velocity_m_per_s;
+    number("VELOCITY_M_PER_S", "Largest speed of a command (m/s).", most);
+    let most = run.motion.acceleration_m_per_s2;
+    number("ACCELERATION_M_PER_S2", "Largest acceleration of a command (m/s2).", most);
+    number("RIG_STROKE_M", "Largest travel of the rig (m).", run.rig.stroke_m);
+    number("RIG_RATE_M_PER_S", "Largest speed of the rig (m/s).", run.rig.rate_m_per_s);
+    number("RIG_LAG_S", "Time constant of the rig (s).", run.rig.lag_s);
+    let ramp = format!("const RAMP_CYCLES: u32 = {}", run.motion.ramp_cycles);
+    put(&mut text, "Cycles of a fade.", &ramp);
+    let compensator = format!("const COMPENSATOR: Compensator = {}", compensator(run).literal());
+    put(&mut text, "How the delay of the rig is compensated.", &compensator);
+    let damper_on_rig = format!("static RIG_DAMPER: Numbers = {}", numbers(&run.rig.damper));
+    put(&mut text, "The damper on the rig.", &damper_on_rig);
     let substeps = format!("const SUBSTEPS: u32 = {}", run.substeps);
     put(&mut text, "Substeps per cycle.", &substeps);
     let about = "Contact of a wheel on a rail.";
@@ -33,7 +49,11 @@ pub(crate) fn source(run: &Run) -> String {
     let count = samples.samples.len();
     let list = samples.samples.literal();
     let about = "Irregularity along the track.";
-    put(&mut text, about, &format!("static SAMPLES: [IrregularitySample; {count}] = {list}"));
+    put(
+        &mut text,
+        about,
+        &format!("pub(crate) static SAMPLES: [IrregularitySample; {count}] = {list}"),
+    );
     let start = run.start.state.literal().replacen("OneVehicle", "VehicleState", 1);
     put(&mut text, "Steady running.", &format!("static START: VehicleState = {start}"));
     let dampers: Vec<String> = run.slots.iter().map(|slot| damper(&slot.force)).collect();
@@ -54,12 +74,25 @@ fn rolling_radius_m(vehicle: &Vehicle) -> f64 {
     first
 }
 
+/// How the delay of the rig is compensated.
+pub(crate) fn compensator(run: &Run) -> Compensator {
+    match run.slots.get(two_roles::SLOT).map(|slot| &slot.force) {
+        Some(SlotForce::Rig { compensator, .. }) => *compensator,
+        _ => panic!("no rig in slot {}", two_roles::SLOT),
+    }
+}
+
 /// The damper in a slot; of one on a rig its model.
 fn damper(force: &SlotForce) -> String {
     let damper: &Damper = match force {
         SlotForce::Modelled(damper) => damper,
         SlotForce::Rig { model, .. } | SlotForce::StandIn { model, .. } => model,
     };
+    numbers(damper)
+}
+
+/// What a damper is made from.
+fn numbers(damper: &Damper) -> String {
     assert!(damper.empirical().is_none(), "no empirical map is taken to a board");
     let effect = |effect: &Effect| format!("({:?}, &{})", effect.name(), effect.values().literal());
     let effects: Vec<String> = damper.effects().iter().map(effect).collect();

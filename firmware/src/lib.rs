@@ -7,6 +7,7 @@
 //!
 //! - `proof` calls every entry point of `firmware-core` and `can-protocol`, with inputs that the
 //!   compiler cannot see through;
+//! - `locomotive` and `rig` are the two roles on a bus ([`roles`]);
 //! - `measure` runs the locomotive and its parts, compares each with the host's hash, and counts.
 //!
 //! [`setup`] is the scenario in flash, [`board`] what touches hardware.
@@ -14,6 +15,7 @@
 
 pub mod board;
 pub mod expected;
+pub mod roles;
 pub mod setup;
 
 use core::panic::PanicInfo;

@@ -4,9 +4,11 @@
 //! of the core's own types; a vehicle and its dampers are built from their numbers. Everything that
 //! is large stays in its place: it is filled there and never moved.
 
+use firmware_core::compensation::Compensator;
 use firmware_core::damper::{Damper, Effect, Nominal};
 use firmware_core::lanes::Lanes;
-use firmware_core::line::{Fade, Line, LineState, Slot};
+use firmware_core::line::{Fade, Line, LineState, RigSlot, Slot};
+use firmware_core::supervision::CommandLimits;
 use firmware_core::track::{Irregularity, IrregularitySample, Layout, Track};
 use firmware_core::vehicle::{
     Anchor, Axle, Body, BodyId, BumpStop, DAMPER_SLOTS, DamperMount, RailSupport, Suspension,
@@ -19,6 +21,7 @@ use firmware_core::wheel_rail::table::ContactTable;
 use firmware_core::wheel_rail::wheel::{Rolling, Surface, Wheel, WheelForce};
 use nalgebra::Vector3;
 use same_bits::locomotive::BoardWindow;
+use same_bits::two_roles;
 use static_cell::StaticCell;
 
 /// What a damper is made from.
@@ -45,6 +48,7 @@ static TABLE: StaticCell<ContactTable> = StaticCell::new();
 static TRACK: StaticCell<Track<'static>> = StaticCell::new();
 static LINE: StaticCell<Line<'static>> = StaticCell::new();
 static WINDOW: StaticCell<BoardWindow> = StaticCell::new();
+static RIG: StaticCell<Damper> = StaticCell::new();
 static STATE: StaticCell<LineState> = StaticCell::new();
 
 /// The vehicle; none the second time, or where it does not fit.
@@ -112,19 +116,61 @@ pub fn window() -> Option<&'static mut BoardWindow> {
     Some(WINDOW.try_uninit()?.write(BoardWindow::new(SAMPLES.len(), TRACK_FIRST_M, TRACK_STEP_M)))
 }
 
+/// A window on a track without an end, empty; none the second time.
+#[inline(never)]
+pub fn endless_window() -> Option<&'static mut BoardWindow> {
+    Some(WINDOW.try_uninit()?.write(BoardWindow::new(usize::MAX, TRACK_FIRST_M, TRACK_STEP_M)))
+}
+
+/// The line with a rig in the first slot; none the second time, or where a damper cannot be built.
+#[inline(never)]
+pub fn line_with_rig(vehicle: &'static Vehicle) -> Option<&'static mut Line<'static>> {
+    let line = line(vehicle)?;
+    line.fade =
+        Fade { motion_cycles: RAMP_CYCLES, measuring_cycles: 0, coupling_cycles: RAMP_CYCLES };
+    put_on_rig(line.slots.get_mut(two_roles::SLOT)?)?;
+    Some(line)
+}
+
+/// Puts a rig into the slot of a modelled damper, which becomes its model.
+#[inline(never)]
+fn put_on_rig(slot: &mut Slot<'_>) -> Option<()> {
+    let Slot::Modelled(model) = slot else { return None };
+    let limits = CommandLimits {
+        stroke_m: STROKE_M,
+        velocity_m_per_s: VELOCITY_M_PER_S,
+        acceleration_m_per_s2: ACCELERATION_M_PER_S2,
+    };
+    *slot = Slot::Rig(RigSlot::new(model.clone(), COMPENSATOR, limits, CYCLE_S));
+    Some(())
+}
+
+/// The damper on the rig; none the second time, or where it cannot be built.
+#[inline(never)]
+pub fn rig_damper() -> Option<&'static Damper> {
+    let damper = RIG.try_uninit()?.write(damper(&RIG_DAMPER)?);
+    damper.prepare(CYCLE_S / f64::from(nodes::rig::SUBSTEPS));
+    Some(damper)
+}
+
 /// Effects in one damper at most.
 const MOST: usize = firmware_core::damper::MAX_EFFECTS;
 
 /// Puts a damper into its slot.
 #[inline(never)]
 fn mount(slot: &mut Slot<'_>, numbers: &Numbers, step_s: f64) -> Option<()> {
-    let mut effects = heapless::Vec::<Effect, MOST>::new();
-    for (name, values) in numbers.effects {
-        effects.push(Effect::from_values(name, values).ok()?).ok()?;
-    }
-    *slot = Slot::Modelled(Damper::new(numbers.nominal, &effects).ok()?);
+    *slot = Slot::Modelled(damper(numbers)?);
     if let Slot::Modelled(damper) = slot {
         damper.prepare(step_s);
     }
     Some(())
+}
+
+/// A damper from its numbers.
+fn damper(numbers: &Numbers) -> Option<Damper> {
+    let mut effects = heapless::Vec::<Effect, MOST>::new();
+    for (name, values) in numbers.effects {
+        effects.push(Effect::from_values(name, values).ok()?).ok()?;
+    }
+    Damper::new(numbers.nominal, &effects).ok()
 }

@@ -63,7 +63,6 @@ pub mod stability;
 mod statistics;
 mod summary;
 mod wear_map;
-mod wire_state;
 
 pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};
 pub use draw::Draw;

@@ -15,13 +15,12 @@
 //! stand at the end of the stroke; the ram may overshoot it by a few per cent. A fixture is not
 //! modelled.
 
-use crate::actuator::{Limits, Ram, RamState};
 use crate::benchmark_plant::{BenchmarkPlant, PlantState};
-use crate::cycle::Target;
 use crate::integration::runge_kutta;
 use crate::mechanics::Mechanics;
 use crate::specimen::Specimen;
 use firmware_core::damper::Motion;
+use nodes::rig::{Limits, Ram, RamState, Target};
 use scenario::rig::RigSetup;
 
 /// Longest substep (s): the benchmark's own is 1/4096 s.
@@ -126,9 +125,8 @@ impl Benchmark {
 
 #[cfg(test)]
 mod tests {
-    use crate::actuator::Reference;
-    use crate::cycle::Target;
     use crate::emulator::Emulator;
+    use nodes::rig::Reference;
     use scenario::rig::{RigFile, RigKind, RigSetup};
     use scenario::source::Source;
     use std::f64::consts::TAU;

@@ -16,14 +16,13 @@
 //! its channel may be late: between two cycles the force is interpolated, which suits what
 //! changes little in a cycle. The sensors have no other dynamics.
 
-use crate::actuator::{RamState, Reference};
 use crate::benchmark::{Benchmark, BenchmarkState};
-use crate::cycle::{Reading, Target};
 use crate::ideal::Ideal;
 use crate::mechanics::Mechanics;
 use crate::noise::Noise;
 use crate::servo::{Servo, ServoState};
 use firmware_core::damper::DamperState;
+use nodes::rig::{RamState, Reading, Reference, Target};
 use scenario::rig::{DELAY_CYCLES_MAX, DisplacementSensor, Drive, RigSetup, SensorSetup};
 use scenario::run::{CYCLE_S, Rate};
 

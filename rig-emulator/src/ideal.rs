@@ -14,11 +14,10 @@
 //! Limits: the lag and the rate are numbers, whatever the load is. Inertia of the fixture, friction
 //! of the bearings and oil are not modelled; `servo` has them.
 
-use crate::actuator::{Limits, Ram};
-use crate::cycle::Target;
 use crate::mechanics::Mechanics;
 use crate::specimen::Specimen;
 use firmware_core::damper::Motion;
+use nodes::rig::{Limits, Ram, Target};
 use scenario::rig::RigSetup;
 
 /// Substeps of a cycle.
@@ -63,20 +62,12 @@ impl Ideal {
 
     /// One cycle; the limits that changed the motion.
     pub(crate) fn cycle(&self, at: &mut Mechanics, target: Target) -> Limits {
-        let mut limits = Limits::default();
-        for substep in 0..SUBSTEPS {
-            match target {
-                Target::Follow(reference) => {
-                    let reference = reference.after(f64::from(substep) * self.step_s);
-                    self.ram.follow(&mut at.ram, reference, &mut limits);
-                }
-                Target::Hold => self.ram.stop(&mut at.ram),
-                Target::Centre => self.ram.centre(&mut at.ram),
-            }
+        let mut ram = at.ram;
+        self.ram.cycle(&mut ram, target, SUBSTEPS, |ram| {
+            at.ram = ram;
             self.settle(at);
             at.load_cell_n = at.force_n;
-        }
-        limits
+        })
     }
 
     /// Finds the force at which fixture and damper agree, and moves the damper there.

@@ -11,31 +11,28 @@
 //!
 //! Read in this order:
 //!
-//! 1. `cycle`, `actuator`: what goes into a cycle and comes out of it; the ram that follows, stops
-//!    and centres.
-//! 2. `emulator`: delay line, drive, sensors.
+//! 1. [`nodes::rig::Ram`]: the ram that follows, stops and centres.
+//! 2. `emulator`: delay line, drive, sensors; `plant`: the emulator behind a node of the bus.
 //! 3. `ideal`, `servo`, `benchmark`: the drives. Each moves the same `mechanics`, and what is
 //!    mounted on it (`specimen`).
 //! 4. [`benchmark_plant`], with [`runge_kutta`]: the plant alone, which `rths` uses too.
 //! 5. `noise`: the sensors' noise.
 //!
 //! Layers: `scenario` reads the file of a rig, `firmware-core` has the damper. What a rig says on a
-//! bus, and when it may move, is `hil-host`.
+//! bus, and when it may move, is `nodes`.
 
-mod actuator;
 mod benchmark;
 pub mod benchmark_plant;
-mod cycle;
 mod emulator;
 mod ideal;
 mod integration;
 mod mechanics;
 mod noise;
+mod plant;
 mod servo;
 mod specimen;
 
-pub use actuator::{DECELERATION_M_PER_S2, Limits, RamState, Reference};
 pub use benchmark_plant::BenchmarkPlant;
-pub use cycle::{Reading, Target};
 pub use emulator::{AT_REST_M_PER_S, Emulator, EmulatorState};
 pub use integration::runge_kutta;
+pub use nodes::rig::{DECELERATION_M_PER_S2, Limits, RamState, Reading, Reference, Target};

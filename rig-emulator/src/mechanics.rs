@@ -1,7 +1,7 @@
 //! What every kind of rig has: a ram, a load cell, and a damper between two eyes.
 
-use crate::actuator::RamState;
 use firmware_core::damper::{DamperState, Motion};
+use nodes::rig::RamState;
 
 /// The mechanics of a rig at an instant, without noise.
 #[derive(Debug, Clone, Copy, PartialEq)]

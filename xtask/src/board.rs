@@ -33,7 +33,7 @@ const LIMIT: Duration = Duration::from_secs(300);
 const RISE_PERCENT: f64 = 3.0;
 
 /// RAM that a board should have left nothing of: statics and the stack of a step, bytes.
-const RAM_MAX: u32 = 256_000;
+pub(crate) const RAM_MAX: u32 = 256_000;
 
 /// Runs everything that the image can run.
 pub(crate) fn test(run: &mut Run, target: &str, length: Length) -> Outcome {
@@ -101,9 +101,12 @@ pub(crate) fn table(run: &mut Run, target: &str) -> Outcome {
     removed.map_or_else(|why| Outcome::Failed(why.to_string()), |()| Outcome::Passed)
 }
 
-struct Board {
-    qemu: PathBuf,
-    image: PathBuf,
+/// An emulated board with an image.
+pub(crate) struct Board {
+    /// The emulator.
+    pub(crate) qemu: PathBuf,
+    /// What it runs.
+    pub(crate) image: PathBuf,
 }
 
 impl Board {
@@ -120,6 +123,19 @@ impl Board {
         }
     }
 
+    /// The emulator with the image and some words on its command line; its time and what is on its
+    /// UART are still to be given.
+    pub(crate) fn command(&self, words: &[&str]) -> Command {
+        let mut qemu = Command::new(&self.qemu);
+        let arguments = words.iter().fold(String::new(), |all, word| all + ",arg=" + word);
+        qemu.args(["-M", "mps2-an500", "-display", "none", "-monitor", "none"])
+            .args(["-chardev", "stdio,id=console", "-semihosting-config"])
+            .arg(format!("enable=on,target=native,chardev=console{arguments}"))
+            .arg("-kernel")
+            .arg(&self.image);
+        qemu
+    }
+
     /// Runs the image with some words on its command line; every block that runs goes into `log`.
     fn ended(
         &self,
@@ -127,14 +143,8 @@ impl Board {
         log: Option<&Path>,
         mut see: impl FnMut(&str),
     ) -> std::io::Result<Ended> {
-        let mut qemu = Command::new(&self.qemu);
-        let arguments = words.iter().fold(String::new(), |all, word| all + ",arg=" + word);
-        qemu.args(["-M", "mps2-an500", "-icount", "shift=0", "-display", "none"])
-            .args(["-monitor", "none", "-serial", "none"])
-            .args(["-chardev", "stdio,id=console", "-semihosting-config"])
-            .arg(format!("enable=on,target=native,chardev=console{arguments}"))
-            .arg("-kernel")
-            .arg(&self.image);
+        let mut qemu = self.command(words);
+        qemu.args(["-icount", "shift=0", "-serial", "none"]);
         if let Some(log) = log {
             qemu.args(["-d", "in_asm,exec,nochain", "-D"]).arg(log);
         }
@@ -189,7 +199,7 @@ fn judged(run: &mut Run, image: &Path, committed: &Path, law: &str, lines: &[Str
 }
 
 /// Bytes of an image that lie in flash, and that it holds in RAM.
-fn memory(image: &Path) -> Option<(u32, u32)> {
+pub(crate) fn memory(image: &Path) -> Option<(u32, u32)> {
     let elf = std::fs::read(image).ok()?;
     let segments = segments(&elf)?;
     let flash = segments.iter().map(|segment| segment.in_file).sum();

@@ -35,6 +35,7 @@ mod operations;
 mod power_cut;
 mod qemu;
 mod release;
+mod roles;
 mod run;
 mod stream;
 mod thumb;
@@ -167,7 +168,10 @@ fn tests(run: &mut Run) -> Outcome {
 /// The images for a Cortex-M7: linked, which proves them, and run.
 fn firmware(run: &mut Run, compiler: Compiler, length: Length) {
     run.step("firmware", |run| match thumb::build(run, compiler) {
-        Outcome::Passed => board::test(run, thumb::TARGET, length),
+        Outcome::Passed => {
+            let bits = board::test(run, thumb::TARGET, length);
+            bits.and(roles::test(run, thumb::TARGET, length))
+        }
         worse => worse,
     });
 }

@@ -11,7 +11,7 @@ use crate::run::{Outcome, Run};
 use crate::stream::shown;
 
 /// The images; the first one calls everything.
-const IMAGES: [&str; 2] = ["proof", "measure"];
+const IMAGES: [&str; 4] = ["proof", "measure", "locomotive", "rig"];
 /// The function that the panic handler calls; it is defined nowhere.
 const MISSING: &str = "there_is_a_way_to_panic";
 /// Parts of mangled names that only panics and heaps bring; the first is `core::panicking`.

@@ -1,4 +1,4 @@
-//! The two `no_std` crates, compiled for a Cortex-M7: proof that nothing in them needs a system.
+//! The `no_std` crates, compiled for a Cortex-M7: proof that nothing in them needs a system.
 //! Then the image that calls them, which is linked only where they have no way to panic.
 //!
 //! Three ways, in this order: the target is installed; rustup installs it; or Debian's own
@@ -15,7 +15,8 @@ use crate::stream::quiet;
 
 /// Double-precision hardware differs between the parts; this is the common denominator.
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
-const CRATES: [&str; 4] = ["--package", "can-protocol", "--package", "firmware-core"];
+const CRATES: [&str; 6] =
+    ["--package", "can-protocol", "--package", "firmware-core", "--package", "nodes"];
 
 /// Which compiler may be used.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -25,7 +26,7 @@ pub(crate) enum Compiler {
     Debian,
 }
 
-/// Builds `can-protocol` and `firmware-core` for the target, then the image that proves them.
+/// Builds the `no_std` crates for the target, then the image that proves them.
 pub(crate) fn build(run: &mut Run, compiler: Compiler) -> Outcome {
     let toolchain = match Toolchain::find(run, compiler) {
         Ok(toolchain) => toolchain,

@@ -83,7 +83,9 @@ impl AgeJudge {
             return Age::Old;
         }
         if let Some(last) = self.last {
-            let due = (u64::from(last.counter) + u64::from(last.cycles)) % u64::from(modulus);
+            let counted = u64::from(last.counter) + u64::from(last.cycles);
+            // Never zero; the compiler does not know it where the modulus is no constant.
+            let due = counted % u64::from(modulus.max(1));
             let behind = steps(counter, due as u8, modulus);
             let is_in_step = behind <= OLDEST_CYCLES || behind == modulus - 1;
             if counter == last.counter || !is_in_step {

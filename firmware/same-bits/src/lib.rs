@@ -5,7 +5,8 @@
 //!
 //! 1. [`locomotive`]: the creep laws under the whole vehicle.
 //! 2. [`effect`]: each effect on a damper alone.
-//! 3. [`compensator`], [`state_machine`], [`codec`]: what surrounds the step.
+//! 3. [`two_roles`]: the locomotive and the rig as nodes of one bus.
+//! 4. [`compensator`], [`state_machine`], [`codec`]: what surrounds the step.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -15,4 +16,7 @@ pub mod effect;
 pub mod locomotive;
 mod random;
 pub mod state_machine;
+pub mod two_roles;
 mod two_sines;
+
+pub use random::Random;

@@ -1,7 +1,8 @@
 //! Numbers that look random and are the same everywhere.
 
 /// Marsaglia's xorshift over 64 bits (Journal of Statistical Software 8, 2003).
-pub(crate) struct Random(u64);
+#[derive(Debug, Clone, PartialEq)]
+pub struct Random(u64);
 
 impl Random {
     /// From a seed; zero, which would stay zero, is taken as one.
@@ -15,6 +16,11 @@ impl Random {
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         self.0
+    }
+
+    /// The next 32 bits.
+    pub(crate) const fn half(&mut self) -> u32 {
+        (self.word() >> 32) as u32
     }
 
     /// The next byte: the upper bits are the better ones.

@@ -3,3 +3,5 @@
 pub mod console;
 pub mod stack;
 pub mod stopwatch;
+pub mod timer;
+pub mod uart;

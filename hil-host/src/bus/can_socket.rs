@@ -14,12 +14,12 @@
 
 use super::error::BusError;
 use super::raw_frame::RawFrame;
-use super::wire_frame::MAX_BYTES;
 use super::{BusCounters, Sent};
 use dbc::CanId;
 use nix::errno::Errno;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg};
+use nodes::MAX_BYTES;
 use socketcan::{
     CanFdFrame, CanFdSocket, CanFilter, CanFrame, EmbeddedFrame, ExtendedId, Id, Socket,
     SocketOptions, StandardId,

@@ -14,16 +14,15 @@ mod error;
 mod memory;
 mod raw_frame;
 mod socketcan;
-mod wire_frame;
 
 pub(crate) use any::AnyBus;
 pub(crate) use can_socket::CanSocket;
 pub use choice::{BusChoice, InvalidBus};
 pub use error::BusError;
 pub use memory::{MAX_RIGS, MemoryBus, QUEUE_FRAMES};
+pub use nodes::WireFrame;
 pub use raw_frame::RawFrame;
 pub use socketcan::SocketCanBus;
-pub use wire_frame::WireFrame;
 
 use can_protocol::Frame;
 use std::time::Duration;

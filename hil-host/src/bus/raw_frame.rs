@@ -1,9 +1,9 @@
 //! Any data frame, with an identifier of 11 or 29 bits.
 
 use super::WireFrame;
-use super::wire_frame::MAX_BYTES;
 use can_protocol::Frame;
 use dbc::CanId;
+use nodes::MAX_BYTES;
 use std::fmt;
 
 /// A data frame of any protocol. `Display` writes it the way `cansend` takes it.

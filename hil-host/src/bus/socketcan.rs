@@ -3,10 +3,10 @@
 use super::can_socket::CanSocket;
 use super::error::BusError;
 use super::raw_frame::RawFrame;
-use super::wire_frame::WireFrame;
 use super::{Bus, BusCounters, Sent};
 use can_protocol::{Frame, MessageId, Profile};
 use dbc::CanId;
+use nodes::WireFrame;
 use std::time::Duration;
 
 /// A bus on a CAN interface. `bus/can_socket.rs` has what it asks of the kernel.

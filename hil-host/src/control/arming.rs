@@ -16,15 +16,8 @@ use firmware_core::command::Command;
 use firmware_core::line::Slot;
 use firmware_core::supervision::{CommandLimits, Event};
 use firmware_core::vehicle::DAMPER_SLOTS;
+use nodes::locomotive::limits;
 use std::time::Duration;
-
-/// Limits below which no run makes sense, unless it asks for less itself.
-const LEAST: Limits = Limits {
-    stroke_um: 5000,
-    velocity_um_per_s: 50_000,
-    acceleration_mm_per_s2: 1000,
-    force_n: 1000,
-};
 
 /// Cycles in which an armed rig has to measure its displacement.
 const MEASURES_WITHIN_CYCLES: u64 = 500;
@@ -94,7 +87,7 @@ impl Session<'_> {
             return;
         };
         port.arm(memory, agreement);
-        let agreed = tighter(agreement.configuration.limits, self.asked(port));
+        let agreed = limits::tighter(agreement.configuration.limits, self.asked(port));
         let slot = &mut state.line.slots[port.slot];
         slot.limits = slot.limits.tighter(agreed);
     }
@@ -160,7 +153,7 @@ impl Session<'_> {
 
     /// The least limits with which the host can do its work. Of the force only a little is needed.
     fn needed(&self, asked: Limits) -> Limits {
-        let least = LEAST.tighter(asked);
+        let least = limits::needed(asked);
         if self.arming.needs_what_it_asks {
             return Limits { force_n: least.force_n, ..asked };
         }
@@ -173,13 +166,7 @@ impl Session<'_> {
             Some(Slot::Rig(rig)) => rig.limits,
             _ => CommandLimits::default(),
         };
-        // A conversion saturates: no limit is the largest number.
-        Limits {
-            stroke_um: (limits.stroke_m * 1e6).round() as u32,
-            velocity_um_per_s: (limits.velocity_m_per_s * 1e6).round() as u32,
-            acceleration_mm_per_s2: (limits.acceleration_m_per_s2 * 1e3).round() as u32,
-            force_n: port.force_limit_n().round() as u32,
-        }
+        limits::asked(&limits, port.force_limit_n())
     }
 
     /// Takes in what has arrived.
@@ -335,20 +322,4 @@ fn refused(node: u8, refusal: Refusal, says: Option<RunState>) -> NoAnswer {
 
 const fn is_armed(exchange: &HostArming) -> bool {
     matches!(exchange.outcome(), HostOutcome::Armed(_))
-}
-
-/// The agreed limits that are tighter than those that were asked for.
-fn tighter(agreed: Limits, asked: Limits) -> CommandLimits {
-    let limit = |agreed: u32, asked: u32, per_unit: f64| {
-        if agreed < asked { f64::from(agreed) / per_unit } else { f64::INFINITY }
-    };
-    CommandLimits {
-        stroke_m: limit(agreed.stroke_um, asked.stroke_um, 1e6),
-        velocity_m_per_s: limit(agreed.velocity_um_per_s, asked.velocity_um_per_s, 1e6),
-        acceleration_m_per_s2: limit(
-            agreed.acceleration_mm_per_s2,
-            asked.acceleration_mm_per_s2,
-            1e3,
-        ),
-    }
 }

@@ -7,7 +7,6 @@ use super::stopwatch::{Stage, Stopwatch};
 use crate::bus::{Bus, Sent};
 use crate::clock::Tick;
 use crate::record::{FrameBytes, InputKind, Row};
-use crate::wire_state::wire_state;
 use can_protocol::Frame;
 use core::time::Duration;
 use firmware_core::compensation::Answer;
@@ -17,6 +16,7 @@ use firmware_core::supervision::{Action, Cause, Signal, State};
 use firmware_core::track::Track;
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
+use nodes::wire_state;
 use std::time::Instant;
 
 /// Time between two frames with the residual of a watched rig (s).

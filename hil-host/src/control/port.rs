@@ -1,23 +1,23 @@
 //! The host's end of one rig: what goes out to it, what has come back.
 
-use super::news;
 use super::stop::{PressureRequest, Stop};
 use super::watch::{Watch, WatchState};
 use crate::bus::WireFrame;
 use crate::record::FrameBytes;
 use can_protocol::arming::Agreement;
 use can_protocol::{
-    Command, Counts, Frame, Heartbeat, Measurement, MeasurementFlags, MessageId, Mode, Node,
-    Profile, Receiver, ReceiverState, Residual, RunState, Seal, Sender, SessionCode, Status,
+    Command, Counts, Frame, Heartbeat, Measurement, MessageId, Node, Profile, Receiver,
+    ReceiverState, Residual, RunState, Seal, Sender, SessionCode, Status,
 };
 use firmware_core::command;
 use firmware_core::compensation::{Answer, CompensatorState};
 use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{
-    Action, Arrival, Belief, Cause, Checks, CommandLimits, Frames, Growth, Measured, Reached, Rule,
+    Action, Arrival, Belief, Cause, Checks, CommandLimits, Frames, Growth, Reached, Rule,
     SecondSender, Signal,
 };
 use firmware_core::vehicle::DAMPER_SLOTS;
+use nodes::locomotive::{command_message, measured, news};
 use scenario::run::{BEYOND_STROKE_M, BeyondLimits, CYCLE_S};
 
 /// Parameters of a port.
@@ -239,15 +239,8 @@ impl Port {
         state.used = Some(measurement);
         state.flagged += u64::from(!measurement.flags.is_empty());
         state.news = state.news.or(news::of_state(measurement.state));
-        let measured = Measured {
-            counter: measurement.counter,
-            echo: measurement.echo,
-            displacement_m: measurement.displacement_m,
-            force_n: measurement.force_n,
-            is_valid: !measurement.flags.contains(MeasurementFlags::SENSOR_INVALID),
-            runs: measurement.state.moves(),
-        };
-        let input = state.belief.take(checks, Arrival::Frame(measured), state.sent);
+        let arrival = Arrival::Frame(measured(&measurement));
+        let input = state.belief.take(checks, arrival, state.sent);
         (input, kept.bytes)
     }
 
@@ -358,14 +351,9 @@ impl Port {
         let seal = state.armed.as_ref().map(|armed| Seal { code: armed.code, cycle });
         let counter = (cycle % u32::from(self.profile.counter_modulus())) as u8;
         let message = Command {
-            node: self.node,
             counter,
-            state: run,
-            mode: if run.moves() { Mode::FollowWithVelocity } else { Mode::Hold },
             echo: state.receiver.echo(),
-            displacement_m: Some(command.displacement_m),
-            velocity_m_per_s: Some(command.velocity_m_per_s),
-            time_us: Some(time_us),
+            ..command_message(self.node, command, run, time_us)
         };
         let (frame, saturated) = match seal {
             Some(seal) => message.encode_sealed(self.profile, seal),
@@ -470,6 +458,7 @@ impl PortState {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use can_protocol::MeasurementFlags;
     use can_protocol::Pace;
     use can_protocol::arming::{Configuration, Limits};
     use core::num::{NonZeroU8, NonZeroU16};

@@ -3,10 +3,10 @@
 use super::cycle::{Inputs, Timing};
 use super::session::{Session, SessionState};
 use crate::record::{ForceSource, Row};
-use crate::wire_state::wire_state;
 use core::time::Duration;
 use firmware_core::line::Slot;
 use firmware_core::vehicle::{AXLES_MAX, LATERAL, VERTICAL, YAW};
+use nodes::wire_state;
 
 /// Where a rig has said nothing yet.
 const UNKNOWN: u8 = u8::MAX;

@@ -1,12 +1,10 @@
 //! What a session is: parameters and state.
 
 use super::delay_gate::{DelayGate, DelayGateState};
-use super::overheard::Overheard;
 use super::port::{Agreed, Port, PortState};
 use super::recent_skips::RecentSkips;
 use super::stop::{NotedSummary, PressureRequest, Stop};
 use super::terms::Arming;
-use crate::wire_state::wire_state;
 use can_protocol::arming::Quiet;
 use can_protocol::{Frame, Heartbeat, Pace as WirePace, Profile, Sender, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
@@ -15,6 +13,8 @@ use firmware_core::line::{Fade, Line, LineState, Slot};
 use firmware_core::supervision::{Action, Cause, Event, Noted, Signal};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
+use nodes::locomotive::Overheard;
+use nodes::wire_state;
 
 /// Parameters of a session.
 #[derive(Debug, Clone, PartialEq)]

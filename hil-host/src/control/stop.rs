@@ -2,6 +2,7 @@
 
 use can_protocol::{Fault, FaultCode, Frame, Node, PressureOff, RunState, Sender};
 use firmware_core::supervision::{Cause, Noted, Signal};
+use nodes::locomotive::fault_of;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -59,7 +60,7 @@ impl PressureRequest {
         }
         self.sent += 1;
         let node = self.stop.node.and_then(|node| Node::new(node).ok());
-        let (code, detail) = self.stop.coded_detail();
+        let (code, detail) = fault_of(&self.stop.cause);
         Some(PressureOff { node, counter, state, code, detail }.encode().0)
     }
 }
@@ -149,49 +150,9 @@ impl Stop {
 
     /// The host's fault message.
     pub(super) fn fault(&self, counter: u8, state: RunState) -> Frame {
-        let (code, detail) = self.coded_detail();
+        let (code, detail) = fault_of(&self.cause);
         let fault = Fault { sender: Sender::Host, counter, state, code, detail };
         fault.encode().0
-    }
-
-    fn coded_detail(&self) -> (FaultCode, u16) {
-        let (code, detail) = self.code();
-        (code, detail.abs().round().min(f64::from(u16::MAX)) as u16)
-    }
-
-    /// The fault code of the protocol, and its detail.
-    fn code(&self) -> (FaultCode, f64) {
-        let Cause { signal, value, limit, .. } = self.cause;
-        let per_mille = 1000.0 * value / limit;
-        match signal {
-            Signal::LostMeasurements
-            | Signal::LostCommands
-            | Signal::OldMeasurements
-            | Signal::SilentRig => (FaultCode::PeerSilent, value),
-            Signal::InvalidForce | Signal::StuckForce => (FaultCode::Sensor, 1.0),
-            Signal::InvalidDisplacement | Signal::StuckDisplacement | Signal::Acceleration => {
-                (FaultCode::Sensor, 2.0)
-            }
-            Signal::Temperature => (FaultCode::TemperatureLimit, per_mille),
-            Signal::Force | Signal::ForceRate | Signal::Residual => {
-                (FaultCode::ForceLimit, per_mille)
-            }
-            Signal::Velocity => (FaultCode::VelocityLimit, per_mille),
-            Signal::Tracking | Signal::Delay => (FaultCode::Tracking, value * 1e6),
-            Signal::Compensation => (FaultCode::Tracking, 0.0),
-            Signal::WearLoopGain | Signal::WearForceError => (FaultCode::Internal, per_mille),
-            Signal::Work => (FaultCode::Energy, value),
-            Signal::RigState => (FaultCode::StateMismatch, value),
-            Signal::RigFault => (FaultCode::from_code(value as u16), 0.0),
-            Signal::RigTrip => (FaultCode::Actuator, value),
-            Signal::BusQueue => (FaultCode::Overrun, value),
-            Signal::BusDown => (FaultCode::BusOff, 0.0),
-            Signal::Growth | Signal::Displacement => (FaultCode::StrokeLimit, per_mille),
-            Signal::CommandLimit => (FaultCode::StrokeLimit, 1000.0),
-            Signal::WrongSeal | Signal::SecondSender => (FaultCode::Protection, value),
-            Signal::Vehicle => (FaultCode::Internal, 0.0),
-            Signal::Operator => (FaultCode::EmergencyStop, 0.0),
-        }
     }
 
     /// The value in words, where it is a code.

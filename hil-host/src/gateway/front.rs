@@ -7,7 +7,6 @@
 use crate::bus::WireFrame;
 use crate::draw::Draw;
 use crate::rig::{Outbox, Says, Session, Timing, follow};
-use crate::wire_state::wire_state;
 use can_protocol::arming::{
     Limits, Listener, Quiet, Readiness, Requirements, RigArming, RigEvent, RigStatus,
 };
@@ -18,6 +17,7 @@ use can_protocol::{
 };
 use firmware_core::command;
 use firmware_core::supervision::{Event, Outcome, State};
+use nodes::wire_state;
 
 /// Cycles after which a host that wants to arm asks again while the rig is prepared.
 const ASK_AGAIN_CYCLES: u32 = 50;

@@ -258,7 +258,7 @@ impl Again<'_, '_, '_, '_> {
     /// The state before a cycle in which the recorded run changes its state.
     fn mark(&mut self, row: &Row) -> Option<SessionState> {
         self.script.borrow_mut().mark();
-        let now = crate::wire_state::wire_state(self.state.line.state);
+        let now = nodes::wire_state(self.state.line.state);
         (now != row.state).then(|| self.state.clone())
     }
 

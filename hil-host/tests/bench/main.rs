@@ -8,6 +8,7 @@ mod fault_table;
 mod faults;
 mod gateway;
 mod gateway_maps;
+mod locomotive_node;
 mod plausibility;
 mod ramps;
 mod rates;

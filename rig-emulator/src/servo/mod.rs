@@ -46,12 +46,11 @@ mod valve;
 #[cfg(test)]
 mod tests;
 
-use crate::actuator::{Limits, Ram, RamState};
-use crate::cycle::Target;
 use crate::mechanics::Mechanics;
 use crate::specimen::Specimen;
 use firmware_core::damper::Motion;
 use masses::Masses;
+use nodes::rig::{Limits, Ram, RamState, Target};
 use scenario::rig::{RigSetup, ServoSetup};
 use valve::{Spool, Valve};
 

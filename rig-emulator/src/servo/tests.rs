@@ -1,8 +1,8 @@
 //! The servo rig against closed forms, its energy balance, and half of its substep.
 
 use super::*;
-use crate::actuator::{DECELERATION_M_PER_S2, Reference};
 use crate::emulator::{AT_REST_M_PER_S, Emulator};
+use crate::{DECELERATION_M_PER_S2, Reference};
 use firmware_core::damper::effects::{MovingMass, TemperatureFade};
 use firmware_core::damper::{Damper, HeatBalance, Nominal};
 use scenario::rig::{Drive, RigFile, RigKind};

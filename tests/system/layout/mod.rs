@@ -15,8 +15,9 @@ use modules::{Crate, Tree};
 use std::path::Path;
 
 /// The layers, lowest first; the crates of one group do not know each other.
-const LAYERS: [&[&str]; 9] = [
+const LAYERS: [&[&str]; 10] = [
     &["can-protocol", "firmware-core"],
+    &["nodes"],
     &["files"],
     &["dbc", "report", "signal"],
     &["scenario"],

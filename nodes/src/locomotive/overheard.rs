@@ -1,12 +1,12 @@
 //! Frames on a bus that only a host sends: this host hears none of its own.
 
-use crate::bus::WireFrame;
+use crate::WireFrame;
 use can_protocol::{Message, MessageId};
 use firmware_core::supervision::{Frames, SecondSender};
 
 /// What a bus has of another host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Overheard {
+pub struct Overheard {
     /// Id of a valid frame of another host in this cycle.
     valid: Option<u16>,
     /// Id of a command that may be sealed by another session, or damaged.
@@ -16,7 +16,7 @@ pub(super) struct Overheard {
 
 impl Overheard {
     /// Takes notice of a frame that is no rig's.
-    pub(super) fn take(&mut self, frame: &WireFrame) {
+    pub fn take(&mut self, frame: &WireFrame) {
         let id = frame.id();
         let Some(message) = MessageId::from_raw(id).filter(|message| message.is_of_host()) else {
             return;
@@ -29,7 +29,7 @@ impl Overheard {
     }
 
     /// A cycle has passed; the id under which another host sends, where there is evidence of one.
-    pub(super) fn judge(&mut self) -> Option<u16> {
+    pub fn judge(&mut self) -> Option<u16> {
         let (valid, unknown) = (self.valid.take(), self.unknown.take());
         let is_other = unknown.is_some();
         let frames = Frames { good: is_other, bad: is_other, ..Frames::default() };

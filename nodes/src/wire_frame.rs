@@ -1,10 +1,10 @@
 //! A frame as it was received.
 
 use can_protocol::Frame;
-use std::fmt;
+use core::fmt;
 
 /// Most bytes in a frame, those of CAN FD.
-pub(super) const MAX_BYTES: usize = 64;
+pub const MAX_BYTES: usize = 64;
 
 /// A data frame with a standard id as it was received: of this protocol or not, valid or not.
 ///
@@ -12,7 +12,7 @@ pub(super) const MAX_BYTES: usize = 64;
 /// `cansend` takes and `candump -L` logs it.
 ///
 /// ```
-/// use hil_host::bus::WireFrame;
+/// use nodes::WireFrame;
 /// let frame = WireFrame::new(0x101, false, &[0x18, 0x43]).unwrap();
 /// assert_eq!(frame.to_string(), "101#1843");
 /// assert!(WireFrame::new(0x101, false, &[0; 9]).is_none());
@@ -82,6 +82,9 @@ impl fmt::Debug for WireFrame {
 mod tests {
     use super::*;
     use can_protocol::{Command, Mode, Node, Profile, RunState};
+
+    extern crate std;
+    use std::string::ToString;
 
     #[test]
     fn a_frame_of_the_protocol_reads_the_same_off_the_wire() {

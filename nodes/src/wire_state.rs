@@ -4,7 +4,7 @@ use can_protocol::RunState;
 use firmware_core::supervision::State;
 
 /// The run state of the protocol.
-pub(crate) const fn wire_state(state: State) -> RunState {
+pub const fn wire_state(state: State) -> RunState {
     match state {
         State::Init => RunState::Init,
         State::Standby => RunState::Standby,

@@ -13,27 +13,29 @@
 //! order, oil compliance and supply pressure are not modelled here.
 //!
 //! The same stop and the same way to the middle guide the reference of the drives that a controller
-//! moves (`servo`, `benchmark`).
+//! moves (`servo`, `benchmark` of `rig-emulator`).
+
+use super::plant::{Limits, Reference, Target};
 
 /// Deceleration with which the ram comes to rest (m/s2). From 80 mm/s, about the peak of a yaw
 /// damper on this vehicle, it stands after 8 ms and 0.3 mm.
 pub const DECELERATION_M_PER_S2: f64 = 10.0;
 
 /// Speed at which the ram goes to mid-stroke when asked to (m/s).
-pub(crate) const CENTRING_M_PER_S: f64 = 5e-3;
+pub const CENTRING_M_PER_S: f64 = 5e-3;
 
 /// Time constant with which it arrives there (s).
 const CENTRING_LAG_S: f64 = 0.02;
 
 /// The ram's parameters for one length of substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Ram {
+pub struct Ram {
     /// Largest travel from the middle to either side (m).
-    pub(crate) stroke_m: f64,
+    pub stroke_m: f64,
     /// Largest speed (m/s).
-    pub(crate) rate_m_per_s: f64,
+    pub rate_m_per_s: f64,
     /// Time constant of the lag (s), zero for none.
-    pub(crate) lag_s: f64,
+    pub lag_s: f64,
     step_s: f64,
     /// Residual of a deviation after one substep, as a share.
     residual: f64,
@@ -48,55 +50,44 @@ pub struct RamState {
     pub velocity_m_per_s: f64,
 }
 
-/// What the ram should follow from now on.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Reference {
-    /// Displacement now (m).
-    pub displacement_m: f64,
-    /// Rate at which it runs on (m/s).
-    pub velocity_m_per_s: f64,
-}
-
-impl Reference {
-    /// The reference after a time.
-    #[must_use]
-    pub fn after(self, time_s: f64) -> Self {
-        let displacement_m = self.displacement_m + self.velocity_m_per_s * time_s;
-        Self { displacement_m, ..self }
-    }
-}
-
-/// Limits that changed the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Limits {
-    /// The stroke.
-    pub stroke: bool,
-    /// The speed.
-    pub rate: bool,
-}
-
-impl Limits {
-    /// Whether any did.
-    pub fn any(self) -> bool {
-        self.stroke || self.rate
-    }
-}
-
 impl Ram {
     /// A ram for substeps of this length (s).
-    pub(crate) fn new(stroke_m: f64, rate_m_per_s: f64, lag_s: f64, step_s: f64) -> Self {
+    pub fn new(stroke_m: f64, rate_m_per_s: f64, lag_s: f64, step_s: f64) -> Self {
         let residual = if lag_s > 0.0 { libm::exp(-step_s / lag_s) } else { 0.0 };
         Self { stroke_m, rate_m_per_s, lag_s, step_s, residual }
     }
 
+    /// One cycle of so many substeps; `each` is told where the ram is after each of them.
+    pub fn cycle(
+        &self,
+        state: &mut RamState,
+        target: Target,
+        substeps: u32,
+        mut each: impl FnMut(RamState),
+    ) -> Limits {
+        let mut limits = Limits::default();
+        for substep in 0..substeps {
+            match target {
+                Target::Follow(reference) => {
+                    let reference = reference.after(f64::from(substep) * self.step_s);
+                    self.follow(state, reference, &mut limits);
+                }
+                Target::Hold => self.stop(state),
+                Target::Centre => self.centre(state),
+            }
+            each(*state);
+        }
+        limits
+    }
+
     /// One substep after the reference.
-    pub(crate) fn follow(&self, state: &mut RamState, reference: Reference, limits: &mut Limits) {
+    pub fn follow(&self, state: &mut RamState, reference: Reference, limits: &mut Limits) {
         let Reference { displacement_m: r, velocity_m_per_s: v } = reference;
         let start = state.displacement_m;
         let (end_reference, behind) = (r + v * self.step_s, v * self.lag_s);
         let end = end_reference - behind + (start - r + behind) * self.residual;
         let most = self.rate_m_per_s * self.step_s;
-        let travel = (end - start).clamp(-most, most);
+        let travel = bounded(end - start, most);
         let velocity = if self.lag_s > 0.0 {
             (end_reference - start - travel) / self.lag_s
         } else {
@@ -104,27 +95,27 @@ impl Ram {
         };
         limits.rate |= travel != end - start;
         limits.stroke |= r.abs() > self.stroke_m;
-        state.velocity_m_per_s = velocity.clamp(-self.rate_m_per_s, self.rate_m_per_s);
+        state.velocity_m_per_s = bounded(velocity, self.rate_m_per_s);
         state.displacement_m = start + travel;
         self.stop_at_the_end(state, limits);
     }
 
     /// A reference within stroke and speed, as the state of a guided reference.
-    pub(crate) fn kept_within(&self, reference: Reference) -> RamState {
+    pub fn kept_within(&self, reference: Reference) -> RamState {
         let Self { stroke_m, rate_m_per_s, .. } = *self;
         RamState {
-            displacement_m: reference.displacement_m.clamp(-stroke_m, stroke_m),
-            velocity_m_per_s: reference.velocity_m_per_s.clamp(-rate_m_per_s, rate_m_per_s),
+            displacement_m: bounded(reference.displacement_m, stroke_m),
+            velocity_m_per_s: bounded(reference.velocity_m_per_s, rate_m_per_s),
         }
     }
 
     /// One substep of coming to rest.
-    pub(crate) fn stop(&self, state: &mut RamState) {
+    pub fn stop(&self, state: &mut RamState) {
         self.glide(state, 0.0);
     }
 
     /// One substep towards mid-stroke, slowly, and at rest when it is there.
-    pub(crate) fn centre(&self, state: &mut RamState) {
+    pub fn centre(&self, state: &mut RamState) {
         let x = state.displacement_m;
         let speed = CENTRING_M_PER_S.min(x.abs() / CENTRING_LAG_S);
         self.glide(state, -speed.copysign(x));
@@ -135,7 +126,7 @@ impl Ram {
         let room = (self.stroke_m - state.displacement_m * v.signum()).max(0.0);
         let needed = if v == 0.0 { 0.0 } else { v * v / (2.0 * room) };
         let most = needed.max(DECELERATION_M_PER_S2) * self.step_s;
-        let next = v + (target_m_per_s - v).clamp(-most, most);
+        let next = v + bounded(target_m_per_s - v, most);
         state.displacement_m += 0.5 * (v + next) * self.step_s;
         state.velocity_m_per_s = next;
         self.stop_at_the_end(state, &mut Limits::default());
@@ -149,6 +140,18 @@ impl Ram {
             };
             limits.stroke = true;
         }
+    }
+}
+
+/// A value within a bound to either side. `f64::clamp` can panic, which a board must not.
+pub(super) fn bounded(value: f64, most: f64) -> f64 {
+    debug_assert!(most >= 0.0, "a bound of {most}");
+    if value < -most {
+        -most
+    } else if value > most {
+        most
+    } else {
+        value
     }
 }
 

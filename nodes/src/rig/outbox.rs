@@ -12,19 +12,24 @@ const FRAMES: usize = 8;
 
 /// What a rig says of itself in its slow messages.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Says {
-    pub(crate) state: RunState,
-    pub(crate) boot: u32,
-    pub(crate) flags: HeartbeatFlags,
-    pub(crate) pressure: Pressure,
-    pub(crate) trips: Trips,
+pub struct Says {
+    /// Its run state.
+    pub state: RunState,
+    /// The number of its start.
+    pub boot: u32,
+    /// Key switch and latch.
+    pub flags: HeartbeatFlags,
+    /// Its supply pressure.
+    pub pressure: Pressure,
+    /// Guards and limits that have tripped.
+    pub trips: Trips,
     /// Of the damper's oil, where it is known (degrees Celsius).
-    pub(crate) temperature_degc: Option<f64>,
+    pub temperature_degc: Option<f64>,
 }
 
 /// Frames on their way out.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Outbox {
+pub struct Outbox {
     node: Node,
     frames: Deque<Frame, FRAMES>,
     heartbeat_counter: u8,
@@ -33,7 +38,8 @@ pub(crate) struct Outbox {
 }
 
 impl Outbox {
-    pub(crate) fn new(node: Node) -> Self {
+    /// Nothing to send yet.
+    pub fn new(node: Node) -> Self {
         Self {
             node,
             frames: Deque::new(),
@@ -43,16 +49,18 @@ impl Outbox {
         }
     }
 
-    pub(crate) fn take(&mut self) -> Option<Frame> {
+    /// The next frame to send.
+    pub fn take(&mut self) -> Option<Frame> {
         self.frames.pop_front()
     }
 
     /// An answer of the arming exchange.
-    pub(crate) fn answer(&mut self, answer: &ArmMessage) {
+    pub fn answer(&mut self, answer: &ArmMessage) {
         self.put(answer.encode().0);
     }
 
-    pub(crate) fn measurement(
+    /// What the sensors show, sealed.
+    pub fn measurement(
         &mut self,
         (profile, seal): (Profile, Seal),
         state: RunState,
@@ -75,7 +83,7 @@ impl Outbox {
     }
 
     /// Telemetry and heartbeat, in the cycles that the protocol gives them.
-    pub(crate) fn slow_messages(&mut self, cycle: u64, timing: Timing, says: Says) {
+    pub fn slow_messages(&mut self, cycle: u64, timing: Timing, says: Says) {
         let Says { state, trips, pressure, temperature_degc, .. } = says;
         if is_due(MessageId::Telemetry(self.node), cycle, timing) {
             let telemetry = Telemetry {
@@ -94,7 +102,8 @@ impl Outbox {
         }
     }
 
-    pub(crate) fn heartbeat(&mut self, says: Says) {
+    /// The rig is alive.
+    pub fn heartbeat(&mut self, says: Says) {
         let Says { state, boot, flags, .. } = says;
         let sender = Sender::Rig(self.node);
         let heartbeat = Heartbeat::new(sender, self.heartbeat_counter, state, boot);
@@ -102,7 +111,8 @@ impl Outbox {
         self.heartbeat_counter = Profile::Classical.next_counter(self.heartbeat_counter);
     }
 
-    pub(crate) fn fault(&mut self, state: RunState, code: FaultCode, detail: u16) {
+    /// Something has happened to the rig.
+    pub fn fault(&mut self, state: RunState, code: FaultCode, detail: u16) {
         let counter = self.fault_counter;
         let fault = Fault { sender: Sender::Rig(self.node), counter, state, code, detail };
         self.put(fault.encode().0);
@@ -110,7 +120,7 @@ impl Outbox {
     }
 
     /// An owner that takes nothing out loses frames, the newest first, and no more than frames.
-    pub(crate) fn put(&mut self, frame: Frame) {
+    pub fn put(&mut self, frame: Frame) {
         let _full = self.frames.push_back(frame);
     }
 }

@@ -7,7 +7,7 @@ use firmware_core::supervision::{Event, Outcome, State};
 ///
 /// Frames may be lost, and a ramp may have no cycle at all: RUN is also followed out of ARMED, and
 /// STANDBY out of any motion.
-pub(crate) fn follow(state: State, commanded: RunState) -> Option<State> {
+pub fn follow(state: State, commanded: RunState) -> Option<State> {
     use RunState as To;
     let events: &[Event] = match (state, commanded) {
         // Latched: no command does anything.

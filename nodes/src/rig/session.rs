@@ -1,15 +1,13 @@
 //! What a rig keeps of its host: the timing it announced, the session that it armed, and the
 //! commands that it sends.
 
-use super::WATCHDOG_CYCLES;
-use crate::bus::WireFrame;
+use crate::{WATCHDOG_CYCLES, WireFrame};
 use can_protocol::arming::{Configuration, Limits};
 use can_protocol::{
     Command, Counts, Node, Pace, Profile, Receiver, ReceiverState, Seal, SessionCode, Status, Sync,
 };
 use core::num::{NonZeroU8, NonZeroU16};
 use firmware_core::supervision::{Frames, SecondSender};
-use serde::Serialize;
 
 /// Commands that may be missing in a row before a newer one is out of sequence.
 const MAX_DELTA: u8 = 5;
@@ -43,7 +41,7 @@ impl Timing {
     }
 
     /// The configuration of a session with these limits.
-    pub(crate) fn configuration(self, limits: Limits) -> Configuration {
+    pub fn configuration(self, limits: Limits) -> Configuration {
         Configuration {
             profile: self.profile,
             pace: self.pace,
@@ -72,7 +70,8 @@ impl From<&Sync> for Timing {
 }
 
 /// How the commands that came in were received.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct FrameCounts {
     /// Valid and new.
     pub received: u64,
@@ -109,7 +108,7 @@ impl FrameCounts {
 
 /// The commands of one host.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Session {
+pub struct Session {
     node: Node,
     armed: Option<Armed>,
     /// Counts of sessions before this one.
@@ -134,7 +133,8 @@ struct Armed {
 }
 
 impl Session {
-    pub(crate) fn new(node: Node) -> Self {
+    /// No session yet.
+    pub fn new(node: Node) -> Self {
         Self {
             node,
             armed: None,
@@ -146,9 +146,13 @@ impl Session {
     }
 
     /// Begins an armed session; both sides count from cycle 0.
-    pub(crate) fn arm(&mut self, profile: Profile, code: SessionCode) {
+    pub fn arm(&mut self, profile: Profile, code: SessionCode) {
         self.end();
-        let receiver = receiver(profile, self.node).sealed(code);
+        let Ok(receiver) = Receiver::new(profile, self.node, MAX_DELTA) else {
+            debug_assert!(false, "{MAX_DELTA} lost commands fit every profile");
+            return;
+        };
+        let receiver = receiver.sealed(code);
         let state = ReceiverState::default();
         let (frames, second_sender) = (Frames::default(), SecondSender::default());
         self.armed =
@@ -156,13 +160,13 @@ impl Session {
     }
 
     /// Ends it; what was counted stays.
-    pub(crate) fn end(&mut self) {
+    pub fn end(&mut self) {
         self.earlier = self.counts();
         (self.armed, self.pending) = (None, None);
     }
 
     /// Judges a frame with a command's id; true when it is valid and new.
-    pub(crate) fn accept(&mut self, frame: &WireFrame) -> bool {
+    pub fn accept(&mut self, frame: &WireFrame) -> bool {
         let Some(Armed { receiver, state, frames, .. }) = &mut self.armed else {
             self.earlier.unarmed += 1;
             return false;
@@ -181,29 +185,29 @@ impl Session {
     }
 
     /// A cycle has passed; whether there is evidence of a second sender of commands.
-    pub(crate) fn has_second_sender(&mut self) -> bool {
+    pub fn has_second_sender(&mut self) -> bool {
         let Some(armed) = &mut self.armed else { return false };
         armed.second_sender.take(core::mem::take(&mut armed.frames))
     }
 
     /// Notes a command that steps too far.
-    pub(crate) fn note_too_far(&mut self) {
+    pub fn note_too_far(&mut self) {
         self.earlier.too_far += 1;
     }
 
     /// The host's number of the last accepted command.
-    pub(crate) fn commanded_cycle(&self) -> Option<u32> {
+    pub fn commanded_cycle(&self) -> Option<u32> {
         self.armed.as_ref().and_then(|armed| armed.state.cycle())
     }
 
     /// The newest command that was not taken yet.
-    pub(crate) fn take(&mut self) -> Option<Command> {
+    pub fn take(&mut self) -> Option<Command> {
         self.pending.take()
     }
 
     /// A sync came. True when it is that of another host, or of this one started anew: no command
     /// came since the last sync, or its time does not follow on.
-    pub(crate) fn on_sync(&mut self, time_us: u32) -> bool {
+    pub fn on_sync(&mut self, time_us: u32) -> bool {
         let advance_us = time_us.wrapping_sub(self.sync_time_us) & Sync::TIME.ones();
         let follows = self.accepted_since_sync && advance_us <= SYNC_GAP_US;
         self.sync_time_us = time_us;
@@ -211,33 +215,35 @@ impl Session {
         !follows
     }
 
-    pub(crate) fn note_no_frame(&mut self) {
+    /// A cycle had no command.
+    pub fn note_no_frame(&mut self) {
         if let Some(Armed { receiver, state, .. }) = &mut self.armed {
             receiver.no_frame(state);
         }
     }
 
     /// Whether a session is armed, and not ended.
-    pub(crate) fn is_armed(&self) -> bool {
+    pub fn is_armed(&self) -> bool {
         self.armed.is_some()
     }
 
     /// Whether a command of an armed session was accepted.
-    pub(crate) fn is_commanded(&self) -> bool {
+    pub fn is_commanded(&self) -> bool {
         self.echo().is_some()
     }
 
     /// Whether no measurement of the session was sent yet.
-    pub(crate) fn is_new(&self) -> bool {
+    pub fn is_new(&self) -> bool {
         self.armed.as_ref().is_some_and(|armed| armed.cycle == 0)
     }
 
-    pub(crate) fn echo(&self) -> Option<u8> {
+    /// Counter of the last accepted command of the session.
+    pub fn echo(&self) -> Option<u8> {
         self.armed.as_ref().and_then(|armed| armed.state.echo())
     }
 
     /// Profile and seal of the next measurement; none before the first command.
-    pub(crate) fn next_seal(&mut self) -> Option<(Profile, Seal)> {
+    pub fn next_seal(&mut self) -> Option<(Profile, Seal)> {
         let armed = self.armed.as_mut().filter(|armed| armed.state.echo().is_some())?;
         let seal = Seal { code: armed.code, cycle: armed.cycle };
         armed.cycle = armed.cycle.saturating_add(1);
@@ -245,24 +251,17 @@ impl Session {
     }
 
     /// Leaves out the seals of measurements that were lost before they could be sealed.
-    pub(crate) fn skip_measurements(&mut self, lost: u32) {
+    pub fn skip_measurements(&mut self, lost: u32) {
         if let Some(armed) = self.armed.as_mut().filter(|armed| armed.state.echo().is_some()) {
             armed.cycle = armed.cycle.saturating_add(lost);
         }
     }
 
-    pub(crate) fn counts(&self) -> FrameCounts {
+    /// How the commands of all sessions were received.
+    pub fn counts(&self) -> FrameCounts {
         match &self.armed {
             Some(armed) => self.earlier.plus(armed.state.counts()),
             None => self.earlier,
         }
-    }
-}
-
-fn receiver(profile: Profile, node: Node) -> Receiver<Command> {
-    const { assert!(MAX_DELTA >= 1 && MAX_DELTA <= 7) };
-    match Receiver::new(profile, node, MAX_DELTA) {
-        Ok(receiver) => receiver,
-        Err(_) => unreachable!("1 to 7 fits every profile"),
     }
 }

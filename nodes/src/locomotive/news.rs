@@ -3,7 +3,7 @@
 //! A frame that fails its check says nothing. What a rig has said counts from the cycle in which it
 //! was heard.
 
-use crate::bus::WireFrame;
+use crate::WireFrame;
 use can_protocol::{
     Fault, FaultCode, Heartbeat, MessageId, Node, RunState, Sender, Telemetry, Trips,
 };
@@ -18,7 +18,7 @@ const ENDS: Trips = Trips::EMERGENCY_STOP
 
 /// The cause in a frame of a rig, if it has one: a guard or limit in its telemetry, a fault, or a
 /// heartbeat in SAFE, FAULT or INIT.
-pub(super) fn cause(node: Node, frame: &WireFrame) -> Option<Cause> {
+pub fn cause(node: Node, frame: &WireFrame) -> Option<Cause> {
     let (id, data) = (frame.id(), frame.data());
     match MessageId::from_raw(id)? {
         MessageId::Telemetry(sender) if sender == node => {
@@ -39,13 +39,13 @@ pub(super) fn cause(node: Node, frame: &WireFrame) -> Option<Cause> {
 }
 
 /// The telemetry in a frame of a rig.
-pub(super) fn telemetry(node: Node, frame: &WireFrame) -> Option<Telemetry> {
+pub fn telemetry(node: Node, frame: &WireFrame) -> Option<Telemetry> {
     let telemetry = Telemetry::decode(frame.id(), frame.data()).ok();
     telemetry.filter(|telemetry| telemetry.node == node)
 }
 
 /// The cause in the state of a rig, if it is one in which it has stopped by itself.
-pub(super) fn of_state(state: RunState) -> Option<Cause> {
+pub fn of_state(state: RunState) -> Option<Cause> {
     let has_stopped = matches!(state, RunState::Safe | RunState::Fault);
     has_stopped.then(|| of_code(state))
 }
@@ -60,6 +60,7 @@ fn of(signal: Signal, value: f64) -> Cause {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
     use can_protocol::Pressure;
 

@@ -1,0 +1,94 @@
+//! The locomotive on a board, with its rig on a loopback in the same program or on a line to
+//! another board.
+//!
+//! The command line says which, `loopback` or `uart`, and how many cycles of RUN. Out comes a line
+//! with the trajectory hash and that of the host, and how many ticks came late.
+#![no_std]
+#![no_main]
+
+use core::fmt::Write;
+use cortex_m_rt::entry;
+use firmware::board::console::{CommandLine, Console, exit};
+use firmware::board::stack;
+use firmware::board::timer::Timer;
+use firmware::board::uart::Uart;
+use firmware::expected;
+use firmware::roles::{self, BoardLocomotive, PERIOD_US};
+use nodes::locomotive::End;
+use nodes::loopback::Loopback;
+
+#[entry]
+fn main() -> ! {
+    let line = CommandLine::read();
+    let mut words = line.words();
+    let bus = words.next().unwrap_or_default();
+    let cycles = words.next().and_then(|word| word.parse().ok()).unwrap_or(0);
+    exit(run(bus, cycles).unwrap_or(false))
+}
+
+/// Runs it; whether it has the host's hash.
+fn run(bus: &str, cycles: u32) -> Option<bool> {
+    stack::paint();
+    let locomotive = BoardLocomotive::new(cycles)?;
+    let _ = writeln!(Console, "stack setup {}", stack::deepest());
+    let timer = cortex_m::Peripherals::take()?.SYST;
+    let (end, late) = match bus {
+        "loopback" => on_a_loopback(locomotive, timer)?,
+        "uart" => on_a_line(locomotive, timer)?,
+        _ => return None,
+    };
+    let (hash, host) = (locomotive.hash(), expected::hash("roles", "loopback", cycles));
+    let is_same = hash == host && end == End::Completed;
+    let verdict = if is_same { "same" } else { "DIFFERENT" };
+    let _ = writeln!(Console, "late {late}");
+    let _ = writeln!(Console, "stack steps {}", stack::deepest());
+    if end != End::Completed {
+        let how = if end == End::Safe { "in SAFE" } else { "early" };
+        let _ = writeln!(Console, "ended {how}");
+    }
+    let _ = writeln!(Console, "roles {bus} {cycles} {hash:016x} host {host:016x} {verdict}");
+    Some(is_same)
+}
+
+/// Both roles in this program.
+#[inline(never)]
+fn on_a_loopback(
+    locomotive: &mut BoardLocomotive,
+    timer: cortex_m::peripheral::SYST,
+) -> Option<(End, u32)> {
+    let wire = Loopback::default();
+    let (mut at_locomotive, mut at_rig) = wire.ends();
+    let mut rig = roles::rig(locomotive.damper()?);
+    stack::paint();
+    let mut timer = Timer::start(timer, PERIOD_US);
+    loop {
+        let skipped = timer.wait();
+        if !locomotive.tick(&mut at_locomotive, skipped) {
+            return None;
+        }
+        rig.tick(&mut at_rig);
+        if let Some(end) = locomotive.end() {
+            return Some((end, timer.late()));
+        }
+    }
+}
+
+/// The rig is another board.
+#[inline(never)]
+fn on_a_line(
+    locomotive: &mut BoardLocomotive,
+    timer: cortex_m::peripheral::SYST,
+) -> Option<(End, u32)> {
+    let mut line = Uart::start();
+    stack::paint();
+    let mut timer = Timer::start(timer, PERIOD_US);
+    loop {
+        let skipped = timer.wait();
+        if !locomotive.tick(&mut line, skipped) {
+            return None;
+        }
+        if let Some(end) = locomotive.end() {
+            return Some((end, timer.late()));
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! The two roles of an image: the locomotive, and the rig as a node.
+
+use crate::setup;
+use can_protocol::arming::Patience;
+use firmware_core::damper::Damper;
+use firmware_core::line::{Line, LineState, Slot};
+use firmware_core::track::Track;
+use nodes::locomotive::{End, Locomotive};
+use nodes::rig::ModelSetup;
+use nodes::timed::{TimedLocomotive, TimedRig};
+use same_bits::Random;
+use same_bits::locomotive::BoardWindow;
+use same_bits::two_roles::{self, Feed, Rig};
+use static_cell::StaticCell;
+
+/// Period of the timer (us): a cycle of the model.
+pub const PERIOD_US: u32 = 1000;
+
+/// Ticks for which the other board may be silent. It is emulated, on a machine that may be busy.
+const SILENCE_TICKS: u32 = 20_000;
+
+/// How long it may leave a question of the exchange unanswered: five seconds.
+const PATIENCE: Patience = Patience { repeat_cycles: 20, attempts: 250, quiet_cycles: 20_000 };
+
+/// The rig, which has just started.
+pub type BoardRig = TimedRig<nodes::rig::ModelRig<'static>, Random>;
+
+/// The rig of the scenario around the model of its damper.
+#[inline(never)]
+pub fn rig(damper: &'static Damper) -> BoardRig {
+    let rig: Rig<'static> = two_roles::rig(&ModelSetup {
+        damper,
+        stroke_m: setup::RIG_STROKE_M,
+        rate_m_per_s: setup::RIG_RATE_M_PER_S,
+        lag_s: setup::RIG_LAG_S,
+        seed: 1,
+    });
+    TimedRig::new(rig, SILENCE_TICKS)
+}
+
+static LOCOMOTIVE: StaticCell<BoardLocomotive> = StaticCell::new();
+
+/// The locomotive with its window on the track.
+pub struct BoardLocomotive {
+    node: TimedLocomotive<'static>,
+    line: &'static Line<'static>,
+    window: &'static mut BoardWindow,
+    feed: Feed,
+}
+
+impl BoardLocomotive {
+    /// The locomotive of the scenario for so many cycles of RUN; none the second time.
+    #[inline(never)]
+    pub fn new(cycles: u32) -> Option<&'static mut Self> {
+        let line: &'static Line<'static> = setup::line_with_rig(setup::vehicle()?)?;
+        let state: &'static mut LineState = setup::start(line)?;
+        let terms = two_roles::terms(line.cycle_s, cycles, PATIENCE, SILENCE_TICKS);
+        let node = TimedLocomotive::new(Locomotive::new(line, state, terms)?);
+        let (window, feed) = (setup::endless_window()?, Feed::default());
+        Some(LOCOMOTIVE.try_uninit()?.write(Self { node, line, window, feed }))
+    }
+
+    /// One tick of the timer; false where the track was not there in time.
+    pub fn tick<C: embedded_can::nb::Can>(&mut self, can: &mut C, skipped: u32) -> bool {
+        let at_m = self.node.locomotive().state().vehicle.distance_m.lane(0);
+        let ahead_m = self.line.speed_m_per_s * self.line.cycle_s;
+        let has_track = self.feed.fill(self.window, &setup::SAMPLES, (at_m, ahead_m));
+        let irregularity = self.window.view();
+        let track = Track { layout: self.line.track.layout.clone(), irregularity };
+        self.node.tick_on(can, &track, skipped);
+        has_track
+    }
+
+    /// The model of the damper on its rig: where both roles are one program, the rig has the same.
+    pub fn damper(&self) -> Option<&'static Damper> {
+        match self.line.slots.get(two_roles::SLOT) {
+            Some(Slot::Rig(rig)) => Some(&rig.model),
+            _ => None,
+        }
+    }
+
+    /// How it has ended; none while it goes on.
+    pub fn end(&self) -> Option<End> {
+        self.node.locomotive().end()
+    }
+
+    /// The trajectory hash.
+    pub fn hash(&self) -> u64 {
+        self.node.locomotive().hash()
+    }
+}
