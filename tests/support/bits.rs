@@ -1,5 +1,5 @@
-//! Hashes of what computes, without a bench around it: the golden test compares them in the build of
-//! the tests, the example `bits` of `scenario` in others.
+//! Hashes of what computes, without a bench around it: the golden test compares them in the build
+//! of the tests, the example `bits` of `scenario` in others.
 
 #![allow(clippy::unwrap_used, clippy::large_stack_arrays, reason = "a test may fail loudly")]
 

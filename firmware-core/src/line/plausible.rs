@@ -1,5 +1,5 @@
-//! Whether a vehicle is still on its track: all numbers, wheels near their rails, dampers within any
-//! stroke.
+//! Whether a vehicle is still on its track: all numbers, wheels near their rails, dampers within
+//! any stroke.
 
 use super::SlotState;
 use crate::lanes::Lanes;

@@ -1,8 +1,8 @@
 //! A few hundred cycles of trips side by side, in the lanes of one batch.
 //!
-//! Each vehicle has its own speed, track and dampers; what they share are bodies, links, contact and
-//! the length of a substep. A lane has the bits of a vehicle that runs alone, so whoever else is
-//! under way changes no answer.
+//! Each vehicle has its own speed, track and dampers; what they share are bodies, links, contact
+//! and the length of a substep. A lane has the bits of a vehicle that runs alone, so whoever else
+//! is under way changes no answer.
 //!
 //! Limits: straight tracks, and every damper modelled in its place.
 

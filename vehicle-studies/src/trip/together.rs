@@ -1,10 +1,10 @@
 //! Trips of many questions that share batches of four.
 //!
 //! A search runs one trip after the other, so the lanes of a batch are filled by others: four to a
-//! core are worked on at once, each on a thread of its own. A thread with a trip puts it among those
-//! that wait. As many threads as there are cores take up to four that can join each other, run one
-//! leg of them and put them back; the others sleep until their own has ended. Who meets whom depends
-//! on chance, and no answer does ([`super::leg`]).
+//! core are worked on at once, each on a thread of its own. A thread with a trip puts it among
+//! those that wait. As many threads as there are cores take up to four that can join each other,
+//! run one leg of them and put them back; the others sleep until their own has ended. Who meets
+//! whom depends on chance, and no answer does ([`super::leg`]).
 
 use super::leg::{self, LANES, Traveller};
 use std::collections::VecDeque;
