@@ -3,8 +3,9 @@
 //! A hash changes with the physics and with nothing else: not with the layout of the code, the
 //! build profile, the processor or the load of the machine. `cargo xtask bits` compares those that
 //! need no bench in builds for other processors, a release build the rest. After a change of the
-//! physics, print the new table with `YAWBENCH_PRINT_GOLDEN=1 cargo test --test system golden --
-//! --nocapture`, put it into the file, and say in the commit what changed.
+//! physics, print the new table with
+//! `YAWBENCH_PRINT_GOLDEN=1 cargo test --test system golden -- --nocapture`, put it into the file,
+//! and say in the commit what changed.
 
 use crate::support::bits;
 use crate::support::session::scenario;
