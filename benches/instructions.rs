@@ -87,7 +87,7 @@ fn batch(run: &Run, line: &Line<'_>, cycles: u32) {
     let substep_s = CYCLE_S / f64::from(run.substeps);
     let running = Running {
         speed_m_per_s: Lanes([run.speed_m_per_s; LANES]),
-        track: line.track,
+        tracks: [line.track; LANES],
         contact: line.contact,
         substep_s,
     };

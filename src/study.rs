@@ -16,9 +16,11 @@ use serde::Serialize;
 use signal::shards::{self, Computed, Item, Shard, Work};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 use vehicle_studies::GridPoint;
 use vehicle_studies::grid::{Axis, Grid};
 use vehicle_studies::study::{Study, Varied, VariedStudy};
+use vehicle_studies::trip::Together;
 
 /// Most points that one command computes: a point takes seconds.
 const POINTS_MAX: usize = 20_000;
@@ -186,11 +188,12 @@ fn compute<S: Study>(
     let work = Work { items, name: asked.name(identity), identity };
     let bar = progress::bar("the first points");
     let stop = stop::flag();
-    let point = |index| asked.point(identity, index, stop);
+    let together = Arc::new(Together::on_all_cores());
+    let point = |index| asked.point_among_others(identity, index, stop, &together);
     let show = |point: &GridPoint<S::Answer>, done, of| {
         progress::show(&bar, [done, of], format!("point {} of {items}", point.index + 1));
     };
-    let computed = shards::run(&work, shard, folder, stop, &point, &show);
+    let computed = together.install(|| shards::run(&work, shard, folder, stop, &point, &show));
     bar.finish_and_clear();
     Ok(computed?)
 }

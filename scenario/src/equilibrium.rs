@@ -131,8 +131,12 @@ fn solve(
 ) -> Result<Equilibrium, NoEquilibrium> {
     let track = Track::default();
     let list = unknowns(vehicle, rolling);
-    let running =
-        Running { speed_m_per_s: Lanes([speed_m_per_s]), track: &track, contact, substep_s: 0.0 };
+    let running = Running {
+        speed_m_per_s: Lanes([speed_m_per_s]),
+        tracks: [&track],
+        contact,
+        substep_s: 0.0,
+    };
     let mut state = start;
     if state == VehicleState::default() {
         // Press every wheel into its rail, so that the contact has a slope.

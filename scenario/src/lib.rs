@@ -39,6 +39,7 @@ mod error;
 mod inputs;
 pub mod irregularity;
 mod kind;
+mod known;
 pub mod minimum_speed;
 mod motion;
 mod mounted;

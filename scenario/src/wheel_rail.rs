@@ -3,6 +3,7 @@
 use crate::contact_geometry::{ContactPair, Placement};
 use crate::error::ScenarioError;
 use crate::inputs::Inputs;
+use crate::known::Known;
 use crate::profile::{self, Jm3Like, Part, Profile};
 use crate::quantity::Quantity;
 use crate::source::Source;
@@ -13,6 +14,7 @@ use firmware_core::wheel_rail::hertz::Material;
 use firmware_core::wheel_rail::table::ContactTable;
 use firmware_core::wheel_rail::wheel::{Conical, Surface, Wheel};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Wheels on rails.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
@@ -264,11 +266,24 @@ impl WheelRailFile {
     }
 }
 
+/// What a contact is solved from.
+#[derive(Debug, Clone, PartialEq)]
+struct Pair {
+    wheel: Profile,
+    rail: Profile,
+    placement: Placement,
+    radius_m: f64,
+}
+
+/// Pairs that were solved last. Every point of a map asks twice for the same, and solving takes
+/// longer than a second of the locomotive.
+static SOLVED: Known<Pair, Contact> = Known::nothing();
+
 /// A solved pair of profiles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
     /// The run-time table.
-    pub table: Box<ContactTable>,
+    pub table: Arc<ContactTable>,
     /// The pair itself, for conicity and plots.
     pub pair: ContactPair,
     /// Wheel and rail: what they are and where from.
@@ -286,13 +301,19 @@ impl Contact {
         placement: Placement,
         radius_m: f64,
     ) -> Result<Self, ScenarioError> {
-        let profiles = [wheel, &rail].map(|profile| ProfileNote {
+        let pair = Pair { wheel: wheel.clone(), rail, placement, radius_m };
+        SOLVED.answer(pair, Self::solve)
+    }
+
+    fn solve(pair: &Pair) -> Result<Self, ScenarioError> {
+        let Pair { wheel, rail, placement, radius_m } = pair;
+        let profiles = [wheel, rail].map(|profile| ProfileNote {
             name: profile.name().to_owned(),
             provenance: profile.provenance(),
             about: profile.source().to_owned(),
         });
-        let pair = ContactPair::new(wheel, rail, placement)?;
-        let table = Box::new(ContactTable::new(&pair.tables(), radius_m, Material::STEEL));
+        let pair = ContactPair::new(wheel, rail.clone(), *placement)?;
+        let table = Arc::new(ContactTable::new(&pair.tables(), *radius_m, Material::STEEL));
         Ok(Self { table, pair, profiles })
     }
 }

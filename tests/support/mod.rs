@@ -1,5 +1,6 @@
 //! What several topics share.
 
+pub(crate) mod bits;
 pub(crate) mod command;
 pub(crate) mod live_page;
 pub(crate) mod opened;

@@ -12,10 +12,11 @@ use scenario::irregularity::{Band, aar6};
 use scenario::source::Source;
 use scenario::vehicle::VehicleFile;
 use std::path::Path;
+use std::sync::Arc;
 
 const SPEED_M_PER_S: f64 = 160.0 / 3.6;
 
-fn coach() -> (Vehicle, Box<ContactTable>) {
+fn coach() -> (Vehicle, Arc<ContactTable>) {
     let path =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/vehicles/manchester-coach.toml");
     let source = Source::read(&path).unwrap();
@@ -39,7 +40,7 @@ fn it_runs_over_irregular_track() {
     let track = Track { layout: Layout::tangent(), irregularity: samples.view() };
     let running = Running {
         speed_m_per_s: Lanes([SPEED_M_PER_S]),
-        track: &track,
+        tracks: [&track],
         contact: Some(&table),
         substep_s: 0.25e-3,
     };

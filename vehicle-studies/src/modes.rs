@@ -119,7 +119,7 @@ impl Jacobians {
         let track = Track::default();
         let running = Running {
             speed_m_per_s: Lanes([speed_m_per_s]),
-            track: &track,
+            tracks: [&track],
             contact,
             substep_s: 0.0,
         };

@@ -128,7 +128,7 @@ impl System {
         let track = Track::default();
         let running = Running {
             speed_m_per_s: Lanes([speed_m_per_s]),
-            track: &track,
+            tracks: [&track],
             contact,
             substep_s: 0.0,
         };

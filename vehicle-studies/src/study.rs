@@ -9,7 +9,7 @@
 use crate::error::StudyError;
 use crate::grid::Grid;
 use crate::point::GridPoint;
-use crate::trip::Equipped;
+use crate::trip::{Equipped, Together};
 use files::Identity;
 use rayon::prelude::*;
 use report::Report;
@@ -21,6 +21,7 @@ use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Hash over the sources of the crates that compute the answers, made by the build script.
@@ -164,6 +165,30 @@ impl<S: Study> VariedStudy<S> {
         index: usize,
         stop: &AtomicBool,
     ) -> Result<Option<GridPoint<S::Answer>>, StudyError> {
+        self.point_of(identity, index, stop, None)
+    }
+
+    /// The same while other points are at work: trips of all of them share batches.
+    ///
+    /// # Errors
+    /// As for [`VariedStudy::point`].
+    pub fn point_among_others(
+        &self,
+        identity: &Identity,
+        index: usize,
+        stop: &AtomicBool,
+        together: &Arc<Together>,
+    ) -> Result<Option<GridPoint<S::Answer>>, StudyError> {
+        self.point_of(identity, index, stop, Some(together))
+    }
+
+    fn point_of(
+        &self,
+        identity: &Identity,
+        index: usize,
+        stop: &AtomicBool,
+        together: Option<&Arc<Together>>,
+    ) -> Result<Option<GridPoint<S::Answer>>, StudyError> {
         debug_assert!(index < self.varied.grid.len(), "{index} lies outside the grid");
         let Self { varied, study } = self;
         let run = varied.run(index, S::OWN_KEY, |run| study.duration_s(run))?;
@@ -171,7 +196,10 @@ impl<S: Study> VariedStudy<S> {
         let (at, mut answer) = (varied.grid.point(index), S::Answer::default());
         let mut pace = None;
         let mut find = || -> Result<(), StudyError> {
-            let equipped = Equipped::of(&run)?.until(stop);
+            let mut equipped = Equipped::of(&run)?.until(stop);
+            if let Some(together) = together {
+                equipped = equipped.with_others(together);
+            }
             let own = at.iter().find(|setting| S::OWN_KEY == Some(setting.key.as_str()));
             let own = own.map(Setting::number);
             let found = study.answer(&run, &equipped, own, &mut answer);

@@ -1,7 +1,8 @@
 //! What takes longer than a change can wait for: hours of faults, sound rigs, a million frames of a
-//! rig with its own messages, killed runs.
+//! rig with its own messages, killed runs, unit tests in an interpreter.
 
 use crate::board::{self, Length};
+use crate::miri;
 use crate::power_cut::{self, Cuts};
 use crate::run::{Outcome, Run};
 use crate::thumb;
@@ -39,6 +40,7 @@ pub(crate) fn test(run: &mut Run) {
         cargo.args(["test", "--test", "system", "--", "killed_run", "--nocapture"]);
         run.checked(cargo.env("YAWBENCH_KILLS", KILLS))
     });
+    run.step("miri", miri::test);
     run.step("board", |run| board::test(run, thumb::TARGET, Length::Full));
     run.step("power-cut", |run| power_cut::test(run, Cuts { kills: POWER_CUTS, seed: 2611 }));
 }

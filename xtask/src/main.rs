@@ -12,6 +12,8 @@
 //! cargo xtask bench      the benchmarks; what follows goes to criterion. `--v3` first builds them
 //!                        for x86-64-v3 (AVX2), in a target folder of its own
 //! cargo xtask instructions   instructions of a cycle, against those that are committed
+//! cargo xtask bits       the golden hashes in builds for AVX2 and in release
+//! cargo xtask miri       unit tests of can-protocol and of the guard, in an interpreter
 //! cargo xtask fuzz       decoders and loaders, guided by coverage; a target and `--seconds N`
 //! ```
 //!
@@ -21,6 +23,7 @@
 //! line and skipped, unless the environment asks for it: `REQUIRE_VCAN`, `REQUIRE_THUMB`,
 //! `REQUIRE_QEMU_ARM`, `REQUIRE_CANTOOLS`, `REQUIRE_BROWSER` and `REQUIRE_POWER_CUT`, each `=1`.
 
+mod bits;
 mod board;
 mod console;
 mod debian;
@@ -29,6 +32,7 @@ mod full;
 mod fuzz;
 mod instructions;
 mod machine;
+mod miri;
 mod modules;
 mod no_panic;
 mod operations;
@@ -86,9 +90,14 @@ fn main() -> ExitCode {
             run.step("power-cut", |run| power_cut::test(run, cuts));
         }
         ["bench", "--v3", rest @ ..] => {
-            run.step("bench", |run| bench(run, Some("x86-64-v3"), rest));
+            run.step("bench", |run| bench(run, Some(bits::AVX2), rest));
         }
         ["bench", rest @ ..] => run.step("bench", |run| bench(run, None, rest)),
+        ["bits"] => {
+            run.step("bits", bits::with_avx2);
+            run.step("bits in release", bits::in_release);
+        }
+        ["miri"] => run.step("miri", miri::test),
         ["instructions"] => run.step("instructions", instructions::count),
         ["fuzz", rest @ ..] => run.step("fuzz", |run| fuzz::fuzz(run, rest)),
         _ => return usage(),
@@ -100,7 +109,7 @@ fn usage() -> ExitCode {
     eprintln!(
         "usage: cargo xtask test | ci [--full] | firmware [--full | --table | --debian] \
          | vcan [--uml | --qemu] [TEST] | power-cut [--kills N] [--seed S] \
-         | bench [--v3] [BENCHMARK] | instructions \
+         | bench [--v3] [BENCHMARK] | instructions | bits | miri \
          | fuzz [TARGET] [--seconds N]"
     );
     ExitCode::from(2)
@@ -147,6 +156,7 @@ fn test(run: &mut Run) {
     });
     let vcan = vcan::Beside::begin(run);
     run.step("tests", tests);
+    run.step("bits", bits::with_avx2);
     run.step("release", |run| release::same_bits(run, release));
     run.step("vcan", |run| vcan.end(run));
 }
@@ -187,9 +197,7 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
 fn bench(run: &mut Run, processor: Option<&str>, arguments: &[&str]) -> Outcome {
     let mut cargo = run.cargo();
     if let Some(processor) = processor {
-        cargo.env("RUSTFLAGS", format!("-C target-cpu={processor}"));
-        // Other flags in the same folder would make cargo build all anew, each time.
-        cargo.env("CARGO_TARGET_DIR", run.target.join(processor));
+        bits::for_processor(run, &mut cargo, processor);
     }
     cargo.args(["bench", "--bench", "*"]);
     if !arguments.is_empty() {

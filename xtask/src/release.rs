@@ -1,10 +1,11 @@
-//! The release build runs README's first command, and gives the same bits as the build of the
-//! tests.
+//! The release build runs every scenario, README's first command among them, and gives the same
+//! bits as the build of the tests.
 
 use std::fs::{self, File};
 use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
+use crate::bits;
 use crate::run::{Outcome, Run};
 use crate::stream::shown;
 
@@ -60,40 +61,67 @@ fn spawned(run: &Run) -> Result<Child, String> {
     nice.spawn().map_err(|error| format!("{}: {error}", shown(&nice)))
 }
 
-/// Waits for the build and compares the trajectory of a few seconds with that of the debug build.
+/// Waits for the build and compares every golden hash: of whole scenarios as a user runs them, and
+/// of what needs no bench.
 pub(crate) fn same_bits(run: &mut Run, build: Build) -> Outcome {
     let built = build.end(run);
     if !matches!(built, Outcome::Passed) {
         return built;
     }
-    let mut hashes = Vec::new();
-    for profile in ["debug", "release"] {
-        match hash(run, profile) {
-            Ok(hash) => hashes.push(hash),
+    scenarios(run).and(bits::in_release(run))
+}
+
+/// Compares the trajectories of the scenarios of `tests/golden.toml`.
+fn scenarios(run: &Run) -> Outcome {
+    let place = run.root.join("tests/golden.toml");
+    let text = match fs::read_to_string(&place) {
+        Ok(text) => text,
+        Err(error) => return Outcome::Failed(format!("{}: {error}", place.display())),
+    };
+    let golden = group(&text, "scenario");
+    let mut all = Outcome::Passed;
+    for (name, known) in &golden {
+        match hash(run, name) {
+            Ok(hash) if hash == *known => {}
+            Ok(hash) => {
+                let why = format!("{name} in release: {hash}, in {} {known}", place.display());
+                all = all.and(Outcome::Failed(why));
+            }
             Err(reason) => return Outcome::Failed(reason),
         }
     }
-    println!("trajectory: debug {}, release {}", hashes[0], hashes[1]);
-    if hashes[0] == hashes[1] {
-        Outcome::Passed
-    } else {
-        Outcome::Failed("debug and release do not give the same trajectory".to_owned())
+    if golden.is_empty() {
+        return Outcome::Failed(format!("{} holds no scenario", place.display()));
     }
+    println!("{} whole scenarios in release, against their golden hashes", golden.len());
+    all
 }
 
-/// The trajectory hash of three seconds at 160 km/h.
-fn hash(run: &Run, profile: &str) -> Result<String, String> {
-    let out = run.target.join("xtask-run").join(profile);
-    let mut command = Command::new(run.target.join(profile).join("yawbench"));
-    command.args(["run", "scenarios/ss9-160kmh.toml", "--pace", "fast", "--duration", "3"]);
+/// Names and hashes in a group of the file: `name = "hash"`, a line each.
+fn group<'t>(text: &'t str, group: &str) -> Vec<(&'t str, &'t str)> {
+    let head = format!("[{group}]");
+    let lines = text.lines().skip_while(|line| *line != head).skip(1);
+    let entries = lines.take_while(|line| !line.starts_with('['));
+    entries
+        .filter_map(|line| line.split_once(" = "))
+        .map(|(n, h)| (n, h.trim_matches('"')))
+        .collect()
+}
+
+/// The trajectory hash of a whole scenario in the release build.
+fn hash(run: &Run, scenario: &str) -> Result<String, String> {
+    let out = run.target.join("xtask-run").join("release");
+    let mut command = Command::new(run.target.join("release/yawbench"));
+    command.arg("run").arg(format!("scenarios/{scenario}.toml")).args(["--pace", "fast"]);
     command
         .args(["--json", "--overwrite", "--out"])
         .arg(&out)
         .current_dir(&run.root)
         .stderr(Stdio::inherit());
-    let output = command.output().map_err(|error| format!("yawbench ({profile}): {error}"))?;
+    let output = command.output().map_err(|error| format!("yawbench {scenario}: {error}"))?;
     let text = String::from_utf8_lossy(&output.stdout);
-    let line = text.lines().find(|line| line.contains("\"trajectory_hash\""));
+    // Of the run itself, not of another that it names.
+    let line = text.lines().find(|line| line.starts_with("  \"trajectory_hash\""));
     let hash = line.and_then(|line| line.split('"').nth(3));
-    hash.map(str::to_owned).ok_or_else(|| format!("yawbench ({profile}) gave no hash"))
+    hash.map(str::to_owned).ok_or_else(|| format!("yawbench {scenario} gave no hash"))
 }

@@ -193,7 +193,7 @@ impl Cycle {
         let mut cycles = Vec::new();
         for (speed_m_per_s, ..) in LIMIT_CYCLES {
             let speed_m_per_s = Lanes([speed_m_per_s]);
-            let running = Running { speed_m_per_s, track: &track, contact: None, substep_s };
+            let running = Running { speed_m_per_s, tracks: [&track], contact: None, substep_s };
             vehicle.start(&mut state, &running);
             stepped(steps(60.0), stop, |steps| {
                 vehicle.step(&mut state, &running, &mut (), steps);

@@ -20,6 +20,7 @@ use firmware_core::vehicle::{
 };
 use firmware_core::wheel_rail::table::{ContactTable, ZoneTable};
 use report::Plot;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// The comparison.
@@ -117,7 +118,7 @@ fn plot(kept: &[Look], taken: &[Look]) -> Plot {
 /// An SS9 whose wheels slide without friction, pushed; with or without its dampers.
 struct Pushed {
     vehicle: Vehicle,
-    table: Box<ContactTable>,
+    table: Arc<ContactTable>,
     start: VehicleState,
     dampers: Dampers,
     damped: bool,
@@ -167,7 +168,7 @@ impl Pushed {
         let track = Track::default();
         let running = Running {
             speed_m_per_s: Lanes([SPEED_M_PER_S]),
-            track: &track,
+            tracks: [&track],
             contact: Some(table),
             substep_s: SUBSTEP_S,
         };

@@ -136,7 +136,7 @@ fn bumpy_run(
     let track = Track { layout: curve(sign)?, irregularity: samples.view() };
     let running = Running {
         speed_m_per_s: Lanes([SPEED_M_PER_S]),
-        track: &track,
+        tracks: [&track],
         contact: Some(&locomotive.contact.table),
         substep_s: SUBSTEP_S,
     };

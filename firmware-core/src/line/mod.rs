@@ -33,6 +33,7 @@ mod drop_out;
 mod fade;
 mod motion;
 mod open_loop;
+mod plausible;
 mod residual_delay;
 mod slot;
 mod stand_in;
@@ -42,6 +43,7 @@ mod yawing_bogie;
 
 pub use ahead::Ahead;
 pub use fade::{Fade, TooFar, URGENT_S};
+pub use plausible::is_plausible;
 pub use residual_delay::{
     BLOCK_S, DelayBlocks, FEWEST_BLOCKS, ResidualDelay, Sensitivity, block_cycles,
 };
@@ -147,7 +149,7 @@ impl Line<'_> {
     fn running<'t>(&'t self, track: &'t Track<'t>) -> Running<'t> {
         Running {
             speed_m_per_s: Lanes([self.speed_m_per_s]),
-            track,
+            tracks: [track],
             contact: self.contact,
             substep_s: self.cycle_s / f64::from(self.substeps),
         }
@@ -276,7 +278,7 @@ impl Line<'_> {
         self.vehicle.step(&mut state.vehicle, &running, &mut forces, self.substeps);
         done(Arrow::VehicleStep);
         let motions = self.vehicle.damper_motions(&state.vehicle, &running);
-        if !self.is_plausible(state, &motions) {
+        if !is_plausible(self.vehicle, &state.vehicle, &motions, &state.slots, 0) {
             // The model has blown up: the last sound command is the one to stop from.
             state.on(Event::Stop);
             return;
@@ -300,30 +302,6 @@ impl Line<'_> {
         }
         done(Arrow::Compensation);
         debug_assert!(!state.is_safe(), "a line in its safe state moves nothing");
-    }
-}
-
-/// No wheel is further than this from its rail (m).
-const SHIFT_MAX_M: f64 = 0.1;
-/// No yaw damper is stroked further than this (m).
-const STROKE_MAX_M: f64 = 0.5;
-
-impl Line<'_> {
-    /// Whether the vehicle is still on its track: all numbers, wheels near their rails, dampers
-    /// within any stroke.
-    fn is_plausible(
-        &self,
-        state: &LineState,
-        motions: &[(Lanes<1>, Lanes<1>); DAMPER_SLOTS],
-    ) -> bool {
-        let near = |value: f64, bound: f64| value.abs() <= bound;
-        let wheels = state.vehicle.shifts_m.iter().take(self.vehicle.axles.len()).flatten();
-        let strokes = motions.iter().zip(&state.slots);
-        state.vehicle.is_finite()
-            && wheels.into_iter().all(|shift| near(shift.lane(0), SHIFT_MAX_M))
-            && strokes.into_iter().all(|((extension, _), slot)| {
-                near(extension.lane(0) - slot.mid_stroke_m, STROKE_MAX_M)
-            })
     }
 }
 

@@ -65,6 +65,62 @@ impl<const L: usize> VehicleState<L> {
         self.position.iter().flatten().all(|value| value.0.iter().all(|v| v.is_finite()))
     }
 
+    /// The same of the vehicle in one lane.
+    pub fn is_finite_in(&self, lane: usize) -> bool {
+        self.position.iter().flatten().all(|value| value.lane(lane).is_finite())
+    }
+
+    /// Puts a vehicle that ran alone into a lane.
+    pub fn put(&mut self, lane: usize, alone: &VehicleState) {
+        for (lanes, one) in self.numbers_mut().zip(alone.numbers()) {
+            lanes.set_lane(lane, one.lane(0));
+        }
+        let wheels = self.wheels.as_flattened_mut().iter_mut();
+        for (lanes, [one]) in wheels.zip(alone.wheels.as_flattened()) {
+            if let Some(place) = lanes.get_mut(lane) {
+                *place = *one;
+            }
+        }
+    }
+
+    /// Takes the vehicle of a lane out, as one that runs alone.
+    pub fn take(&self, lane: usize, alone: &mut VehicleState) {
+        for (one, lanes) in alone.numbers_mut().zip(self.numbers()) {
+            one.set_lane(0, lanes.lane(lane));
+        }
+        let wheels = alone.wheels.as_flattened_mut().iter_mut();
+        for ([one], lanes) in wheels.zip(self.wheels.as_flattened()) {
+            if let Some(place) = lanes.get(lane) {
+                *one = *place;
+            }
+        }
+    }
+
+    /// Every number but those of the wheels.
+    fn numbers(&self) -> impl Iterator<Item = &Lanes<L>> {
+        let bodies = [&self.position, &self.half_velocity, &self.acceleration];
+        let rails = [&self.rail_position, &self.rail_half_velocity, &self.rail_acceleration];
+        let slots = [&self.extension_m, &self.extension_m_per_s, &self.damper_n];
+        core::iter::once(&self.distance_m)
+            .chain(bodies.into_iter().flatten().flatten())
+            .chain(rails.into_iter().flatten().flatten().flatten())
+            .chain(self.shifts_m.iter().flatten())
+            .chain(slots.into_iter().flatten())
+    }
+
+    /// The same in the same order.
+    fn numbers_mut(&mut self) -> impl Iterator<Item = &mut Lanes<L>> {
+        let bodies = [&mut self.position, &mut self.half_velocity, &mut self.acceleration];
+        let rails =
+            [&mut self.rail_position, &mut self.rail_half_velocity, &mut self.rail_acceleration];
+        let slots = [&mut self.extension_m, &mut self.extension_m_per_s, &mut self.damper_n];
+        core::iter::once(&mut self.distance_m)
+            .chain(bodies.into_iter().flatten().flatten())
+            .chain(rails.into_iter().flatten().flatten().flatten())
+            .chain(self.shifts_m.iter_mut().flatten())
+            .chain(slots.into_iter().flatten())
+    }
+
     /// Velocity of a coordinate at the time of the positions, to second order (m/s, rad/s).
     pub fn velocity(&self, body: usize, coordinate: usize, substep_s: f64) -> Lanes<L> {
         debug_assert!(body < BODIES_MAX, "body {body} of {BODIES_MAX}");

@@ -15,7 +15,7 @@ use super::body::{BODIES_MAX, BodyId, COORDINATES, LATERAL, PITCH, Pose, ROLL, V
 use super::links::{Forces, Motion};
 use super::running::{Places, Running};
 use super::state::VehicleState;
-use super::wheels::WheelWork;
+use super::wheels::{Kept, WheelWork};
 use super::{AXLES_MAX, DAMPER_SLOTS, GRAVITY_M_PER_S2, Vehicle};
 use crate::lanes::Lanes;
 use crate::number::Group;
@@ -80,10 +80,34 @@ impl Vehicle {
         dampers: &mut impl DamperForces,
         substeps: u32,
     ) {
+        self.step_keeping(state, running, dampers, substeps, Kept::Forces);
+    }
+
+    /// The same where nobody looks at the wheel forces afterwards: the state keeps those of an
+    /// earlier step; all else has the bits of [`Vehicle::step`].
+    pub fn step_unseen<const L: usize>(
+        &self,
+        state: &mut VehicleState<L>,
+        running: &Running<'_, L>,
+        dampers: &mut impl DamperForces,
+        substeps: u32,
+    ) {
+        self.step_keeping(state, running, dampers, substeps, Kept::Shifts);
+    }
+
+    fn step_keeping<const L: usize>(
+        &self,
+        state: &mut VehicleState<L>,
+        running: &Running<'_, L>,
+        dampers: &mut impl DamperForces,
+        substeps: u32,
+        kept: Kept,
+    ) {
         self.assert_runs(running);
         let mut work = self.work();
         for left in (0..substeps).rev() {
-            self.forces(&mut work, state, running, dampers, left == 0);
+            let kept = if left == 0 { kept } else { Kept::Nothing };
+            self.forces(&mut work, state, running, dampers, kept);
             self.advance(state, running);
         }
         debug_assert!(
@@ -144,7 +168,7 @@ impl Vehicle {
         running: &Running<'_, L>,
         dampers: &mut impl DamperForces,
     ) {
-        self.forces(&mut self.work(), state, running, dampers, true);
+        self.forces(&mut self.work(), state, running, dampers, Kept::Forces);
     }
 
     fn work<const L: usize>(&self) -> Work<L> {
@@ -166,7 +190,7 @@ impl Vehicle {
         }
     }
 
-    /// The same in memory that is there already; `keep` leaves the wheel forces in the state.
+    /// The same in memory that is there already.
     #[inline(always)]
     fn forces<const L: usize>(
         &self,
@@ -174,12 +198,12 @@ impl Vehicle {
         state: &mut VehicleState<L>,
         running: &Running<'_, L>,
         dampers: &mut impl DamperForces,
-        keep: bool,
+        kept: Kept,
     ) {
         let substep = running.substep_s;
         let Work { velocity, per_inertia, forces, wheels, has_equal_axles, curved } = work;
         self.velocities(state, running, velocity);
-        let curved = if running.track.layout.is_tangent() {
+        let curved = if running.is_tangent() {
             None
         } else {
             let curved = curved.get_or_insert_with(Curved::straight);
@@ -221,9 +245,9 @@ impl Vehicle {
             }
         }
         if *has_equal_axles {
-            self.wheels::<Group, L>(state, running, velocity, places, wheels, keep);
+            self.wheels::<Group, L>(state, running, velocity, places, wheels, kept);
         } else {
-            self.wheels::<f64, L>(state, running, velocity, places, wheels, keep);
+            self.wheels::<f64, L>(state, running, velocity, places, wheels, kept);
         }
         self.add_wheels(wheels, forces);
         self.accelerate(state, per_inertia, forces);
@@ -238,7 +262,7 @@ impl Vehicle {
         let mut velocity = rest();
         self.velocities(state, running, &mut velocity);
         let mut curved = None;
-        let (position, velocity) = if running.track.layout.is_tangent() {
+        let (position, velocity) = if running.is_tangent() {
             (&state.position, &velocity)
         } else {
             let curved = curved.insert(Curved::straight());
@@ -283,12 +307,12 @@ impl Vehicle {
     ) {
         curved.position = state.position;
         curved.velocity = *velocity;
-        for lane in 0..L {
+        for (lane, track) in running.tracks.iter().enumerate() {
             let speed = running.speed_m_per_s.lane(lane);
             let distance = state.distance_m.lane(lane);
-            let origin = running.track.layout.at(distance);
+            let origin = track.layout.at(distance);
             for (index, body) in self.bodies.iter().enumerate().take(BODIES_MAX) {
-                let at = running.track.layout.at(distance + body.station_m);
+                let at = track.layout.at(distance + body.station_m);
                 let ahead = body.station_m;
                 let offset = at.offset_m - origin.offset_m - origin.heading_rad * ahead;
                 let heading = at.heading_rad - origin.heading_rad;

@@ -44,6 +44,17 @@ impl<const L: usize> WheelWork<L> {
     }
 }
 
+/// What wheels leave in the state for whoever looks at it after a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kept {
+    /// Nothing: another substep follows.
+    Nothing,
+    /// Where each wheel is on its rail.
+    Shifts,
+    /// That, and what its force consists of.
+    Forces,
+}
+
 /// Number of a side: the left one is first.
 fn sign(side: usize) -> f64 {
     if side == 0 { -1.0 } else { 1.0 }
@@ -71,8 +82,7 @@ impl Vehicle {
         }
     }
 
-    /// The forces of all wheels on their wheelsets and rails. `keep` leaves what the forces consist
-    /// of in the state, for whoever looks at it after the step.
+    /// The forces of all wheels on their wheelsets and rails.
     #[inline(always)]
     pub(super) fn wheels<N: Number, const L: usize>(
         &self,
@@ -81,7 +91,7 @@ impl Vehicle {
         velocity: &[Pose<L>; BODIES_MAX],
         places: Option<&Places<L>>,
         work: &mut WheelWork<L>,
-        keep: bool,
+        kept: Kept,
     ) {
         self.read_irregularity(state, running, work);
         let count = 2 * L * self.axles.len().min(AXLES_MAX);
@@ -90,7 +100,7 @@ impl Vehicle {
             let seats = N::each(|place| self.seat::<L>(first + place));
             // One wheel has its own axle; four have equal ones.
             let Some(axle) = self.axles.get(first / (2 * L)) else { continue };
-            Self::group::<N, L>(axle, &seats, state, running, velocity, places, work, keep);
+            Self::group::<N, L>(axle, &seats, state, running, velocity, places, work, kept);
         }
     }
 
@@ -104,7 +114,7 @@ impl Vehicle {
         velocity: &[Pose<L>; BODIES_MAX],
         places: Option<&Places<L>>,
         work: &mut WheelWork<L>,
-        keep: bool,
+        kept: Kept,
     ) {
         let half = N::splat(0.5 * running.substep_s);
         let of_body = |poses: &[Pose<L>; BODIES_MAX], coordinate: usize| {
@@ -174,12 +184,18 @@ impl Vehicle {
                 }
             });
         }
-        if keep {
+        if kept != Kept::Nothing {
+            motion.shift_m.scatter(seats, |seat, shift_m| {
+                if seat.is_taken {
+                    state.shifts_m[seat.axle][seat.side].set_lane(seat.lane, shift_m);
+                }
+            });
+        }
+        if kept == Kept::Forces {
             N::for_each(seats, |place, seat| {
                 if !seat.is_taken {
                     return;
                 }
-                state.shifts_m[seat.axle][seat.side].set_lane(seat.lane, motion.shift_m.get(place));
                 if let Some(kept) = state.wheels[seat.axle][seat.side].get_mut(seat.lane) {
                     *kept = force.map(|value| value.get(place));
                 }
@@ -197,9 +213,9 @@ impl Vehicle {
     ) {
         for (axle, irregular_m) in self.axles.iter().zip(&mut work.irregular_m) {
             let Some(body) = self.bodies.get(axle.body.index()) else { continue };
-            for lane in 0..L {
+            for (lane, track) in running.tracks.iter().enumerate() {
                 let distance = state.distance_m.lane(lane) + body.station_m;
-                let sample = running.track.irregularity.at(distance);
+                let sample = track.irregularity.at(distance);
                 for (side, rails) in irregular_m.iter_mut().enumerate() {
                     let (right, down) = sample.rail(sign(side));
                     if let Some(rail) = rails.get_mut(lane) {

@@ -38,7 +38,7 @@ fn record(run: &Run, substeps: u32, from_s: f64, to_s: f64) -> Record {
     let track = run.track.view();
     let running = Running {
         speed_m_per_s: Lanes([run.speed_m_per_s]),
-        track: &track,
+        tracks: [&track],
         contact: Some(table(run)),
         substep_s: CYCLE_S / f64::from(substeps),
     };

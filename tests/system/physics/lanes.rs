@@ -34,7 +34,7 @@ fn advance<const L: usize>(
     let track = run.track.view();
     let running = Running {
         speed_m_per_s: Lanes(speed_m_per_s),
-        track: &track,
+        tracks: [&track; L],
         contact: Some(table(run)),
         substep_s: SUBSTEP_S,
     };

@@ -20,7 +20,7 @@ const WHEELSET_3: usize = 5;
 fn running<'a>(run: &'a Run, track: &'a Track<'a>, speed_m_per_s: f64) -> Running<'a> {
     Running {
         speed_m_per_s: Lanes([speed_m_per_s]),
-        track,
+        tracks: [track],
         contact: Some(table(run)),
         substep_s: SUBSTEP_S,
     }

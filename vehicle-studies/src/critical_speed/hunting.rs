@@ -1,8 +1,8 @@
 //! Is it hunting? The lateral motion of the wheelsets over the last seconds of a run.
 
 use crate::error::StudyError;
-use crate::trip::{Trip, TripState, lateral_m};
-use firmware_core::vehicle::BodyId;
+use crate::trip::signals::{Places, Signals, Wheels};
+use crate::trip::{Trip, TripState};
 use scenario::run::CYCLE_S;
 use serde::{Deserialize, Serialize};
 use signal::statistics;
@@ -48,18 +48,16 @@ pub(super) fn after(
     [duration_s, watched_s]: [f64; 2],
 ) -> Result<Hunting, StudyError> {
     debug_assert!((0.0..=duration_s).contains(&watched_s), "{watched_s} s of {duration_s} s");
-    let wheelsets: Vec<BodyId> = trip.vehicle().axles.iter().map(|axle| axle.body).collect();
-    let mut seen: Vec<Vec<f64>> = vec![Vec::new(); wheelsets.len()];
-    let on_track = trip.go(state, duration_s - watched_s, |_| {})?
-        && trip.go(state, watched_s, |state| {
-            for (values, body) in seen.iter_mut().zip(&wheelsets) {
-                values.push(lateral_m(state, *body));
-            }
-        })?;
-    if !on_track {
+    if !trip.record(state, duration_s - watched_s, &mut None)? {
         return Ok(Hunting::DERAILED);
     }
-    let most = seen.iter().max_by(|a, b| greatest(a).total_cmp(&greatest(b)));
+    let places = Places::wheelsets_of(trip.vehicle());
+    let watched = Signals::of(trip, state, watched_s, &places, Wheels::LeftOut)?;
+    if watched.derailed {
+        return Ok(Hunting::DERAILED);
+    }
+    let seen = watched.wheelsets.iter().map(|wheelset| &wheelset.lateral_m);
+    let most = seen.max_by(|a, b| greatest(a).total_cmp(&greatest(b)));
     let still = Hunting { amplitude_m: Some(0.0), frequency_hz: None };
     Ok(most.map_or(still, |values| Hunting::of(values)))
 }

@@ -11,15 +11,19 @@
 //! A trip ends early with [`StudyError::Stopped`] when the flag of its vehicle is set
 //! ([`Equipped::until`]).
 //!
+//! Trips of a study share batches of four ([`Together`]).
+//!
 //! [`signals`] records a trip at 1 kHz, [`track`] are the tracks that studies run on, [`Pace`] is
 //! how fast trips are.
 
 mod filter;
+mod leg;
 mod pace;
 mod rigs;
 pub mod signals;
 #[cfg(test)]
 mod tests;
+mod together;
 pub mod track;
 
 use crate::error::StudyError;
@@ -31,6 +35,7 @@ use firmware_core::line::{DelayBlocks, Fade, Line, LineState, Slot};
 use firmware_core::track::Track;
 use firmware_core::vehicle::{BodyId, DAMPER_SLOTS, LATERAL, Running, Vehicle};
 use firmware_core::wheel_rail::table::ContactTable;
+use leg::Traveller;
 use pace::Odometer;
 pub use pace::Pace;
 use rig_emulator::Reading;
@@ -40,9 +45,11 @@ use scenario::equilibrium::{self, NoEquilibrium};
 use scenario::minimum_speed::minimum_speed_m_per_s;
 use scenario::run::{CYCLE_S, Run, SlotForce, worn};
 use scenario::wheel_rail::Contact;
+use signals::Recorder;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+pub use together::Together;
 
 /// Distance at which the vehicle's reference point starts (m): all wheels on perfect track.
 pub const START_M: f64 = 15.0;
@@ -66,6 +73,7 @@ pub struct Equipped<'a> {
     /// Which of them are behind rigs; none where all are modelled in their places.
     pub rigs: Option<Rigs>,
     odometer: Arc<Odometer>,
+    together: Option<Arc<Together>>,
     stop: &'a AtomicBool,
 }
 
@@ -83,6 +91,7 @@ impl Equipped<'static> {
             dampers: dampers?,
             rigs: None,
             odometer: Arc::default(),
+            together: None,
             stop: &NEVER,
         })
     }
@@ -95,6 +104,7 @@ impl Equipped<'static> {
             dampers: Vec::new(),
             rigs: None,
             odometer: Arc::default(),
+            together: None,
             stop: &NEVER,
         }
     }
@@ -104,8 +114,15 @@ impl Equipped<'_> {
     /// The same vehicle, whose trips end with [`StudyError::Stopped`] once a flag is set.
     #[must_use]
     pub fn until(self, stop: &AtomicBool) -> Equipped<'_> {
-        let Self { vehicle, contact, dampers, rigs, odometer, .. } = self;
-        Equipped { vehicle, contact, dampers, rigs, odometer, stop }
+        let Self { vehicle, contact, dampers, rigs, odometer, together, .. } = self;
+        Equipped { vehicle, contact, dampers, rigs, odometer, together, stop }
+    }
+
+    /// The same vehicle, whose trips are under way with those of others.
+    #[must_use]
+    pub fn with_others(mut self, together: &Arc<Together>) -> Self {
+        self.together = Some(Arc::clone(together));
+        self
     }
 
     /// Checks the flag that stops the work on this vehicle.
@@ -276,6 +293,39 @@ impl<'a> Trip<'a> {
         self.go_with_rigs(state, duration_s, |state| see(&state.line))
     }
 
+    /// Runs on for a time and records it; beside the trips of others where the vehicle has
+    /// [company](Equipped::with_others), with the same bits. False where it has left the track.
+    ///
+    /// # Errors
+    /// As for [`Trip::go`].
+    pub(crate) fn record(
+        &self,
+        state: &mut TripState,
+        duration_s: f64,
+        recorder: &mut Option<Recorder>,
+    ) -> Result<bool, StudyError> {
+        let cycles = libm::round(duration_s / CYCLE_S) as u64;
+        let contact = self.equipped.contact.as_ref().map(|contact| &contact.table);
+        let together = self.equipped.together.as_ref().and_then(|together| {
+            let own = recorder.clone();
+            Some((together, Traveller::of(&self.line, contact, &state.line, cycles, own)?))
+        });
+        let Some((together, traveller)) = together else {
+            return self.go(state, duration_s, |state| {
+                if let Some(recorder) = recorder {
+                    recorder.see_line(state);
+                }
+            });
+        };
+        self.equipped.check_stop()?;
+        let ended = together.run(traveller, self.equipped.stop);
+        let Traveller { left, busy, .. } = *ended;
+        self.equipped.odometer.count(cycles - left, busy);
+        state.line = ended.state;
+        *recorder = ended.recorder;
+        if left > 0 && !state.line.is_safe() { Err(StudyError::Stopped) } else { Ok(left == 0) }
+    }
+
     /// The same, and passes the rigs too.
     ///
     /// # Errors
@@ -313,7 +363,7 @@ impl<'a> Trip<'a> {
         let line = &self.line;
         let running = Running {
             speed_m_per_s: Lanes([line.speed_m_per_s]),
-            track: line.track,
+            tracks: [line.track],
             contact: line.contact,
             substep_s: line.cycle_s / f64::from(line.substeps),
         };

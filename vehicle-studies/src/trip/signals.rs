@@ -21,7 +21,9 @@ use super::Trip;
 use super::TripState;
 use crate::error::StudyError;
 use firmware_core::line::LineState;
-use firmware_core::vehicle::{BodyId, LATERAL, PITCH, ROLL, VERTICAL, Vehicle, YAW};
+use firmware_core::vehicle::{
+    BodyId, DAMPER_SLOTS, LATERAL, PITCH, ROLL, VERTICAL, Vehicle, VehicleState, YAW,
+};
 use firmware_core::wheel_rail::wheel::WheelForce;
 use scenario::run::{CYCLE_S, Run};
 
@@ -203,28 +205,34 @@ impl Signals {
         places: &Places,
         wheels: Wheels,
     ) -> Result<Self, StudyError> {
+        let mut recorder = Some(Recorder::of(trip.vehicle(), places.clone(), wheels));
+        let on_track = trip.record(state, duration_s, &mut recorder)?;
+        let mut signals = recorder.map(|recorder| recorder.signals).unwrap_or_default();
+        signals.derailed = !on_track;
+        Ok(signals)
+    }
+
+    /// Columns without any value.
+    fn none(vehicle: &Vehicle, places: &Places) -> Self {
         let named = |places: &[Place]| -> Vec<Acceleration> {
             let one =
                 |place: &Place| Acceleration { name: place.name.clone(), ..Default::default() };
             places.iter().map(one).collect()
         };
         let station_m =
-            |body: BodyId| trip.vehicle().bodies.get(body.index()).map_or(0.0, |b| b.station_m);
+            |body: BodyId| vehicle.bodies.get(body.index()).map_or(0.0, |b| b.station_m);
         let wheelset = |place: &Place| WheelsetSignal {
             station_m: station_m(place.body),
             ..WheelsetSignal::default()
         };
-        let mut signals = Self {
+        Self {
             floor: named(&places.floor),
             bogies: named(&places.bogies),
             wheelset_accelerations: named(&places.wheelsets),
             wheelsets: places.wheelsets.iter().map(wheelset).collect(),
-            dampers: vec![DamperSignal::default(); trip.vehicle().dampers.len()],
+            dampers: vec![DamperSignal::default(); vehicle.dampers.len()],
             ..Self::default()
-        };
-        let on_track = trip.go(state, duration_s, |state| signals.push(state, places, wheels))?;
-        signals.derailed = !on_track;
-        Ok(signals)
+        }
     }
 
     /// Number of samples.
@@ -237,38 +245,82 @@ impl Signals {
         self.distance_m.is_empty()
     }
 
-    fn push(&mut self, state: &LineState, places: &Places, wheels: Wheels) {
-        self.distance_m.push(state.vehicle.distance_m.lane(0));
+    /// A cycle of the vehicle in a lane; its dampers are in mid-stroke at the lengths given (m).
+    fn push<const L: usize>(
+        &mut self,
+        vehicle: &VehicleState<L>,
+        lane: usize,
+        mid_stroke_m: &[f64; DAMPER_SLOTS],
+        places: &Places,
+        wheels: Wheels,
+    ) {
+        self.distance_m.push(vehicle.distance_m.lane(lane));
         for (signals, places) in [
             (&mut self.floor, &places.floor),
             (&mut self.bogies, &places.bogies),
             (&mut self.wheelset_accelerations, &places.wheelsets),
         ] {
             for (signal, place) in signals.iter_mut().zip(places) {
-                let [lateral, vertical] = acceleration_m_per_s2(state, place);
+                let [lateral, vertical] = acceleration_m_per_s2(vehicle, lane, place);
                 signal.lateral_m_per_s2.push(lateral);
                 signal.vertical_m_per_s2.push(vertical);
             }
         }
-        let vehicle = &state.vehicle;
         for ((signal, place), pair) in
             self.wheelsets.iter_mut().zip(&places.wheelsets).zip(&vehicle.wheels)
         {
             let pose = vehicle.position.get(place.body.index());
-            let at = |coordinate: usize| pose.map_or(0.0, |pose| pose[coordinate].lane(0));
+            let at = |coordinate: usize| pose.map_or(0.0, |pose| pose[coordinate].lane(lane));
             signal.lateral_m.push(at(LATERAL));
             signal.yaw_rad.push(at(YAW));
             if wheels == Wheels::Recorded {
-                for (signal, [force]) in signal.wheels.iter_mut().zip(pair) {
-                    signal.push(force);
+                for (signal, forces) in signal.wheels.iter_mut().zip(pair) {
+                    signal.push(&forces[lane]);
                 }
             }
         }
-        for (slot, signal) in self.dampers.iter_mut().enumerate() {
-            let mid_stroke_m = state.slots.get(slot).map_or(0.0, |memory| memory.mid_stroke_m);
-            signal.extension_m.push(vehicle.extension_m[slot].lane(0) - mid_stroke_m);
-            signal.force_n.push(vehicle.damper_n[slot].lane(0));
+        for (slot, (signal, mid_m)) in self.dampers.iter_mut().zip(mid_stroke_m).enumerate() {
+            signal.extension_m.push(vehicle.extension_m[slot].lane(lane) - mid_m);
+            signal.force_n.push(vehicle.damper_n[slot].lane(lane));
         }
+    }
+}
+
+/// Signals that grow while a trip runs.
+#[derive(Debug, Clone)]
+pub(crate) struct Recorder {
+    /// What was recorded so far.
+    pub(crate) signals: Signals,
+    places: Places,
+    wheels: Wheels,
+}
+
+impl Recorder {
+    /// Of places of a vehicle.
+    pub(crate) fn of(vehicle: &Vehicle, places: Places, wheels: Wheels) -> Self {
+        Self { signals: Signals::none(vehicle, &places), places, wheels }
+    }
+
+    /// A cycle of the vehicle in a lane of a batch; its dampers are in mid-stroke at the lengths
+    /// given (m).
+    pub(super) fn see<const L: usize>(
+        &mut self,
+        vehicle: &VehicleState<L>,
+        lane: usize,
+        mid_stroke_m: &[f64; DAMPER_SLOTS],
+    ) {
+        self.signals.push(vehicle, lane, mid_stroke_m, &self.places, self.wheels);
+    }
+
+    /// Whether it looks at wheel forces.
+    pub(super) fn sees_wheels(&self) -> bool {
+        self.wheels == Wheels::Recorded
+    }
+
+    /// A cycle of a vehicle on a line.
+    pub(super) fn see_line(&mut self, state: &LineState) {
+        let mid_stroke_m = state.slots.each_ref().map(|slot| slot.mid_stroke_m);
+        self.see(&state.vehicle, 0, &mid_stroke_m);
     }
 }
 
@@ -302,10 +354,14 @@ impl WheelSignal {
 }
 
 /// Acceleration of a place, to the right and down (m/s2).
-fn acceleration_m_per_s2(state: &LineState, place: &Place) -> [f64; 2] {
-    debug_assert!(place.body.index() < state.vehicle.acceleration.len(), "no such body");
-    let Some(rate) = state.vehicle.acceleration.get(place.body.index()) else { return [0.0; 2] };
-    let of = |coordinate: usize| rate[coordinate].lane(0);
+fn acceleration_m_per_s2<const L: usize>(
+    vehicle: &VehicleState<L>,
+    lane: usize,
+    place: &Place,
+) -> [f64; 2] {
+    debug_assert!(place.body.index() < vehicle.acceleration.len(), "no such body");
+    let Some(rate) = vehicle.acceleration.get(place.body.index()) else { return [0.0; 2] };
+    let of = |coordinate: usize| rate[coordinate].lane(lane);
     [
         of(LATERAL) + place.forward_m * of(YAW) - place.down_m * of(ROLL),
         of(VERTICAL) - place.forward_m * of(PITCH),

@@ -1,8 +1,9 @@
 //! What the signals of a trip owe each other.
 
-use super::signals::{Places, Signals, Wheels};
+use super::leg::{self, Traveller};
+use super::signals::{Places, Recorder, Signals, Wheels};
 use super::{Equipped, Trip};
-use firmware_core::vehicle::GRAVITY_M_PER_S2;
+use firmware_core::vehicle::{GRAVITY_M_PER_S2, LATERAL};
 use scenario::irregularity::{Band, aar6};
 use scenario::run::{Overrides, Run};
 use scenario::setting::Setting;
@@ -79,5 +80,63 @@ fn a_clearance_of_a_metre_takes_the_dampers_off() {
     for damper in &found.dampers {
         assert!(damper.force_n.iter().all(|force_n| *force_n == 0.0));
         assert!(signal::statistics::rms(&damper.extension_m) > 1e-5);
+    }
+}
+
+/// Trips of a batch: at their own speeds on their own tracks, one of which ends sooner, and one
+/// vehicle that is thrown off the track.
+#[test]
+fn a_trip_in_a_batch_is_the_very_trip_that_runs_alone() {
+    for wheels in [Wheels::LeftOut, Wheels::Recorded] {
+        batch_and_alone(wheels);
+    }
+}
+
+fn batch_and_alone(wheels: Wheels) {
+    let clearances_m = [0.2e-3, 2e-3, 8e-3, 1e-3];
+    let settings = clearances_m.map(|m| [Setting::to("damper.clearance_2a_m", m)]);
+    let runs: Vec<Run> = settings.iter().map(|own| locomotive(own)).collect();
+    let tracks = [1.0, 0.5, 0.0, 1.0].map(rough);
+    let views = tracks.each_ref().map(OwnedTrack::view);
+    let equipped: Vec<_> = runs.iter().map(|run| Equipped::of(run).unwrap()).collect();
+    let cycles = [1500, 700, 1500, 1500];
+    let (mut batch, mut alone) = (Vec::new(), Vec::new());
+    for (n, kmh) in [200.0, 260.0, 320.0, 250.0].into_iter().enumerate() {
+        let trip = Trip::new(&equipped[n], &views[n], kmh / 3.6, 2);
+        let mut state = trip.begin(&[]).unwrap();
+        if n == 3 {
+            state.line.vehicle.half_velocity[0][LATERAL].0[0] = 40.0;
+        }
+        let contact = equipped[n].contact.as_ref().map(|contact| &contact.table);
+        let recorder = Recorder::of(trip.vehicle(), Places::of(&runs[n], 1.25), wheels);
+        let mut own = Some(recorder.clone());
+        let traveller =
+            Traveller::of(&trip.line, contact, &state.line, cycles[n], Some(recorder)).unwrap();
+        batch.push(Box::new(traveller));
+        let stays = trip.record(&mut state, 1e-3 * cycles[n] as f64, &mut own).unwrap();
+        assert_eq!(stays, n != 3);
+        alone.push((state.line, own.unwrap().signals));
+    }
+    assert!(batch.iter().all(|trip| batch[0].can_join(trip)));
+    // The others go on in a batch of three, which repeats one of them, then two take turns.
+    while !batch.iter().all(|trip| trip.has_ended()) {
+        let (mut open, ended): (Vec<_>, Vec<_>) =
+            batch.into_iter().partition(|trip| !trip.has_ended());
+        leg::run(&mut open);
+        batch = ended.into_iter().chain(open).collect();
+    }
+    for (line, signals) in alone {
+        let own =
+            batch.iter().find(|trip| trip.state.vehicle.distance_m == line.vehicle.distance_m);
+        let own = own.unwrap();
+        let mut state = own.state.clone();
+        if state.is_safe() {
+            // Nobody looks at the wheel forces of a vehicle that has left the track.
+            state.vehicle.wheels = line.vehicle.wheels;
+        }
+        assert!(state == line, "{state:?} {line:?}");
+        let recorded = &own.recorder.as_ref().unwrap().signals;
+        assert!(*recorded == signals);
+        assert_eq!(own.state.is_safe(), own.left > 0);
     }
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
+mod among_others;
 mod changed_files;
 mod from_below;
 mod late_rigs;

@@ -102,7 +102,7 @@ fn lanes(vehicle: &Vehicle, track: &Track<'_>, table: &ContactTable) {
     black_box(&mut state);
     let running = black_box(Running {
         speed_m_per_s: Lanes([0.0; LANES]),
-        track,
+        tracks: [track; LANES],
         contact: Some(table),
         substep_s: 0.0,
     });
