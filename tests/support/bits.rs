@@ -105,7 +105,7 @@ pub(crate) fn vehicles(root: &Path) -> BTreeMap<String, String> {
     ];
     let mut found = BTreeMap::new();
     for name in ["ss9-160kmh", "ss9-curve-400m"] {
-        let overrides = Overrides { duration_s: Some(5.0), speed_kmh: None };
+        let overrides = Overrides { duration_s: Some(5.0), ..Overrides::default() };
         let path = root.join("scenarios").join(name).with_extension("toml");
         let run = Run::load(&path, overrides).unwrap_or_else(|error| panic!("{error}"));
         for (law, creep) in laws {

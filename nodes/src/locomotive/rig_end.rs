@@ -126,9 +126,9 @@ impl RigEnd {
 
     /// The displacement that came with a force that is believed.
     pub(super) fn answer(&self, force: ForceInput) -> Option<Answer> {
-        let ForceInput::Fresh(_) = force else { return None };
+        let ForceInput::Fresh(force_n) = force else { return None };
         let displacement_m = self.used.and_then(|used| used.displacement_m)?;
-        Some(Answer { displacement_m, age_cycles: 0 })
+        Some(Answer { displacement_m, force_n, age_cycles: 0 })
     }
 
     /// Judges the force of a cycle against that of the slot's model (N).
