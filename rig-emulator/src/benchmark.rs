@@ -126,7 +126,7 @@ impl Benchmark {
 #[cfg(test)]
 mod tests {
     use crate::emulator::Emulator;
-    use nodes::rig::Reference;
+    use nodes::rig::{Reference, Target};
     use scenario::rig::{RigFile, RigKind, RigSetup};
     use scenario::source::Source;
     use std::f64::consts::TAU;

@@ -131,7 +131,8 @@ fn on_the_host(run: &Run, pace: &mut Pace) -> (u64, End, u64) {
 
 #[test]
 fn two_nodes_have_the_trajectory_hash_of_the_host() {
-    for run in [scenario(), with_an_ideal_rig()] {
+    for run in [scenario as fn() -> Run, with_an_ideal_rig] {
+        let run = run();
         let (hash, end, cycles) = on_the_host(&run, &mut Pace::LockStep);
         assert_eq!(end, End::Completed);
         let track = run.track.view();
