@@ -5,11 +5,11 @@
 //! ```
 //!
 //! **Delay.** The pure delay is a time: `delay_cycles` counts cycles of 1 ms, and a rig in a faster
-//! loop keeps as many more commands. A command is the position of the eyes at the instant at which the cycle begins; the
-//! reading is taken at its end. With velocity the reference runs on over the cycle and the ram is
-//! behind it by the drive and the whole cycles of pure delay: 0.5 ms on the default rig. Without
-//! velocity the reference stands still until the next command, which costs the cycle as well:
-//! 1.16 ms on the default rig.
+//! loop keeps as many more commands. A command is the position of the eyes at the instant at which
+//! the cycle begins; the reading is taken at its end. With velocity the reference runs on over the
+//! cycle and the ram is behind it by the drive and the whole cycles of pure delay: 0.5 ms on the
+//! default rig. Without velocity the reference stands still until the next command, which costs the
+//! cycle as well: 1.16 ms on the default rig.
 //!
 //! Displacement is kept at the ram and across the eyes: their difference is the fixture. Noise is
 //! added by the sensors and counted in cycles ([`Noise`]). The load cell has gain and offset, and

@@ -5,8 +5,8 @@
 //! substeps = 4                     # per millisecond at every rate: 2 per cycle at 2 kHz
 //! ```
 //! A faster loop holds measured forces for a shorter time and commands rigs more often. The vehicle
-//! is stepped on the same grid of substeps at every rate, so a run whose dampers are all modelled is
-//! the same run. Everything that a scenario or the protocol counts in cycles (watchdogs, debounces,
+//! is stepped on the same grid of substeps at every rate, so a run whose dampers are all modelled
+//! is the same run. Everything that a scenario or the protocol counts in cycles (watchdogs, debounces,
 //! windows of losses) stays a number of cycles; everything that is stated in seconds (ramps, the
 //! measurement of the delay, braking) stays a time.
 //!

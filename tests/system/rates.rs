@@ -87,7 +87,7 @@ fn what_a_faster_loop_cannot_do_is_one_line() {
             &["run", SCENARIO, "--rate", "2000", "--pace", "fast"][..],
             "--profile: found classical at 2000 Hz, expected fd",
         ),
-        (&["run", SCENARIO, "--rate", "3000"], "found 3000, expected 1000, 2000 or 4000 Hz"),
+        (&["run", SCENARIO, "--rate", "3000"], "--rate 3000: expected 1000, 2000 or 4000 Hz"),
         (&["wear-map", own], other),
         (&["wear-map", SCENARIO, "--rate", "4000"], other),
         (&["critical-speed", own], other),

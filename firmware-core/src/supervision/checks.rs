@@ -90,8 +90,8 @@ impl Checks {
     /// ram by `v T`, which reads as `v / T`: 500 m/s2 at the highest speed of a command. A force
     /// that changes by 2.5 kN in a cycle bends a fixture of 40 MN/m by 63 um: 63 m/s2. The sum of
     /// all four is 587 m/s2. The limit is 600 m/s2, in three cycles in a row. All but the commands
-    /// grow with the rate, and so does the limit, `0.6 m/s / T`: 1200 m/s2 at 2 kHz, where the sum is
-    /// 1160, and 2400 at 4 kHz, where it is 2330.
+    /// grow with the rate, and so does the limit, `0.6 m/s / T`: 1200 m/s2 at 2 kHz, where the sum
+    /// is 1160, and 2400 at 4 kHz, where it is 2330.
     pub const fn usual(counter_modulus: u8, cycle_s: f64, force_n: f64) -> Self {
         use Action::{Log, PowerOff, RampOut, Stop};
         const fn rule(limit: f64, debounce_cycles: u32, action: Action) -> Rule {
