@@ -454,15 +454,7 @@ impl fmt::Display for BenchError {
                     quoted(bus)
                 )
             }
-            Self::FarRam { node, bus, ram_m } => {
-                write!(
-                    f,
-                    "the ram of rig node {node} on {} stands at {:.1} mm, too far from the vehicle \
-                     for the limits in [motion]: centre it first",
-                    quoted(bus),
-                    ram_m * 1e3
-                )
-            }
+            Self::FarRam { node, bus, ram_m } => far_ram(f, *node, bus, *ram_m),
             Self::NoRoom { node, bus, ram_m, reach_m, stroke_m } => {
                 no_room(f, *node, bus, [*ram_m, *reach_m, *stroke_m])
             }
@@ -495,6 +487,17 @@ impl fmt::Display for BenchError {
             Self::Thread { name } => write!(f, "the thread that {name} failed"),
         }
     }
+}
+
+/// Where a ram stands (m) that is too far away.
+fn far_ram(f: &mut fmt::Formatter<'_>, node: u8, bus: &str, ram_m: f64) -> fmt::Result {
+    write!(
+        f,
+        "the ram of rig node {node} on {} stands at {:.1} mm, too far from the vehicle for the \
+         limits in [motion]: centre it first",
+        quoted(bus),
+        ram_m * 1e3
+    )
 }
 
 /// Where a ram stands, where it would be sent, and the agreed stroke (m).

@@ -210,15 +210,7 @@ impl Run {
         // A short run keeps half of itself for its statistics.
         let run_in_s = run_in_s.min(0.5 * duration_s);
         let rate = file.overridden_rate(source, overrides, rates)?;
-        let substeps = file.substeps.unwrap_or(SUBSTEPS);
-        if !(2..=SUBSTEPS_MAX).contains(&substeps) {
-            let found = format!("substeps = {substeps}, expected 2 to {SUBSTEPS_MAX}");
-            return Err(source.whole_error(found));
-        }
-        if !substeps.is_multiple_of(rate.per_ms()) {
-            let expected = format!("a multiple of {} at {rate}", rate.per_ms());
-            return Err(source.whole_error(format!("substeps = {substeps}, expected {expected}")));
-        }
+        let substeps = file.stated_substeps(source, rate)?;
         let vehicle_source = source.named("vehicle", &file.vehicle)?;
         inputs.note("vehicle", vehicle_source.content_hash());
         let vehicle_source = vehicle_source.with_vehicle_settings(settings)?;
@@ -354,6 +346,20 @@ impl Overrides {
 }
 
 impl RunFile {
+    /// Substeps per millisecond.
+    fn stated_substeps(&self, source: &Source, rate: Rate) -> Result<u32, ScenarioError> {
+        let substeps = self.substeps.unwrap_or(SUBSTEPS);
+        if !(2..=SUBSTEPS_MAX).contains(&substeps) {
+            let found = format!("substeps = {substeps}, expected 2 to {SUBSTEPS_MAX}");
+            return Err(source.whole_error(found));
+        }
+        if !substeps.is_multiple_of(rate.per_ms()) {
+            let expected = format!("a multiple of {} at {rate}", rate.per_ms());
+            return Err(source.whole_error(format!("substeps = {substeps}, expected {expected}")));
+        }
+        Ok(substeps)
+    }
+
     /// The rate of the loop, which the command line may have changed.
     fn overridden_rate(
         &self,

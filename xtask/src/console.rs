@@ -19,7 +19,9 @@ impl Console {
     /// Shows what another one has kept.
     pub(crate) fn take(&mut self, other: Console) {
         if let Console::Kept(lines) = other {
-            lines.iter().for_each(|line| self.line(line, false));
+            for line in &lines {
+                self.line(line, false);
+            }
         }
     }
 }

@@ -184,7 +184,7 @@ pub fn budget<E: From<BenchError>>(
         scope
             .spawn(|| of_rates(&runs, options))
             .join()
-            .unwrap_or_else(|_| Err(BenchError::Thread { name: "keeps the pace" }))
+            .unwrap_or(Err(BenchError::Thread { name: "keeps the pace" }))
     });
     Ok(measured?)
 }

@@ -85,7 +85,7 @@ impl Budget {
         ));
         let medium = match &self.bus {
             BusChoice::Memory => "frames change hands in memory".to_owned(),
-            bus => format!("frames go over {bus}"),
+            bus @ BusChoice::SocketCan(_) => format!("frames go over {bus}"),
         };
         lines.push(format!(
             "a look at the clock takes {:.3} µs, one for each stage and included; {medium}",
