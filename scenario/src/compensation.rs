@@ -19,9 +19,10 @@
 //! | `inverse` | `coefficients` | the inverse of a rig `1 / (a0 + a1 s + a2 s^2 + a3 s^3)` |
 //! | `adaptive` | `gain_check_hz`, `coefficients` or `delay_s` and `order` | coefficients that follow the rig from there; `gain_check_hz` is a mode of the rig, at which their gain is bounded |
 //!
-//! An adaptive one also takes `load_m_per_n` and `load_s_per_n`: by how much the rig gives way under
-//! a force, and by how much later a force makes it ([`Load`]). Both feed the measured force back, in
-//! the sense that adds to it; their ranges keep that gain below one on a damper of 12.5 MN/m.
+//! An adaptive one also takes `load_m_per_n` and `load_s_per_n`: by how much the rig gives way
+//! under a force, and by how much later a force makes it ([`Load`]). Both feed the measured force
+//! back, in the sense that adds to it; their ranges keep that gain below one on a damper of 12.5
+//! MN/m.
 //!
 //! What lies outside of the rig, half a cycle of lead, is known and not stated here.
 

@@ -6,9 +6,9 @@
 //! ```
 //! A faster loop holds measured forces for a shorter time and commands rigs more often. The vehicle
 //! is stepped on the same grid of substeps at every rate, so a run whose dampers are all modelled
-//! is the same run. Everything that a scenario or the protocol counts in cycles (watchdogs, debounces,
-//! windows of losses) stays a number of cycles; everything that is stated in seconds (ramps, the
-//! measurement of the delay, braking) stays a time.
+//! is the same run. Everything that a scenario or the protocol counts in cycles (watchdogs,
+//! debounces, windows of losses) stays a number of cycles; everything that is stated in seconds
+//! (ramps, the measurement of the delay, braking) stays a time.
 //!
 //! Two frames of classical CAN take 27 % of a bus of 1 Mbit/s at 1 kHz and more than all of it at
 //! 4 kHz: faster loops need CAN FD.

@@ -15,8 +15,8 @@
 //! stays beyond its reach for longer than [`RUNAWAY_S`] is one: it has run away, and the
 //! compensator goes back to its start values for good.
 //!
-//! What the load takes is put on top of the series ([`Load`]) and taken off the command before it is
-//! learned from, so that the coefficients are those of a rig without load.
+//! What the load takes is put on top of the series ([`Load`]) and taken off the command before it
+//! is learned from, so that the coefficients are those of a rig without load.
 //!
 //! A static error of the measured displacement biases `a0`, because it looks like a gain while the
 //! motion has a mean.

@@ -10,8 +10,8 @@
 //! with the specimen that is mounted. Dead time is not in it: a rig with a dead time is late by as
 //! much more at every frequency.
 //!
-//! What the load takes is found from more strokes, since a relief valve and a clearance load the rig
-//! at each of them in another way ([`DataSheet::inverse_under_load`]).
+//! What the load takes is found from more strokes, since a relief valve and a clearance load the
+//! rig at each of them in another way ([`DataSheet::inverse_under_load`]).
 
 use super::loaded::{self, Loaded};
 use firmware_core::compensation::{Load, Series};
