@@ -5,7 +5,7 @@ use crate::support::command::{folder, output, read, yawbench};
 use std::path::Path;
 
 fn campaign(place: &Path, more: &[&str]) -> String {
-    let args = ["campaign", "--cases", "3", "--seed", "1", "--brief"];
+    let args = ["campaign", "--cases", "2", "--seed", "1", "--brief"];
     let result = output(yawbench().args(args).args(more).current_dir(place));
     assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
     String::from_utf8(result.stdout).unwrap()
@@ -16,7 +16,7 @@ fn a_seed_gives_the_same_table_whole_in_shards_and_after_a_stop() {
     let place = folder("campaign");
     let whole = campaign(&place, &["--out", "whole"]);
     let table = read(&place.join("whole/table.json"));
-    assert!(whole.starts_with("3 brief cases of seed 1"), "{whole}");
+    assert!(whole.starts_with("2 brief cases of seed 1"), "{whole}");
     assert_eq!(whole, read(&place.join("whole/table.txt")));
 
     campaign(&place, &["--out", "parts", "--shard", "2/2"]);
@@ -35,12 +35,13 @@ fn a_seed_gives_the_same_table_whole_in_shards_and_after_a_stop() {
     assert_eq!(campaign(&place, &["--out", "whole"]), whole);
     assert_eq!(read(&place.join("whole/table.json")), table);
     let again = read(&file);
-    assert!(again.starts_with(&lines[..first]) && again.lines().count() == 3, "{again}");
+    assert!(again.starts_with(&lines[..first]) && again.lines().count() == 2, "{again}");
 }
 
 /// Damping that depends on the position and an asymmetry: alone each of them improves some tests
 /// and worsens others. (Case 582 of the former design had this pair.)
 #[test]
+#[ignore = "a minute and a half; `cargo xtask ci --full` runs it"]
 fn case_582_was_left_unexplained_as_neither_of_its_two_effects_helps_alone() {
     let place = folder("campaign-pair");
     let args = ["campaign", "--cases", "1254", "--seed", "4", "--shard", "1034/1254"];
