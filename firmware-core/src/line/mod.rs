@@ -244,6 +244,26 @@ impl Line<'_> {
     ) {
         self.assert_configured();
         debug_assert!(state.state.moves() || state.is_safe(), "a step in {:?}", state.state);
+        let held_n = self.choose_forces(state, inputs);
+        done(Arrow::Guard);
+        if state.is_safe() {
+            self.stop_rams(state);
+            return;
+        }
+        let running = self.running(track);
+        self.move_vehicle(state, &running, held_n);
+        done(Arrow::VehicleStep);
+        if self.command_rams(state, &running, inputs, answers) {
+            done(Arrow::Compensation);
+        }
+    }
+
+    /// The measured forces that act in this cycle (N), and the fades one cycle further.
+    fn choose_forces(
+        &self,
+        state: &mut LineState,
+        inputs: &[ForceInput; DAMPER_SLOTS],
+    ) -> [f64; DAMPER_SLOTS] {
         let mut held_n = [0.0; DAMPER_SLOTS];
         for (((slot, memory), input), force_n) in
             self.slots.iter().zip(&mut state.slots).zip(inputs).zip(&mut held_n)
@@ -260,28 +280,50 @@ impl Line<'_> {
             self.advance_fades(state);
         }
         state.cycle += 1;
-        done(Arrow::Guard);
-        if state.is_safe() {
-            for (slot, memory) in self.slots.iter().zip(&mut state.slots) {
-                let Slot::Rig(_) = slot else { continue };
-                let most = memory.limits.acceleration_m_per_s2;
-                memory.command = memory.command.stopping(self.cycle_s, most);
-            }
-            debug_assert!(
-                state.slots.iter().all(|slot| slot.command.is_finite()),
-                "a safe stop starts from a sound command"
-            );
-            return;
+        held_n
+    }
+
+    /// SAFE: the rams come to rest where they are.
+    fn stop_rams(&self, state: &mut LineState) {
+        for (slot, memory) in self.slots.iter().zip(&mut state.slots) {
+            let Slot::Rig(_) = slot else { continue };
+            let most = memory.limits.acceleration_m_per_s2;
+            memory.command = memory.command.stopping(self.cycle_s, most);
         }
-        let running = self.running(track);
+        debug_assert!(
+            state.slots.iter().all(|slot| slot.command.is_finite()),
+            "a safe stop starts from a sound command"
+        );
+    }
+
+    /// The vehicle, one cycle further.
+    ///
+    /// A function of its own, without parameters of type: one that its caller's crate compiled
+    /// would have that crate's optimisation.
+    #[inline(never)]
+    fn move_vehicle(
+        &self,
+        state: &mut LineState,
+        running: &Running<'_>,
+        held_n: [f64; DAMPER_SLOTS],
+    ) {
         let mut forces = SlotForces { line: self, slots: &mut state.slots, held_n };
-        self.vehicle.step(&mut state.vehicle, &running, &mut forces, self.substeps);
-        done(Arrow::VehicleStep);
-        let motions = self.vehicle.damper_motions(&state.vehicle, &running);
+        self.vehicle.step(&mut state.vehicle, running, &mut forces, self.substeps);
+    }
+
+    /// The commands of the rigs; false where the model has blown up and there are none.
+    fn command_rams(
+        &self,
+        state: &mut LineState,
+        running: &Running<'_>,
+        inputs: &[ForceInput; DAMPER_SLOTS],
+        answers: &[Option<Answer>; DAMPER_SLOTS],
+    ) -> bool {
+        let motions = self.vehicle.damper_motions(&state.vehicle, running);
         if !is_plausible(self.vehicle, &state.vehicle, &motions, &state.slots, 0) {
-            // The model has blown up: the last sound command is the one to stop from.
+            // The last sound command is the one to stop from.
             state.on(Event::Stop);
-            return;
+            return false;
         }
         let (fade, phase) = (state.fade, state.state);
         let arrived = inputs.iter().zip(answers);
@@ -300,8 +342,8 @@ impl Line<'_> {
             memory.take_motion(rig, vehicle, (*input, *answer), (fade, phase), self.cycle_s);
             debug_assert!(memory.command.is_finite(), "a plausible state gives a finite command");
         }
-        done(Arrow::Compensation);
         debug_assert!(!state.is_safe(), "a line in its safe state moves nothing");
+        true
     }
 }
 
