@@ -1,6 +1,7 @@
 //! What takes longer than a change can wait for: hours of faults, sound rigs, a million frames of a
 //! rig with its own messages, killed runs, unit tests in an interpreter.
 
+use crate::bits;
 use crate::board::{self, Length};
 use crate::miri;
 use crate::power_cut::{self, Cuts};
@@ -36,6 +37,8 @@ pub(crate) fn test(run: &mut Run) {
         cargo.args(["test", "--workspace", "--no-fail-fast", "--", "--ignored"]);
         run.checked(cargo.args(LONG_TESTS))
     });
+    run.step("bits", bits::with_avx2);
+    run.step("bits in release", bits::in_release);
     run.step("soak", |run| faults(run, &["--cycles", SOAK_CYCLES]));
     run.step("sound", |run| faults(run, &["--sound", SOUND_S]));
     run.step("own-messages", |run| {

@@ -5,7 +5,6 @@ use std::fs::{self, File};
 use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
-use crate::bits;
 use crate::run::{Outcome, Run};
 use crate::stream::shown;
 
@@ -68,7 +67,7 @@ pub(crate) fn same_bits(run: &mut Run, build: Build) -> Outcome {
     if !matches!(built, Outcome::Passed) {
         return built;
     }
-    scenarios(run).and(bits::in_release(run))
+    scenarios(run)
 }
 
 /// Compares the trajectories of the scenarios of `tests/golden.toml`.
