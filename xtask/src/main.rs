@@ -3,8 +3,8 @@
 //! ```text
 //! cargo xtask test       everything: format, lints, tests, docs, the firmware build, CAN
 //! cargo xtask ci         the same
-//! cargo xtask ci --full  that, tests of minutes, golden hashes of other builds, and hours of faults,
-//!                        sound rigs and killed runs: under 85 minutes
+//! cargo xtask ci --full  that, tests of minutes, golden hashes of other builds, and hours of
+//!                        faults, sound rigs and killed runs: under 85 minutes
 //! cargo xtask firmware   the no_std crates for a Cortex-M7: that they cannot panic there, and in
 //!                        QEMU that they have the host's bits; `--full` for 10,000 steps,
 //!                        `--table` for the kinds of instructions in a step
