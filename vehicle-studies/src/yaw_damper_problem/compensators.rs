@@ -15,10 +15,9 @@ const GAIN_RATIO: f64 = 2.0;
 /// Cut-off of what an adaptive compensator learns from (Hz): a worn damper hunts at 3.7 Hz, and its
 /// contacts make harmonics, of which a series of second order has no part.
 const CUT_OFF_HZ: f64 = 15.0;
-/// Frequency (Hz) at which gain and second order are told apart from no further than this: in a
-/// motion of one frequency they are one, `a0 - a2 w^2`, so that the second may reach as far as the
-/// first.
-const ONE_FREQUENCY_HZ: f64 = 5.0;
+/// Frequency at which the second order may change the command by as much as the gain may (Hz). A
+/// motion of one frequency shows nothing but `a0 - a2 w^2`: which of the two is off stays open.
+const REACH_HZ: f64 = 5.0;
 
 /// A compensator of ours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -51,21 +50,23 @@ impl Ours {
     /// The compensator for a rig with a dead time (s), of a vehicle that hunts at a frequency (Hz).
     /// The half cycle by which the force leads outside of the rig is known to all of them.
     pub fn compensator(self, sheet: &DataSheet, dead_time_s: f64, hunting_hz: f64) -> Compensator {
-        let late = |order: usize| -> Series { sheet.inverse(order).with_delay(dead_time_s) };
         let compensator = match self {
             Self::None => Compensator::None,
             Self::Polynomial => {
                 let delay_s = sheet.delay_s(hunting_hz) + dead_time_s;
                 Compensator::Feedforward(Feedforward::polynomial(2, delay_s))
             }
-            Self::Inverse => Compensator::Feedforward(Feedforward::inverse(late(3).0)),
+            Self::Inverse => {
+                let Series(inverse) = sheet.inverse(3).with_delay(dead_time_s);
+                Compensator::Feedforward(Feedforward::inverse(inverse))
+            }
             Self::Adaptive => {
                 let (free, load) = sheet.inverse_under_load();
                 let Series([a0, a1, a2, _]) = free.with_delay(dead_time_s);
                 let start = Series([a0, a1, a2, 0.0]);
                 let usual = Adaptive::new(start, GAIN_CHECK_HZ);
                 let [gain, delay, second] = usual.reach;
-                let omega = TAU * ONE_FREQUENCY_HZ;
+                let omega = TAU * REACH_HZ;
                 Compensator::Adaptive(Adaptive {
                     load,
                     reach: [gain, delay, second + gain / (omega * omega)],

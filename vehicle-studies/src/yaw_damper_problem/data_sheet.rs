@@ -14,9 +14,10 @@
 //! rig at each of them in another way ([`DataSheet::inverse_under_load`]).
 
 use super::loaded::{self, Loaded};
+use super::sine::{Sine, nearest_to_one};
 use firmware_core::compensation::{Load, Series};
-use nalgebra::{Complex, DMatrix, DVector};
-use rig_emulator::{Emulator, Reference, Target};
+use nalgebra::Complex;
+use rig_emulator::Emulator;
 use scenario::rig::RigSetup;
 use scenario::run::CYCLE_S;
 use serde::Serialize;
@@ -29,8 +30,6 @@ const FREQUENCIES_HZ: [f64; 14] =
 const STROKE_M: f64 = 4.0e-3;
 /// Highest speed of a sine (m/s).
 const SPEED_M_PER_S: f64 = 0.1;
-/// Cycles of 1 ms that are let pass, and that are measured.
-const CYCLES: [u32; 2] = [2000, 2000];
 /// Frequencies that a series is fitted to (Hz): those of the motion of a yaw damper. At lower ones
 /// a relief valve loads the rig like dry friction, which no series follows.
 const FITTED_HZ: [f64; 2] = [2.0, 6.0];
@@ -61,24 +60,11 @@ impl Answered {
     fn of(emulator: &Emulator, frequency_hz: f64) -> Self {
         let omega = TAU * frequency_hz;
         let stroke_m = STROKE_M.min(SPEED_M_PER_S / omega);
-        let mut state = emulator.start();
+        let sine = Sine { frequency_hz, stroke_m };
         let mut sum = Complex::new(0.0, 0.0);
-        for cycle in 0..CYCLES[0] + CYCLES[1] {
-            let angle = omega * CYCLE_S * f64::from(cycle);
-            // A ram at rest takes up the motion within the first half second.
-            let share = (f64::from(cycle) / 500.0).min(1.0);
-            let command = Reference {
-                displacement_m: share * stroke_m * libm::sin(angle),
-                velocity_m_per_s: share * stroke_m * omega * libm::cos(angle),
-            };
-            let reading = emulator.cycle(&mut state, Target::Follow(command));
-            if cycle >= CYCLES[0] {
-                // Measured at the end of the cycle.
-                let (sin, cos) = libm::sincos(angle + omega * CYCLE_S);
-                sum += reading.displacement_m * Complex::new(sin, cos);
-            }
-        }
-        let response = sum * (2.0 / (f64::from(CYCLES[1]) * stroke_m));
+        // Measured at the end of the cycle.
+        sine.drive(emulator, |at| sum += at.reading.displacement_m * at.unit(1.0));
+        let response = sine.over_command(sum);
         Self { frequency_hz, stroke_m, gain: response.norm(), phase_rad: response.arg() }
     }
 
@@ -121,18 +107,14 @@ impl DataSheet {
         let lines: Vec<&Answered> = self.answers.iter().filter(is_fitted).collect();
         let omega = |line: &Answered| TAU * line.frequency_hz;
         let scale = TAU * high_hz;
-        let entry = |row: usize, power: usize| {
-            let line = lines[row / 2];
-            let ratio = Complex::new(0.0, omega(line) / scale).powu(power as u32);
-            let value = Complex::from_polar(line.gain, line.phase_rad) * ratio;
-            if row.is_multiple_of(2) { value.re } else { value.im }
+        let powers = |line: &&Answered| -> Vec<Complex<f64>> {
+            let response = Complex::from_polar(line.gain, line.phase_rad);
+            let ratio = Complex::new(0.0, omega(line) / scale);
+            (0..=order).map(|power| response * ratio.powu(power as u32)).collect()
         };
-        let rows = 2 * lines.len();
-        let matrix = DMatrix::from_fn(rows, order + 1, entry);
-        let wanted = DVector::from_fn(rows, |row, _| f64::from(u8::from(row.is_multiple_of(2))));
-        let found = matrix.svd(true, true).solve(&wanted, 1e-12);
+        let found = nearest_to_one(&lines.iter().map(powers).collect::<Vec<_>>());
         let mut series = Series::IDENTITY;
-        if let Ok(found) = found {
+        if let Some(found) = found {
             series.0 = std::array::from_fn(|power| {
                 found.get(power).map_or(0.0, |value| value / scale.powi(power as i32))
             });

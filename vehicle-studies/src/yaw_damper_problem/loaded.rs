@@ -9,9 +9,10 @@
 //! then follow by least squares over all lines. For the servo rig of the problem they leave 0.3 to
 //! 0.5 % of the command; a series alone leaves 1 to 3 %.
 
+use super::sine::{Sine, nearest_to_one};
 use firmware_core::compensation::{Load, Series};
-use nalgebra::{Complex, DMatrix, DVector};
-use rig_emulator::{Emulator, Reference, Target};
+use nalgebra::Complex;
+use rig_emulator::Emulator;
 use scenario::run::CYCLE_S;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -22,8 +23,6 @@ const STROKES_M: [f64; 4] = [2.0e-3, 4.0e-3, 6.0e-3, 8.0e-3];
 const FREQUENCIES_HZ: [f64; 6] = [2.0, 2.5, 3.0, 4.0, 5.0, 6.0];
 /// Highest speed of a sine (m/s): the servo rig has twice that.
 const SPEED_M_PER_S: f64 = 0.2;
-/// Cycles of 1 ms that are let pass, and that are measured.
-const CYCLES: [u32; 2] = [2000, 2000];
 /// Scales that make the columns alike: frequency (rad/s) and force per displacement (N/m).
 const RATE_PER_S: f64 = TAU * 5.0;
 const STIFFNESS_N_PER_M: f64 = 5e6;
@@ -51,36 +50,17 @@ pub struct Loaded {
 
 impl Loaded {
     fn of(emulator: &Emulator, frequency_hz: f64, stroke_m: f64) -> Self {
-        let omega = TAU * frequency_hz;
-        let mut state = emulator.start();
+        let sine = Sine { frequency_hz, stroke_m };
         let mut sums = [Complex::new(0.0, 0.0); 3];
-        let mut last_m = 0.0;
-        for cycle in 0..CYCLES[0] + CYCLES[1] {
-            let angle = omega * CYCLE_S * f64::from(cycle);
-            // A ram at rest takes up the motion within the first half second.
-            let share = (f64::from(cycle) / 500.0).min(1.0);
-            let command = Reference {
-                displacement_m: share * stroke_m * libm::sin(angle),
-                velocity_m_per_s: share * stroke_m * omega * libm::cos(angle),
-            };
-            let reading = emulator.cycle(&mut state, Target::Follow(command));
-            let displacement_m = reading.displacement_m;
-            let speed_m_per_s = (displacement_m - last_m) / CYCLE_S;
-            last_m = displacement_m;
-            if cycle < CYCLES[0] {
-                continue;
-            }
+        sine.drive(emulator, |at| {
+            let (now, last) = (at.reading, at.last.unwrap_or(at.reading));
+            let speed_m_per_s = (now.displacement_m - last.displacement_m) / CYCLE_S;
             // Measured at the end of the cycle; the speed is that of its middle.
-            let at = |cycles: f64| {
-                let (sin, cos) = libm::sincos(angle + omega * CYCLE_S * cycles);
-                Complex::new(sin, cos)
-            };
-            sums[0] += displacement_m * at(1.0);
-            sums[1] += reading.force_n * at(1.0);
-            sums[2] += reading.force_n.abs() * speed_m_per_s * at(0.5);
-        }
-        let [motion, force, product] =
-            sums.map(|sum| sum * (2.0 / (f64::from(CYCLES[1]) * stroke_m)));
+            sums[0] += now.displacement_m * at.unit(1.0);
+            sums[1] += now.force_n * at.unit(1.0);
+            sums[2] += now.force_n.abs() * speed_m_per_s * at.unit(0.5);
+        });
+        let [motion, force, product] = sums.map(|sum| sine.over_command(sum));
         Self {
             frequency_hz,
             stroke_m,
@@ -124,15 +104,8 @@ pub(super) fn table(emulator: &Emulator) -> Vec<Loaded> {
 
 /// Series and load that make the command of what was measured, by least squares.
 pub(super) fn inverse(lines: &[Loaded]) -> (Series, Load) {
-    let part = |value: Complex<f64>, row: usize| {
-        if row.is_multiple_of(2) { value.re } else { value.im }
-    };
-    let entry = |row: usize, column: usize| part(lines[row / 2].columns()[column], row);
-    let matrix = DMatrix::from_fn(2 * lines.len(), 5, entry);
-    let wanted =
-        DVector::from_fn(2 * lines.len(), |row, _| f64::from(u8::from(row.is_multiple_of(2))));
-    let found = matrix.svd(true, true).solve(&wanted, 1e-9);
-    let found = found.unwrap_or_else(|_| DVector::from_vec(vec![1.0, 0.0, 0.0, 0.0, 0.0]));
+    let columns: Vec<_> = lines.iter().map(|line| line.columns().to_vec()).collect();
+    let found = nearest_to_one(&columns).unwrap_or_else(|| vec![1.0, 0.0, 0.0, 0.0, 0.0]);
     let series =
         Series([found[0], found[1] / RATE_PER_S, found[2] / (RATE_PER_S * RATE_PER_S), 0.0]);
     let load = Load {

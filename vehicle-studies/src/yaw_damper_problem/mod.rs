@@ -50,6 +50,7 @@ mod question;
 mod recording;
 mod regime;
 mod ring_down;
+mod sine;
 mod text;
 
 pub use answer::{Aim, Answer, Below, InRegimes, Modelled, RESULT_OF, Score, Size, Spread};
