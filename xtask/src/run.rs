@@ -86,17 +86,8 @@ impl Run {
 
     /// A run of one step beside the others: its output is kept until [`Run::rejoin`] shows it.
     pub(crate) fn beside(&self) -> Self {
-        Self {
-            root: self.root.clone(),
-            target: self.target.clone(),
-            equipment: self.equipment.clone(),
-            finished: Vec::new(),
-            tests: stream::Tests::default(),
-            notes: Vec::new(),
-            console: Console::Kept(Vec::new()),
-            colour: self.colour,
-            started: Instant::now(),
-        }
+        let (equipment, console) = (self.equipment.clone(), Console::Kept(Vec::new()));
+        Self { equipment, console, ..Self::new() }
     }
 
     /// Takes what a run beside this one has said, counted and noted.

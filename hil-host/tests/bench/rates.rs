@@ -67,6 +67,16 @@ fn greeted(session: &Session<'_>, run: &Run) -> (SessionState, Counted) {
     (state, bus)
 }
 
+/// So many cycles.
+fn cycles(session: &Session<'_>, state: &mut SessionState, bus: &mut Counted, count: u32) {
+    let mut queues = Queues::default();
+    let (mut recorder, _drain) = queues.split();
+    for _ in 0..count {
+        let buses = std::slice::from_mut(bus);
+        session.cycle(state, &mut Buses::new(buses, &mut recorder), Tick::default());
+    }
+}
+
 /// Runs to the end of so many cycles of RUN, on a clock that waits for nothing.
 fn run_through(
     run: &Run,
@@ -155,14 +165,8 @@ fn a_host_whose_rig_falls_silent_goes_safe_in_the_fifth_cycle_at_every_rate() {
         let track = run.track.view();
         let session = session(&run, &track, WirePace::Clock);
         let (mut state, mut bus) = greeted(&session, &run);
-        let mut queues = Queues::default();
-        let (mut recorder, _drain) = queues.split();
-        let mut measured = 0;
-        for _ in 0..300 {
-            let buses = std::slice::from_mut(&mut bus);
-            session.cycle(&mut state, &mut Buses::new(buses, &mut recorder), Tick::default());
-            measured = bus.measurements(&run);
-        }
+        cycles(&session, &mut state, &mut bus, 300);
+        let measured = bus.measurements(&run);
         assert!(measured >= 299, "{rate}: {measured}");
         bus.most = bus.received.len();
         let silent_since = state.line.cycle;
@@ -185,12 +189,7 @@ fn a_rig_whose_host_falls_silent_goes_safe_in_the_fifth_cycle_at_every_rate() {
         let track = run.track.view();
         let session = session(&run, &track, WirePace::Clock);
         let (mut state, mut bus) = greeted(&session, &run);
-        let mut queues = Queues::default();
-        let (mut recorder, _drain) = queues.split();
-        for _ in 0..300 {
-            let buses = std::slice::from_mut(&mut bus);
-            session.cycle(&mut state, &mut Buses::new(buses, &mut recorder), Tick::default());
-        }
+        cycles(&session, &mut state, &mut bus, 300);
         let rig = &mut bus.bus.rigs_mut()[0];
         assert_eq!(u32::from(rig.timing().period_us), 1000 / rate.per_ms());
         for silent in 1..=WATCHDOG_CYCLES {
