@@ -110,7 +110,7 @@ impl Adaptive {
         let delay = 0.5 * a1 + 2e-3;
         Self {
             start,
-            load: Load::NONE,
+            load: Load::default(),
             known_delay_s: 0.0,
             takes_jerk: true,
             reach: [0.1 * a0, delay, 0.5 * (a2 + a1 * delay)],

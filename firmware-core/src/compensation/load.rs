@@ -17,7 +17,7 @@
 use super::differences::Kinematics;
 use crate::command::Command;
 
-/// How a rig gives way to its load.
+/// How a rig gives way to its load. The default does not feel it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Load {
     /// Displacement that is lost per force, m/N.
@@ -34,9 +34,6 @@ pub(super) struct Felt {
 }
 
 impl Load {
-    /// A rig that does not feel its load.
-    pub const NONE: Self = Self { m_per_n: 0.0, s_per_n: 0.0 };
-
     /// What a command needs in addition, with its rate. Without a new force the last one is held.
     pub(super) fn command(
         &self,
