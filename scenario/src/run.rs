@@ -4,7 +4,7 @@ pub use crate::compensation::{CompensationFile, CompensationKind};
 pub use crate::cycle::{CYCLE_S, Rate};
 pub use crate::effective::Effective;
 pub use crate::motion::{BeyondLimits, MEASURING_S, Motion};
-pub use crate::plausibility::{BEYOND_STROKE_M, ForceLimit, Plausibility};
+pub use crate::plausibility::{ForceLimit, Plausibility};
 pub use crate::readiness::Readiness;
 pub use crate::run_file::{IfRigDropsOut, On, RunFile, SlotFile, StandsFor, VirtualWearFile};
 pub use crate::slot::{Slot, SlotForce, worn};

@@ -246,6 +246,13 @@ pub struct Cause {
     pub action: Action,
 }
 
+impl Cause {
+    /// A fact, which has no limit and asks for a stop; its value is a code, or 1.
+    pub const fn fact(signal: Signal, value: f64) -> Self {
+        Self { signal, value, limit: f64::INFINITY, action: Action::Stop }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -74,7 +74,24 @@ pub struct Checks {
     pub compensation: Action,
 }
 
+/// How far a measured displacement may be beyond the furthest command (m): twice what 20 kN do to a
+/// fixture of 20 MN/m.
+pub const BEYOND_STROKE_M: f64 = 2e-3;
+
 impl Checks {
+    /// The same within the force (N) and the stroke of commands (m) that a rig has agreed to.
+    #[must_use]
+    pub const fn within(self, force_n: f64, stroke_m: f64) -> Self {
+        const fn tighter(rule: Rule, limit: f64) -> Rule {
+            Rule { limit: rule.limit.min(limit), ..rule }
+        }
+        Self {
+            force: tighter(self.force, force_n),
+            displacement: tighter(self.displacement, stroke_m + BEYOND_STROKE_M),
+            ..self
+        }
+    }
+
     /// The checks of a rig with counters of this range and cycles of this length.
     ///
     /// The force may reach `force_n`, and the residual [`RESIDUAL_SHARE`] of it. It may change by

@@ -42,7 +42,7 @@ mod work;
 pub use age::{Age, AgeJudge, OLDEST_CYCLES};
 pub use belief::{Arrival, Belief, Measured};
 pub use cause::{Cause, Signal};
-pub use checks::{Checks, Condition, RESIDUAL_SHARE};
+pub use checks::{BEYOND_STROKE_M, Checks, Condition, RESIDUAL_SHARE};
 pub use findings::Noted;
 pub use growth::Growth;
 pub use limiter::{CommandLimits, Demand, Limited};

@@ -180,9 +180,8 @@ impl Session<'_> {
         }
         for bus in 0..state.overheard.len() {
             if let Some(id) = state.overheard[bus].judge() {
-                let (signal, action) = (Signal::SecondSender, Action::Stop);
-                let cause = Cause { signal, value: f64::from(id), limit: f64::INFINITY, action };
-                self.stop(state, None, cause, action);
+                let cause = Cause::fact(Signal::SecondSender, f64::from(id));
+                self.stop(state, None, cause, Action::Stop);
             }
         }
         for (port, memory) in self.ports.iter().zip(&mut state.ports) {
@@ -214,7 +213,7 @@ impl Session<'_> {
         self.line.step_in_arrows(track, &mut state.line, &inputs.force, &inputs.answer, done);
         debug_assert_eq!(state.line.cycle, cycle + 1, "a step is one cycle");
         if state.line.is_safe() && state.stop.is_none() {
-            self.stop(state, None, Self::fact(Signal::Vehicle), Action::Stop);
+            self.stop(state, None, Cause::fact(Signal::Vehicle, 1.0), Action::Stop);
         }
         begin.elapsed()
     }
@@ -283,7 +282,12 @@ impl Session<'_> {
             state.late += 1;
             is_late |= sent == Sent::Dropped;
             if sent == Sent::Down {
-                self.on_cause_of_rig(state, number, Self::fact(Signal::BusDown), Action::Stop);
+                self.on_cause_of_rig(
+                    state,
+                    number,
+                    Cause::fact(Signal::BusDown, 1.0),
+                    Action::Stop,
+                );
             }
         }
         state.late_in_a_row = if is_late { state.late_in_a_row.saturating_add(1) } else { 0 };

@@ -8,7 +8,7 @@ use super::session::{Session, SessionState};
 use crate::bus::Bus;
 use crate::clock::{Pacer, Tick};
 use can_protocol::{Pace as WirePace, RunState};
-use firmware_core::supervision::{Action, Event, Signal, State};
+use firmware_core::supervision::{Action, Cause, Event, Signal, State};
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -152,7 +152,7 @@ impl Session<'_> {
             }
             // The commands are sent. Without a track the vehicle stands.
             if course.change().is_err() {
-                self.stop(state, None, Self::fact(Signal::Vehicle), Action::Stop);
+                self.stop(state, None, Cause::fact(Signal::Vehicle, 1.0), Action::Stop);
             }
             tick = self.wait(state, buses, pace);
         };
@@ -216,7 +216,7 @@ impl Session<'_> {
             // Frames may come, and none of them is one of this session.
             let is_foreign = memory.hears_only_bad();
             let signal = if is_foreign { Signal::WrongSeal } else { Signal::SilentRig };
-            self.on_cause_of_rig(state, number, Self::fact(signal), Action::Stop);
+            self.on_cause_of_rig(state, number, Cause::fact(signal, 1.0), Action::Stop);
         }
     }
 
@@ -227,7 +227,7 @@ impl Session<'_> {
 
     /// Stops at once, as an operator asks for it.
     pub(crate) fn stop_by_operator(&self, state: &mut SessionState) {
-        self.stop(state, None, Self::fact(Signal::Operator), Action::Stop);
+        self.stop(state, None, Cause::fact(Signal::Operator, 1.0), Action::Stop);
     }
 
     /// Waits until every rig has answered the last command; false when one stays silent.

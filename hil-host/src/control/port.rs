@@ -13,12 +13,12 @@ use firmware_core::command;
 use firmware_core::compensation::{Answer, CompensatorState};
 use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{
-    Action, Arrival, Belief, Cause, Checks, CommandLimits, Frames, Growth, Reached, Rule,
-    SecondSender, Signal,
+    Action, Arrival, Belief, Cause, Checks, CommandLimits, Frames, Growth, Reached, SecondSender,
+    Signal,
 };
 use firmware_core::vehicle::DAMPER_SLOTS;
-use nodes::locomotive::{command_message, measured, news};
-use scenario::run::{BEYOND_STROKE_M, BeyondLimits, CYCLE_S};
+use nodes::locomotive::{MAX_DELTA, command_message, measured, news};
+use scenario::run::{BeyondLimits, CYCLE_S};
 
 /// Parameters of a port.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,9 +102,6 @@ struct Kept {
     measurement: Measurement,
     bytes: FrameBytes,
 }
-
-/// Lost frames in a row that a measurement may stand for; below half the 4-bit counter.
-const MAX_DELTA: u8 = 5;
 
 /// The largest force that is believed of any rig (N): a frame has little more.
 pub(crate) const MOST_FORCE_N: f64 = 100e3;
@@ -221,9 +218,7 @@ impl Port {
         }
         if state.second_sender.take(frames) {
             let value = f64::from(MessageId::Measurement(self.profile, self.node).raw());
-            let (signal, action) = (Signal::SecondSender, Action::Stop);
-            let cause = Cause { signal, value, limit: f64::INFINITY, action };
-            state.news = state.news.or(Some(cause));
+            state.news = state.news.or(Some(Cause::fact(Signal::SecondSender, value)));
         }
         let checks = agreed(&self.checks, state.armed.as_ref());
         if let Some(temperature_degc) = state.temperature_degc {
@@ -260,9 +255,8 @@ impl Port {
 
     /// The cause in a command that its limits have changed, where that ends a run.
     pub(super) fn beyond_limits(&self, limited: u64) -> Option<Cause> {
-        let (signal, action) = (Signal::CommandLimit, Action::Stop);
-        let cause = Cause { signal, value: 1.0, limit: f64::INFINITY, action };
-        (limited > 0 && self.beyond_limits == BeyondLimits::Stop).then_some(cause)
+        let ends = limited > 0 && self.beyond_limits == BeyondLimits::Stop;
+        ends.then_some(Cause::fact(Signal::CommandLimit, 1.0))
     }
 
     /// The first cause to end the run that this rig has given, and the strongest action that it has
@@ -282,13 +276,8 @@ impl Port {
     /// Begins the sealed session of a rig that is armed: both sides count from cycle 0.
     pub fn arm(&self, state: &mut PortState, agreement: Agreement) {
         let agreed = agreement.configuration.limits;
-        let tighter = |rule: Rule, limit: f64| Rule { limit: rule.limit.min(limit), ..rule };
         let stroke_m = f64::from(agreed.stroke_um) * 1e-6;
-        let checks = Checks {
-            force: tighter(self.checks.force, f64::from(agreed.force_n)),
-            displacement: tighter(self.checks.displacement, stroke_m + BEYOND_STROKE_M),
-            ..self.checks
-        };
+        let checks = self.checks.within(f64::from(agreed.force_n), stroke_m);
         state.armed = Some(Armed { agreement, code: agreement.code(), checks });
         (state.receiver, state.before) = (ReceiverState::default(), Counts::default());
         (state.cycle, state.sent, state.stands_m) = (0, None, None);
@@ -414,12 +403,9 @@ impl PortState {
         self.armed.is_some()
     }
 
-    /// The displacement that came with a force that is believed. It is paired with the command of
-    /// the cycle in which it arrives, so that a compensator learns the way on the bus too.
+    /// The displacement that came with a force that is believed.
     pub(super) fn answer(&self, force: ForceInput) -> Option<Answer> {
-        let ForceInput::Fresh(force_n) = force else { return None };
-        let displacement_m = self.used.and_then(|used| used.displacement_m)?;
-        Some(Answer { displacement_m, force_n, age_cycles: 0 })
+        nodes::locomotive::answer(force, self.used.as_ref())
     }
 
     /// Whether the slot goes on without the rig.

@@ -10,7 +10,7 @@ use can_protocol::{Frame, Heartbeat, Pace as WirePace, Profile, Sender, Sync};
 use core::num::{NonZeroU8, NonZeroU16};
 use firmware_core::fnv;
 use firmware_core::line::{Fade, Line, LineState, Slot};
-use firmware_core::supervision::{Action, Cause, Event, Noted, Signal};
+use firmware_core::supervision::{Action, Cause, Event, Noted};
 use firmware_core::vehicle::DAMPER_SLOTS;
 use heapless::Vec;
 use nodes::locomotive::Overheard;
@@ -157,11 +157,6 @@ impl Session<'_> {
     /// Whether there is anything to fade in and out.
     pub(super) fn has_ramps(&self, state: &SessionState) -> bool {
         !self.ports.is_empty() && state.line.fade != Fade::default()
-    }
-
-    /// A cause that is a fact and has no value.
-    pub(super) const fn fact(signal: Signal) -> Cause {
-        Cause { signal, value: 1.0, limit: f64::INFINITY, action: Action::Stop }
     }
 
     /// Every rig slot has one port, in slot order, and every recorded body is one of the vehicle's.

@@ -1,6 +1,6 @@
 //! One cycle with a coupled rig, and how a run ends.
 
-use super::{End, HEARTBEAT_CYCLES, Locomotive, Phase, STOP_CYCLES, SYNC_CYCLES, fact, fault_of};
+use super::{End, HEARTBEAT_CYCLES, Locomotive, Phase, STOP_CYCLES, SYNC_CYCLES, fault_of};
 use crate::wire_state;
 use can_protocol::{Fault, Pace, PressureOff, RunState, Sender};
 use firmware_core::guard::ForceInput;
@@ -31,7 +31,7 @@ impl Locomotive<'_> {
                 // Frames may come, and none of them is one of this session.
                 let is_foreign = self.rig.hears_only_bad();
                 let signal = if is_foreign { Signal::WrongSeal } else { Signal::SilentRig };
-                self.end_motion(fact(signal, 1.0), Action::Stop);
+                self.end_motion(Cause::fact(signal, 1.0), Action::Stop);
             }
         }
         self.cycle(track);
@@ -49,7 +49,7 @@ impl Locomotive<'_> {
         }
         self.line.step_on(track, self.state, &forces, &answers);
         if self.state.is_safe() && self.stop.is_none() {
-            self.end_motion(fact(Signal::Vehicle, 1.0), Action::Stop);
+            self.end_motion(Cause::fact(Signal::Vehicle, 1.0), Action::Stop);
         }
         self.watch_growth();
         self.send_command();
@@ -67,7 +67,7 @@ impl Locomotive<'_> {
             self.rig.judge_residual(input, model_n);
         }
         if let Some(id) = self.overheard.judge() {
-            self.end_motion(fact(Signal::SecondSender, f64::from(id)), Action::Stop);
+            self.end_motion(Cause::fact(Signal::SecondSender, f64::from(id)), Action::Stop);
         }
         self.rig.judge_compensation(has_run_away);
         let Some((cause, action)) = self.rig.cause() else { return };

@@ -30,7 +30,7 @@ mod rig_end;
 
 pub use fault::fault_of;
 pub use overheard::Overheard;
-pub use rig_end::{command_message, measured};
+pub use rig_end::{MAX_DELTA, answer, command_message, measured};
 
 use crate::{WireFrame, wire_state};
 use can_protocol::arming::{HostArming, Listener, Patience, Quiet, Refusal, Requirements};
@@ -329,9 +329,4 @@ impl<'a> Locomotive<'a> {
 /// Length of a cycle in the model.
 fn period_us(line: &Line<'_>) -> NonZeroU16 {
     NonZeroU16::new(libm::round(line.cycle_s * 1e6) as u16).unwrap_or(NonZeroU16::MIN)
-}
-
-/// A cause that is a fact and has no limit.
-const fn fact(signal: Signal, value: f64) -> Cause {
-    Cause { signal, value, limit: f64::INFINITY, action: Action::Stop }
 }

@@ -7,7 +7,7 @@ use crate::WireFrame;
 use can_protocol::{
     Fault, FaultCode, Heartbeat, MessageId, Node, RunState, Sender, Telemetry, Trips,
 };
-use firmware_core::supervision::{Action, Cause, Signal};
+use firmware_core::supervision::{Cause, Signal};
 
 /// Guards and limits of the rig that end a run. The others, such as a stroke limit that was
 /// reached, are the flags of measurements, which are counted.
@@ -23,11 +23,12 @@ pub fn cause(node: Node, frame: &WireFrame) -> Option<Cause> {
     match MessageId::from_raw(id)? {
         MessageId::Telemetry(sender) if sender == node => {
             let trips = Telemetry::decode(id, data).ok()?.trips & ENDS;
-            (!trips.is_empty()).then(|| of(Signal::RigTrip, f64::from(trips.bits())))
+            (!trips.is_empty()).then(|| Cause::fact(Signal::RigTrip, f64::from(trips.bits())))
         }
         MessageId::Fault(Sender::Rig(sender)) if sender == node => {
             let code = Fault::decode(id, data).ok()?.code;
-            (code != FaultCode::Cleared).then(|| of(Signal::RigFault, f64::from(code.code())))
+            (code != FaultCode::Cleared)
+                .then(|| Cause::fact(Signal::RigFault, f64::from(code.code())))
         }
         MessageId::Heartbeat(Sender::Rig(sender)) if sender == node => {
             let state = Heartbeat::decode(id, data).ok()?.state;
@@ -51,11 +52,7 @@ pub fn of_state(state: RunState) -> Option<Cause> {
 }
 
 fn of_code(state: RunState) -> Cause {
-    of(Signal::RigState, f64::from(state.code()))
-}
-
-fn of(signal: Signal, value: f64) -> Cause {
-    Cause { signal, value, limit: f64::INFINITY, action: Action::Stop }
+    Cause::fact(Signal::RigState, f64::from(state.code()))
 }
 
 #[cfg(test)]
@@ -81,7 +78,7 @@ mod tests {
     #[test]
     fn an_emergency_stop_in_telemetry_was_never_read() {
         let heard = cause(NODE, &telemetry(NODE, Trips::EMERGENCY_STOP | Trips::STROKE_LIMIT));
-        assert_eq!(heard, Some(of(Signal::RigTrip, 128.0)));
+        assert_eq!(heard, Some(Cause::fact(Signal::RigTrip, 128.0)));
         assert_eq!(cause(NODE, &telemetry(NODE, Trips::STROKE_LIMIT)), None);
         assert_eq!(cause(NODE, &telemetry(Node::ALL[1], Trips::EMERGENCY_STOP)), None);
     }
@@ -93,10 +90,16 @@ mod tests {
             let fault = Fault { sender, counter: 0, state: RunState::Run, code, detail: 0 };
             WireFrame::from(&fault.encode().0)
         };
-        assert_eq!(cause(NODE, &fault(FaultCode::GuardOpen)), Some(of(Signal::RigFault, 35.0)));
+        assert_eq!(
+            cause(NODE, &fault(FaultCode::GuardOpen)),
+            Some(Cause::fact(Signal::RigFault, 35.0))
+        );
         assert_eq!(cause(NODE, &fault(FaultCode::Cleared)), None);
         let heartbeat = |state| WireFrame::from(&Heartbeat::new(sender, 0, state, 0).encode().0);
-        assert_eq!(cause(NODE, &heartbeat(RunState::Fault)), Some(of(Signal::RigState, 7.0)));
+        assert_eq!(
+            cause(NODE, &heartbeat(RunState::Fault)),
+            Some(Cause::fact(Signal::RigState, 7.0))
+        );
         assert_eq!(cause(NODE, &heartbeat(RunState::Run)), None);
     }
 

@@ -5,20 +5,17 @@ use crate::WireFrame;
 use can_protocol::arming::Agreement;
 use can_protocol::{
     Command, Heartbeat, Measurement, MeasurementFlags, MessageId, Mode, Node, Profile, Receiver,
-    ReceiverState, RunState, Seal, Sender, SessionCode, Status, Telemetry,
+    ReceiverState, RunState, Seal, Sender, SessionCode, Status,
 };
 use firmware_core::command;
 use firmware_core::compensation::Answer;
 use firmware_core::guard::ForceInput;
 use firmware_core::supervision::{
-    Action, Arrival, Belief, Cause, Checks, Frames, Measured, Rule, SecondSender, Signal,
+    Action, Arrival, Belief, Cause, Checks, Frames, Measured, SecondSender, Signal,
 };
 
 /// Lost frames in a row that a measurement may stand for; below half the 4-bit counter.
-const MAX_DELTA: u8 = 5;
-
-/// How far a measured displacement may be beyond the agreed stroke (m).
-const BEYOND_STROKE_M: f64 = 2e-3;
+pub const MAX_DELTA: u8 = 5;
 
 /// One rig, as its locomotive knows it.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,9 +80,7 @@ impl RigEnd {
     pub(super) fn take_frame(&mut self, frame: &WireFrame) -> bool {
         let reception = self.receiver.accept(&mut self.received, frame.id(), frame.data());
         let Some(reception) = reception else {
-            if let Ok(telemetry) = Telemetry::decode(frame.id(), frame.data())
-                && telemetry.node == self.node
-            {
+            if let Some(telemetry) = news::telemetry(self.node, frame) {
                 self.temperature_degc = telemetry.temperature_degc;
             }
             let heard = news::cause(self.node, frame);
@@ -108,7 +103,7 @@ impl RigEnd {
         let frames = core::mem::take(&mut self.frames);
         if self.second_sender.take(frames) {
             let value = f64::from(MessageId::Measurement(self.profile, self.node).raw());
-            self.news = self.news.or(Some(super::fact(Signal::SecondSender, value)));
+            self.news = self.news.or(Some(Cause::fact(Signal::SecondSender, value)));
         }
         if let Some(temperature_degc) = self.temperature_degc {
             self.belief.temperature(&self.checks, temperature_degc);
@@ -126,9 +121,7 @@ impl RigEnd {
 
     /// The displacement that came with a force that is believed.
     pub(super) fn answer(&self, force: ForceInput) -> Option<Answer> {
-        let ForceInput::Fresh(force_n) = force else { return None };
-        let displacement_m = self.used.and_then(|used| used.displacement_m)?;
-        Some(Answer { displacement_m, force_n, age_cycles: 0 })
+        answer(force, self.used.as_ref())
     }
 
     /// Judges the force of a cycle against that of the slot's model (N).
@@ -158,10 +151,8 @@ impl RigEnd {
     /// Begins the sealed session of a rig that is armed: both sides count from cycle 0.
     pub(super) fn arm(&mut self, agreement: &Agreement) {
         let agreed = agreement.configuration.limits;
-        let tighter = |rule: Rule, limit: f64| Rule { limit: rule.limit.min(limit), ..rule };
         let stroke_m = f64::from(agreed.stroke_um) * 1e-6;
-        self.checks.force = tighter(self.checks.force, f64::from(agreed.force_n));
-        self.checks.displacement = tighter(self.checks.displacement, stroke_m + BEYOND_STROKE_M);
+        self.checks = self.checks.within(f64::from(agreed.force_n), stroke_m);
         let code = agreement.code();
         (self.code, self.receiver) = (Some(code), self.receiver.clone().sealed(code));
         self.received = ReceiverState::default();
@@ -227,6 +218,14 @@ impl RigEnd {
     ) -> can_protocol::arming::Limits {
         limits::asked(limits, self.checks.force.limit)
     }
+}
+
+/// The displacement that came with a force that is believed. It is paired with the command of the
+/// cycle in which it arrives, so that a compensator learns the way on the bus too.
+pub fn answer(force: ForceInput, used: Option<&Measurement>) -> Option<Answer> {
+    let ForceInput::Fresh(force_n) = force else { return None };
+    let displacement_m = used.and_then(|used| used.displacement_m)?;
+    Some(Answer { displacement_m, force_n, age_cycles: 0 })
 }
 
 /// A measurement, as the checks take it.

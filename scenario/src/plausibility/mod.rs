@@ -51,8 +51,8 @@ use crate::error::ScenarioError;
 use crate::source::Source;
 use check::{Check, Limit, Signal};
 use firmware_core::supervision::{
-    Action, Checks, Condition, LONG_CYCLES, LossLimits, OLDEST_CYCLES, RESIDUAL_SHARE, Rule,
-    SHORT_CYCLES, WorkLimits,
+    Action, BEYOND_STROKE_M, Checks, Condition, LONG_CYCLES, LossLimits, OLDEST_CYCLES,
+    RESIDUAL_SHARE, Rule, SHORT_CYCLES, WorkLimits,
 };
 use serde::{Deserialize, Serialize};
 
@@ -134,9 +134,6 @@ enum ResidualLimit {
 
 /// Room above the largest force of the slot's model.
 const FORCE_RATIO: f64 = 1.5;
-/// How far a measured displacement may be beyond the furthest command (m): twice what 20 kN do to a
-/// fixture of 20 MN/m.
-pub const BEYOND_STROKE_M: f64 = 2e-3;
 
 const FORCES_N: (f64, f64) = (100.0, 1e6);
 const LONGEST_CYCLES: Option<u32> = Some(10_000);
