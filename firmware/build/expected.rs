@@ -6,7 +6,7 @@ use firmware_core::supervision::CommandLimits;
 use firmware_core::track::{Irregularity, IrregularitySample, Track};
 use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle};
 use nodes::rig::{ModelSetup, SUBSTEPS};
-use same_bits::{codec, compensator, effect, locomotive, state_machine, two_roles};
+use same_bits::{codec, compensator, contact, effect, locomotive, state_machine, two_roles};
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use std::fmt::Write;
 
@@ -40,6 +40,7 @@ pub(crate) fn source(run: &Run) -> String {
     for cycles in two_roles::CYCLES {
         rows.push(("roles", "loopback", cycles, roles(run, &track, cycles)));
     }
+    rows.push(("contact", "rows", STEPS, contact::run(STEPS)));
     rows.push(("state", "machine", STEPS, state_machine::run(STEPS)));
     rows.push(("codec", "all", STEPS, codec::run(STEPS).unwrap_or_else(|| panic!("no node"))));
     let mut text = String::from("/// All of them.\npub static EXPECTED: &[Expected] = &[\n");

@@ -12,8 +12,8 @@ use firmware_core::vehicle::{
     VehicleState,
 };
 use firmware_core::wheel_rail::creep::{CreepForce, CreepLaw, Creepage};
-use firmware_core::wheel_rail::geometry::{ContactGeometry, ContactZones};
 use firmware_core::wheel_rail::hertz::Material;
+use firmware_core::wheel_rail::table::{ContactTable, ZoneTable};
 use firmware_core::wheel_rail::wheel::{Rolling, Surface, Wheel, WheelForce};
 
 /// A value that can be written as an expression of Rust.
@@ -115,6 +115,12 @@ impl Literal for Compensator {
     }
 }
 
+impl Literal for ZoneTable {
+    fn literal(&self) -> String {
+        format!("ZoneTable::from_rows({})", self.rows().literal())
+    }
+}
+
 impl Literal for Series {
     fn literal(&self) -> String {
         format!("Series({})", self.0.literal())
@@ -147,10 +153,7 @@ by_fields! {
     Axle { body, wheel, rail }
     Body { mass_kg, inertia_kg_m2, free, station_m, height_m, rolling_radius_m }
     BumpStop { first, second, characteristic }
-    ContactGeometry {
-        touch_m, slope, radius_deviation_m, lateral_m, curvature_lateral_per_m, rail_radius_m
-    }
-    ContactZones { tread, flange }
+    ContactTable { tread, flange }
     CreepForce { longitudinal_n, lateral_n, spin_moment_n_m }
     Creepage { longitudinal, lateral, spin_per_m }
     DamperMount { first, second, direction }

@@ -1,7 +1,8 @@
 //! The set-up of a run as Rust source.
 //!
-//! What the core can be given as it is stands there as a constant: contact geometry, samples of the
-//! track, the state to start from. A vehicle and its dampers are built from numbers, as anywhere.
+//! What the core can be given as it is stands there as a constant: the contact table, samples of
+//! the track, the state to start from. A vehicle and its dampers are built from numbers, as
+//! anywhere.
 
 use crate::literal::Literal;
 use firmware_core::compensation::Compensator;
@@ -26,7 +27,6 @@ pub(crate) fn source(run: &Run) -> String {
     number("CYCLE_S", "Length of a cycle (s).", CYCLE_S);
     number("TRACK_FIRST_M", "Distance of the first sample (m).", samples.first_m);
     number("TRACK_STEP_M", "Distance between samples (m).", samples.step_m);
-    number("ROLLING_RADIUS_M", "Nominal rolling radius (m).", rolling_radius_m(&run.vehicle));
     number("STROKE_M", "Largest displacement of a command (m).", run.motion.stroke_m);
     let most = run.motion.velocity_m_per_s;
     number("VELOCITY_M_PER_S", "Largest speed of a command (m/s).", most);
@@ -44,8 +44,8 @@ pub(crate) fn source(run: &Run) -> String {
     let substeps = format!("const SUBSTEPS: u32 = {}", run.substeps);
     put(&mut text, "Substeps per cycle.", &substeps);
     let about = "Contact of a wheel on a rail.";
-    let zones = contact.pair.tables().literal();
-    put(&mut text, about, &format!("static ZONES: ContactZones = {zones}"));
+    let table = contact.table.literal();
+    put(&mut text, about, &format!("static TABLE: ContactTable = {table}"));
     let count = samples.samples.len();
     let list = samples.samples.literal();
     let about = "Irregularity along the track.";
@@ -65,13 +65,6 @@ pub(crate) fn source(run: &Run) -> String {
 
 fn put(text: &mut String, about: &str, item: &str) {
     let _ = writeln!(text, "/// {about}\n{item};");
-}
-
-fn rolling_radius_m(vehicle: &Vehicle) -> f64 {
-    let mut radii = vehicle.axles.iter().map(|axle| axle.wheel.radius_m);
-    let first = radii.next().unwrap_or_else(|| panic!("a vehicle without wheels"));
-    assert!(radii.all(|radius| radius.to_bits() == first.to_bits()), "wheels of one size");
-    first
 }
 
 /// How the delay of the rig is compensated.

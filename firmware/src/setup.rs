@@ -1,6 +1,6 @@
 //! The scenario in flash, and the places in RAM that are filled from it at the start.
 //!
-//! The build script reads the scenario on the host. Contact geometry, track and start are constants
+//! The build script reads the scenario on the host. Contact table, track and start are constants
 //! of the core's own types; a vehicle and its dampers are built from their numbers. Everything that
 //! is large stays in its place: it is filled there and never moved.
 
@@ -15,9 +15,8 @@ use firmware_core::vehicle::{
     Vehicle, VehicleState,
 };
 use firmware_core::wheel_rail::creep::{CreepForce, CreepLaw, Creepage};
-use firmware_core::wheel_rail::geometry::{ContactGeometry, ContactZones};
 use firmware_core::wheel_rail::hertz::Material;
-use firmware_core::wheel_rail::table::ContactTable;
+use firmware_core::wheel_rail::table::{ContactTable, ZoneTable};
 use firmware_core::wheel_rail::wheel::{Rolling, Surface, Wheel, WheelForce};
 use nalgebra::Vector3;
 use same_bits::locomotive::BoardWindow;
@@ -44,7 +43,6 @@ fn list<T: Clone, const N: usize>(values: &[T]) -> heapless::Vec<T, N> {
 }
 
 static VEHICLE: StaticCell<Vehicle> = StaticCell::new();
-static TABLE: StaticCell<ContactTable> = StaticCell::new();
 static TRACK: StaticCell<Track<'static>> = StaticCell::new();
 static LINE: StaticCell<Line<'static>> = StaticCell::new();
 static WINDOW: StaticCell<BoardWindow> = StaticCell::new();
@@ -75,7 +73,7 @@ fn empty_line(vehicle: &'static Vehicle) -> Option<&'static mut Line<'static>> {
     Some(LINE.try_uninit()?.write(Line {
         vehicle,
         track: track()?,
-        contact: Some(table()?),
+        contact: Some(&TABLE),
         speed_m_per_s: SPEED_M_PER_S,
         cycle_s: CYCLE_S,
         substeps: SUBSTEPS,
@@ -94,14 +92,6 @@ fn track() -> Option<&'static Track<'static>> {
         step_m: TRACK_STEP_M,
     };
     Some(TRACK.try_uninit()?.write(Track { layout: Layout::tangent(), irregularity }))
-}
-
-/// Hertz and Kalker for the geometry in flash. Here alone the table is moved, once: the core has
-/// no way to make one in its place.
-#[inline(never)]
-fn table() -> Option<&'static ContactTable> {
-    let place = TABLE.try_uninit()?;
-    Some(place.write(ContactTable::new(&ZONES, ROLLING_RADIUS_M, Material::STEEL)))
 }
 
 /// The state of a line in steady running; none the second time.

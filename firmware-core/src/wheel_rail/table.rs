@@ -43,8 +43,9 @@ pub struct ContactShape<N = f64> {
 
 const COLUMNS: usize = 12;
 
-/// One row, as an array so that mixing two rows is one short vector loop.
-type Row = [f64; COLUMNS];
+/// One row, as an array so that mixing two rows is one short vector loop: the fields of
+/// [`ContactShape`] in their order.
+pub type Row = [f64; COLUMNS];
 
 /// One zone of a wheel: rows over lateral shift.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,31 +73,23 @@ impl ContactTable {
 }
 
 impl ZoneTable {
+    /// Rows that were worked out before, such as the constants of an image.
+    pub const fn from_rows(rows: [Row; TABLE_ROWS]) -> Self {
+        Self { rows }
+    }
+
+    /// The rows, from [`TABLE_FIRST_SHIFT_M`] on.
+    pub fn rows(&self) -> &[Row; TABLE_ROWS] {
+        &self.rows
+    }
+
     #[expect(clippy::large_stack_arrays, reason = "25 kB, off-line, and there is no heap")]
     fn new(geometry: &[ContactGeometry; TABLE_ROWS], radius_m: f64, material: Material) -> Self {
         let mut rows = [[0.0; COLUMNS]; TABLE_ROWS];
         for (row, point) in rows.iter_mut().zip(geometry) {
-            let cosine = 1.0 / crate::sqrt::sqrt(1.0 + point.slope * point.slope);
-            let along_per_m = cosine / (radius_m + point.radius_deviation_m);
-            let patch = ellipse(along_per_m, point.curvature_lateral_per_m, material);
-            let kalker =
-                coefficients(patch.along_per_sqrt_m, patch.across_per_sqrt_m, material.poisson);
-            *row = [
-                point.touch_m,
-                point.slope,
-                point.radius_deviation_m,
-                point.lateral_m,
-                point.rail_radius_m,
-                point.lateral_m + (point.rail_radius_m - point.radius_deviation_m) * point.slope,
-                patch.stiffness_n_per_m15,
-                patch.along_per_sqrt_m,
-                patch.across_per_sqrt_m,
-                kalker.c11,
-                kalker.c22,
-                kalker.c23,
-            ];
+            *row = row_at(point, radius_m, material);
         }
-        Self { rows }
+        Self::from_rows(rows)
     }
 
     /// The two rows around a shift and the fraction between them; the shift is held inside the
@@ -133,6 +126,29 @@ impl ZoneTable {
     pub fn at(&self, shift_m: f64) -> ContactShape {
         self.between(shift_m).shape()
     }
+}
+
+/// The row of one contact: its geometry, with the stiffness and the patch after Hertz and the creep
+/// coefficients after Kalker.
+pub fn row_at(point: &ContactGeometry, rolling_radius_m: f64, material: Material) -> Row {
+    let cosine = 1.0 / crate::sqrt::sqrt(1.0 + point.slope * point.slope);
+    let along_per_m = cosine / (rolling_radius_m + point.radius_deviation_m);
+    let patch = ellipse(along_per_m, point.curvature_lateral_per_m, material);
+    let kalker = coefficients(patch.along_per_sqrt_m, patch.across_per_sqrt_m, material.poisson);
+    [
+        point.touch_m,
+        point.slope,
+        point.radius_deviation_m,
+        point.lateral_m,
+        point.rail_radius_m,
+        point.lateral_m + (point.rail_radius_m - point.radius_deviation_m) * point.slope,
+        patch.stiffness_n_per_m15,
+        patch.along_per_sqrt_m,
+        patch.across_per_sqrt_m,
+        kalker.c11,
+        kalker.c22,
+        kalker.c23,
+    ]
 }
 
 /// Two rows of a zone and the fraction of the way from one to the other.

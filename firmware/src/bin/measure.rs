@@ -19,7 +19,7 @@ use firmware_core::line::{Line, LineState, SlotState};
 use firmware_core::track::{IrregularitySample, Track};
 use firmware_core::vehicle::{Vehicle, VehicleState};
 use firmware_core::wheel_rail::table::ContactTable;
-use same_bits::{codec, compensator, effect, locomotive, state_machine};
+use same_bits::{codec, compensator, contact, effect, locomotive, state_machine};
 
 #[entry]
 fn main() -> ! {
@@ -66,6 +66,7 @@ fn run(group: &str, name: &str, steps: u32) -> Option<u64> {
             effect::run(number, steps)
         }
         "compensator" => compensator::run(name, steps),
+        "contact" => Some(contact::run(steps)),
         "state" => Some(state_machine::run(steps)),
         "codec" => codec::run(steps),
         _ => None,
