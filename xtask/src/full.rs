@@ -5,6 +5,7 @@ use crate::bits;
 use crate::board::{self, Length};
 use crate::miri;
 use crate::power_cut::{self, Cuts};
+use crate::roles;
 use crate::run::{Outcome, Run};
 use crate::thumb;
 
@@ -24,8 +25,12 @@ const POWER_CUTS: u64 = 5;
 const OWN_MESSAGES_CYCLES: &str = "500000";
 
 /// Tests of minutes that are marked as ignored for it; other ignored ones print tables.
-const LONG_TESTS: [&str; 2] =
-    ["twelve_fixed_cases_have_the_outcome", "case_582_was_left_unexplained"];
+const LONG_TESTS: [&str; 4] = [
+    "twelve_fixed_cases_have_the_outcome",
+    "case_582_was_left_unexplained",
+    "each_pair_on_every_damper",
+    "becomes_subnormal_in_ten_million_steps",
+];
 
 /// Seed of random faults and of sound rigs. No limit was chosen with it.
 const SEED: &str = "2611";
@@ -53,7 +58,10 @@ pub(crate) fn test(run: &mut Run) {
         run.checked(cargo.env("YAWBENCH_KILLS", KILLS))
     });
     run.step("miri", miri::test);
-    run.step("board", |run| board::test(run, thumb::TARGET, Length::Full));
+    run.step("board", |run| {
+        let bits = board::test(run, thumb::TARGET, Length::Full);
+        bits.and(roles::test(run, thumb::TARGET, Length::Full))
+    });
     run.step("power-cut", |run| power_cut::test(run, Cuts { kills: POWER_CUTS, seed: 2611 }));
 }
 

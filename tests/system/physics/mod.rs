@@ -7,5 +7,6 @@ mod convergence;
 mod equilibrium;
 mod lanes;
 mod locomotive;
+mod long_rest;
 mod signs;
 mod worn_out;
