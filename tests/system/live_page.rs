@@ -9,13 +9,28 @@ use serde_json::Value;
 use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
 
-/// Longer than any test: it is ended from the page. Without a clock a machine that is busy makes no
-/// cycle late, which could end the run before.
-const LONG: [&str; 4] = ["--duration", "3000", "--pace", "fast"];
+/// A run that is longer than any test: it is ended from the page. Without a clock a machine that is
+/// busy makes no cycle late, which could end the run before; the creep law that takes longest makes
+/// it last without asking for gigabytes of free disk.
+fn long_run() -> ServedRun {
+    let place = folder("long-run");
+    let read =
+        |name: &str| std::fs::read_to_string(repository().join("scenarios").join(name)).unwrap();
+    let fastsim = "{ fastsim = { cells_along = 16, cells_across = 16 } }";
+    let vehicle = read("vehicles/ss9.toml").replace("\"linear_saturated\"", fastsim);
+    assert!(vehicle.contains(fastsim), "{vehicle}");
+    std::fs::write(place.join("slow.toml"), vehicle).unwrap();
+    let scenario = read("ss9-160kmh.toml").replace("vehicles/ss9.toml", "slow.toml");
+    let path = place.join("long.toml");
+    std::fs::write(&path, scenario).unwrap();
+    let run = ServedRun::begin(&path, &["--duration", "600", "--pace", "fast"]);
+    std::fs::remove_dir_all(place).unwrap();
+    run
+}
 
 #[test]
 fn a_page_shows_a_run_and_its_button_ends_it() {
-    let run = ServedRun::of_locomotive(&LONG);
+    let run = long_run();
     let (mut facts, mut rows, mut has_pressed) = (Value::Null, Vec::new(), false);
     let (mut states, mut last) = (Vec::new(), Value::Null);
     for (name, event) in run.events() {
@@ -68,7 +83,7 @@ fn a_page_shows_a_run_and_its_button_ends_it() {
 
 #[test]
 fn nobody_but_its_own_page_is_answered() {
-    let run = ServedRun::of_locomotive(&LONG);
+    let run = long_run();
     let (own, token) = (format!("http://{}", run.address), run.token());
     let (origin, token) = (("Origin", own.as_str()), ("X-Yawbench-Token", token.as_str()));
     let evil = ("Origin", "http://evil.example");
@@ -120,7 +135,7 @@ fn nobody_but_its_own_page_is_answered() {
 
 #[test]
 fn a_request_that_does_not_end_is_answered_and_closed() {
-    let run = ServedRun::of_locomotive(&LONG);
+    let run = long_run();
     let mut slow = run.connect();
     slow.write_all(b"GET / HTTP/1.1\r\nHost: ").unwrap();
     let mut answer = String::new();
@@ -200,7 +215,7 @@ fn a_damper_for_which_a_rig_stands_is_named_as_such_and_warned_of() {
 
 #[test]
 fn a_browser_sees_traces_move_and_its_button_ends_the_run() {
-    let run = ServedRun::of_locomotive(&LONG);
+    let run = long_run();
     let address = format!("http://{}/", run.address);
     let visited = Driven::visit(&address, (390, 844)).unwrap_or_else(|error| panic!("{error}"));
     let Some(mut browser) = visited else {
