@@ -8,6 +8,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use crate::callgrind::Counts;
 use crate::debian;
 use crate::run::{Outcome, Run};
 
@@ -38,8 +39,12 @@ pub(crate) fn count(run: &mut Run) -> Outcome {
         let Some(before) = kept(&committed, kind) else {
             return Outcome::Failed(format!("{}: no count of {kind}", committed.display()));
         };
-        let rise = 100.0 * (count / before - 1.0);
-        run.note(format!("{kind}: {count:.0} instructions a cycle, {rise:+.2} % of {before:.0}"));
+        let rise = 100.0 * (count.instructions / before - 1.0);
+        run.note(format!(
+            "{kind}: {:.0} instructions a cycle, {rise:+.2} % of {before:.0}; memory is copied or \
+             filled {:.2} times",
+            count.instructions, count.copies
+        ));
         if rise > RISE_PERCENT {
             all = all.and(Outcome::Failed(format!("{kind} is dearer by {rise:.1} %")));
         }
@@ -47,7 +52,7 @@ pub(crate) fn count(run: &mut Run) -> Outcome {
     if let [(_, step), (_, rig), ..] = counted.as_slice() {
         run.note(format!(
             "a rig slot costs {:.0} instructions more than a modelled one",
-            rig - step
+            rig.instructions - step.instructions
         ));
     }
     all
@@ -60,22 +65,25 @@ pub(crate) fn kept(file: &Path, kind: &str) -> Option<f64> {
     line.trim().replace('_', "").parse().ok()
 }
 
-fn per_cycle(run: &Run, kind: &str) -> Result<f64, String> {
-    let [few, many] = CYCLES.map(|cycles| instructions(run, kind, cycles));
-    Ok((many? - few?) / f64::from(CYCLES[1] - CYCLES[0]))
+fn per_cycle(run: &Run, kind: &str) -> Result<Counts, String> {
+    let [few, many] = CYCLES.map(|cycles| counts(run, kind, cycles));
+    Ok(Counts::per_cycle(few?, many?, CYCLES[1] - CYCLES[0]))
 }
 
-/// Instructions of a whole run of the bench.
-fn instructions(run: &Run, kind: &str, cycles: u32) -> Result<f64, String> {
+/// What a whole run of the bench came to.
+fn counts(run: &Run, kind: &str, cycles: u32) -> Result<Counts, String> {
+    let file = run.target.join("xtask-run/callgrind.out");
+    std::fs::create_dir_all(run.target.join("xtask-run")).map_err(|error| error.to_string())?;
     let mut cargo: Command = run.cargo();
     cargo.args(["bench", "--bench", "instructions", "--", kind, &cycles.to_string()]);
-    let runner = "valgrind --tool=callgrind --callgrind-out-file=/dev/null";
+    let runner = format!("valgrind --tool=callgrind --callgrind-out-file={}", file.display());
     // For whichever target this is: the name of the variable holds it.
     let target = format!("{}_UNKNOWN_LINUX_GNU", std::env::consts::ARCH.to_uppercase());
     cargo.env(format!("CARGO_TARGET_{target}_RUNNER"), runner);
     let output = cargo.output().map_err(|error| format!("cargo bench: {error}"))?;
     let text = String::from_utf8_lossy(&output.stderr);
-    let total = text.lines().find_map(|line| line.split("Collected :").nth(1));
-    let total = total.and_then(|total| total.split_whitespace().next()?.parse().ok());
-    total.ok_or_else(|| format!("callgrind counted nothing: {}", text.lines().last().unwrap_or("")))
+    let counted = std::fs::read_to_string(&file).ok().and_then(|text| Counts::read(&text));
+    let _ = std::fs::remove_file(&file);
+    counted
+        .ok_or_else(|| format!("callgrind counted nothing: {}", text.lines().last().unwrap_or("")))
 }

@@ -26,7 +26,7 @@
 
 mod bits;
 mod board;
-mod console;
+mod callgrind;
 mod debian;
 mod equipment;
 mod full;
@@ -135,8 +135,6 @@ fn test(run: &mut Run) {
         rustfmt.args(rust_files(&run.root.join("firmware-core/src/damper/effects")));
         all.and(run.checked(&mut rustfmt))
     });
-    // It goes on beside the steps before its own, which seldom keep all processors busy.
-    let release = release::Build::begin(run);
     run.step("lints", |run| {
         let mut cargo = run.cargo();
         cargo.args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]);
@@ -155,20 +153,20 @@ fn test(run: &mut Run) {
         let mut cargo = run.cargo();
         run.checked(cargo.args(["test", "--workspace", "--no-run"]))
     });
-    let vcan = vcan::Beside::begin(run);
     run.step("tests", tests);
+    // It leaves one processor to the tests over SocketCAN, some of which run on the clock.
+    let release = release::Build::begin(run);
+    run.step("vcan", |run| vcan::test(run, vcan::Place::Any, &[]));
     run.step("release", |run| release::same_bits(run, release));
-    run.step("vcan", |run| vcan.end(run));
 }
 
-/// The tests of the workspace. They leave the processors to the tests over SocketCAN, some of which
-/// run on the clock.
+/// The tests of the workspace.
 fn tests(run: &mut Run) -> Outcome {
     let folder = match run.temporary() {
         Ok(folder) => folder,
         Err(error) => return Outcome::Failed(format!("a folder for temporary files: {error}")),
     };
-    let mut cargo = run.cargo_niced("5");
+    let mut cargo = run.cargo();
     cargo.args(["test", "--workspace", "--no-fail-fast"]).envs(run.equipment.clone());
     cargo.env("TMPDIR", folder);
     // The step below runs these, on whatever has CAN; a skipped run here would look like a gap.

@@ -8,8 +8,8 @@ use std::time::Instant;
 use crate::run::{Outcome, Run};
 use crate::stream::shown;
 
-/// A release build that goes on beside the steps before its own, with what they leave of the
-/// processors. Its output is shown where it fails.
+/// A release build that goes on beside the step before its own, on all processors but one. Its
+/// output is shown where it fails.
 pub(crate) struct Build {
     child: Result<Child, String>,
     started: Instant,
@@ -33,7 +33,7 @@ impl Build {
                 let ended = fs::metadata(log(run)).and_then(|log| log.modified()).ok();
                 let since = ended.and_then(|ended| ended.elapsed().ok()).unwrap_or_default();
                 let took = self.started.elapsed().saturating_sub(since);
-                println!("release build, beside other steps: {:.0} s", took.as_secs_f64());
+                println!("release build, beside another step: {:.0} s", took.as_secs_f64());
                 Outcome::Passed
             }
             Ok(status) => {
@@ -50,8 +50,9 @@ fn log(run: &Run) -> std::path::PathBuf {
 }
 
 fn spawned(run: &Run) -> Result<Child, String> {
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let mut nice = run.cargo_niced("19");
-    nice.args(["build", "--release"]);
+    nice.args(["build", "--release", "--jobs", &(processors - 1).max(1).to_string()]);
     let place = log(run);
     let kept =
         place.parent().map_or(Ok(()), fs::create_dir_all).and_then(|()| File::create(&place));

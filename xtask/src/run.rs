@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::console::Console;
 use crate::stream::{self, Ended};
 
 /// What a step came to.
@@ -60,7 +59,6 @@ pub(crate) struct Run {
     finished: Vec<Finished>,
     tests: stream::Tests,
     notes: Vec<String>,
-    console: Console,
     /// True where the output is a terminal that shows colours.
     pub(crate) colour: bool,
     started: Instant,
@@ -78,32 +76,9 @@ impl Run {
             finished: Vec::new(),
             tests: stream::Tests::default(),
             notes: Vec::new(),
-            console: Console::Shown,
             colour: std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none(),
             started: Instant::now(),
         }
-    }
-
-    /// A run of one step beside the others: its output is kept until [`Run::rejoin`] shows it.
-    pub(crate) fn beside(&self) -> Self {
-        let (equipment, console) = (self.equipment.clone(), Console::Kept(Vec::new()));
-        Self { equipment, console, ..Self::new() }
-    }
-
-    /// Takes what a run beside this one has said, counted and noted.
-    pub(crate) fn rejoin(&mut self, other: Self) {
-        self.console.take(other.console);
-        self.tests.add(&other.tests);
-        for note in other.notes {
-            if !self.notes.contains(&note) {
-                self.notes.push(note);
-            }
-        }
-    }
-
-    /// Says something.
-    pub(crate) fn say(&mut self, line: &str) {
-        self.console.line(line, false);
     }
 
     /// Runs one step and keeps what it came to.
@@ -120,8 +95,7 @@ impl Run {
     /// Says something now and once more in the summary.
     pub(crate) fn note(&mut self, line: impl Into<String>) {
         let line = line.into();
-        let painted = self.paint("33", &line);
-        self.say(&painted);
+        println!("{}", self.paint("33", &line));
         if !self.notes.contains(&line) {
             self.notes.push(line);
         }
@@ -190,9 +164,12 @@ impl Run {
     ) -> std::io::Result<Ended> {
         let tests = &mut self.tests;
         let notes = &mut self.notes;
-        let console = &mut self.console;
         stream::lines(command, limit, |line, is_stderr| {
-            console.line(line, is_stderr);
+            if is_stderr {
+                eprintln!("{line}");
+            } else {
+                println!("{line}");
+            }
             tests.read(line);
             if line.starts_with("SKIPPED") && !notes.iter().any(|note| note == line) {
                 notes.push(line.to_owned());

@@ -140,14 +140,6 @@ impl Tests {
         self.ignored += count("ignored").unwrap_or(0);
     }
 
-    /// Adds those of another run.
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.passed += other.passed;
-        self.failed += other.failed;
-        self.ignored += other.ignored;
-        self.elsewhere += other.elsewhere;
-    }
-
     pub(crate) fn any(&self) -> bool {
         self.passed + self.failed > 0
     }

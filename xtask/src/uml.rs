@@ -70,7 +70,7 @@ pub(crate) fn prepare(folder: &Path, script: &Path) -> Result<Machine, String> {
         start,
         modules,
         slow_down: 5,
-        limit: Duration::from_secs(900),
+        limit: Duration::from_secs(1500),
     })
 }
 

@@ -4,7 +4,6 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::thread::{self, JoinHandle};
 
 use crate::debian::{self, Sources};
 use crate::machine::{self, Job, Verdict};
@@ -59,36 +58,6 @@ pub(crate) fn can_utils(run: &Run) -> Result<PathBuf, String> {
     Ok(programs)
 }
 
-/// The tests in a machine of their own, which has one processor, beside other steps.
-pub(crate) struct Beside(Option<JoinHandle<(Run, Outcome)>>);
-
-impl Beside {
-    /// Begins them, once the test programs are built. On this kernel paced tests want the
-    /// processors for themselves, so that they wait for the end.
-    pub(crate) fn begin(run: &Run) -> Self {
-        if native() {
-            return Self(None);
-        }
-        let mut beside = run.beside();
-        Self(Some(thread::spawn(move || {
-            let outcome = test(&mut beside, Place::Any, &[]);
-            (beside, outcome)
-        })))
-    }
-
-    /// Waits for them and shows what they said.
-    pub(crate) fn end(self, run: &mut Run) -> Outcome {
-        let Some(thread) = self.0 else { return test(run, Place::Any, &[]) };
-        match thread.join() {
-            Ok((beside, outcome)) => {
-                run.rejoin(beside);
-                outcome
-            }
-            Err(_) => Outcome::Failed("the step panicked".into()),
-        }
-    }
-}
-
 /// Runs them, with the arguments handed to the test programs.
 pub(crate) fn test(run: &mut Run, place: Place, arguments: &[&str]) -> Outcome {
     if place == Place::Any && native() {
@@ -136,13 +105,13 @@ fn in_a_machine(run: &mut Run, place: Place, job: &Job) -> Result<Outcome, Strin
         let machine = match prepared {
             Ok(machine) => machine,
             Err(reason) => {
-                run.say(&reason);
+                println!("{reason}");
                 reasons.push(reason);
                 continue;
             }
         };
         let name = machine.name;
-        run.say(&format!("starting {name}"));
+        println!("starting {name}");
         match machine::run(run, machine, job, &script) {
             Verdict::Tests(0) => {
                 run.note(format!("vcan: this kernel has no CAN, so they ran in {name}"));

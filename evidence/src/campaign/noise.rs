@@ -149,7 +149,7 @@ mod tests {
         let test = Test::new("sine", Excitation::sine(3e-3, 2.0), 8.0);
         for noise in Noise::ALL {
             let (mut found, mut stated) = (0.0, 0.0);
-            for seed in 0..24 {
+            for seed in 0..12 {
                 let chain = sensors(noise, 20e3, 8e-3, false, &mut Random::new(seed, 0));
                 let noisy = record(&specimen, &test, &chain, seed);
                 let exact = record(&specimen, &test, &silent(&chain), seed);
