@@ -72,8 +72,8 @@ fn per_cycle(run: &Run, kind: &str) -> Result<Counts, String> {
 
 /// What a whole run of the bench came to.
 fn counts(run: &Run, kind: &str, cycles: u32) -> Result<Counts, String> {
-    let file = run.target.join("xtask-run/callgrind.out");
-    std::fs::create_dir_all(run.target.join("xtask-run")).map_err(|error| error.to_string())?;
+    let folder = run.temporary();
+    let file = folder.map_err(|error| format!("a folder for callgrind: {error}"))?.join("counts");
     let mut cargo: Command = run.cargo();
     cargo.args(["bench", "--bench", "instructions", "--", kind, &cycles.to_string()]);
     let runner = format!("valgrind --tool=callgrind --callgrind-out-file={}", file.display());
@@ -83,7 +83,6 @@ fn counts(run: &Run, kind: &str, cycles: u32) -> Result<Counts, String> {
     let output = cargo.output().map_err(|error| format!("cargo bench: {error}"))?;
     let text = String::from_utf8_lossy(&output.stderr);
     let counted = std::fs::read_to_string(&file).ok().and_then(|text| Counts::read(&text));
-    let _ = std::fs::remove_file(&file);
     counted
         .ok_or_else(|| format!("callgrind counted nothing: {}", text.lines().last().unwrap_or("")))
 }

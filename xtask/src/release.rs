@@ -51,7 +51,7 @@ fn log(run: &Run) -> std::path::PathBuf {
 
 fn spawned(run: &Run) -> Result<Child, String> {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut nice = run.cargo_niced("19");
+    let mut nice = run.cargo_niced();
     nice.args(["build", "--release", "--jobs", &(processors - 1).max(1).to_string()]);
     let place = log(run);
     let kept =
@@ -61,8 +61,8 @@ fn spawned(run: &Run) -> Result<Child, String> {
     nice.spawn().map_err(|error| format!("{}: {error}", shown(&nice)))
 }
 
-/// Waits for the build and compares every golden hash: of whole scenarios as a user runs them, and
-/// of what needs no bench.
+/// Waits for the build and compares the golden hashes of whole scenarios, as a user runs them;
+/// `bits::in_release` has those of what needs no bench.
 pub(crate) fn same_bits(run: &mut Run, build: Build) -> Outcome {
     let built = build.end(run);
     if !matches!(built, Outcome::Passed) {

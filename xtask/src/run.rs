@@ -117,10 +117,10 @@ impl Run {
         self.in_root(Command::new(cargo()))
     }
 
-    /// The same with less of a claim to the processors: 19 is the least.
-    pub(crate) fn cargo_niced(&self, niceness: &str) -> Command {
+    /// The same with the least claim to the processors.
+    pub(crate) fn cargo_niced(&self) -> Command {
         let mut nice = Command::new("nice");
-        nice.args(["-n", niceness]).arg(cargo());
+        nice.args(["-n", "19"]).arg(cargo());
         self.in_root(nice)
     }
 
@@ -132,7 +132,7 @@ impl Run {
         cargo
     }
 
-    /// An empty folder for what the tests write, which an earlier run cannot have used.
+    /// An empty folder for what a step writes, which an earlier one cannot have used.
     ///
     /// # Errors
     ///

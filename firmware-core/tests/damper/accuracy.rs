@@ -58,7 +58,7 @@ fn check_each(label: &str, nominal: Nominal, effects: &[Effect]) {
 
 /// Each pair, on one damper of three in turn or on all of them.
 fn check_pairs(dampers: [(&str, Nominal, f64); 3], on_all: bool) {
-    let paths = paths(&SHORT, 4);
+    let (paths, count) = (paths(&SHORT, 4), dampers.len());
     for (turn, (label, nominal, size)) in dampers.into_iter().enumerate() {
         let effects = known_at(&nominal, size);
         for (i, &a) in effects.iter().enumerate() {
@@ -68,7 +68,7 @@ fn check_pairs(dampers: [(&str, Nominal, f64); 3], on_all: bool) {
                 if nominal.clearance_2a_m == 0.0 && has_blows {
                     continue;
                 }
-                if on_all || (i + j) % 3 == turn {
+                if on_all || (i + j) % count == turn {
                     compare(label, nominal, &[a, b], &paths);
                 }
             }
