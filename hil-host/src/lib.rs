@@ -59,6 +59,7 @@ pub mod rig;
 pub mod rtcheck;
 pub mod run;
 mod side_by_side;
+mod silence;
 pub mod stability;
 mod statistics;
 mod summary;

@@ -13,11 +13,11 @@
 //! does not come back.
 
 use super::buses::Buses;
-use super::pacing::SILENCE;
 use super::port::{Port, PortState};
 use super::session::{Session, SessionState};
 use super::stop::PressureRequest;
 use crate::bus::Bus;
+use crate::silence::SILENCE;
 use can_protocol::RunState;
 use firmware_core::supervision::{Action, Cause, Signal, State};
 use std::time::Duration;

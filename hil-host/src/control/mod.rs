@@ -44,7 +44,7 @@ pub use no_answer::NoAnswer;
 pub use notices::Notices;
 pub use open_loop::{Motion, Seen};
 pub(crate) use pacing::Ending;
-pub use pacing::{End, Pace, SILENCE, STOP_S};
+pub use pacing::{End, Pace, STOP_S};
 pub(crate) use port::{Agreed, MOST_FORCE_N};
 pub use port::{Port, PortState};
 pub use requests::{Asker, Requests};

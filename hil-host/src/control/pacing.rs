@@ -7,6 +7,7 @@ use super::requests::Requests;
 use super::session::{Session, SessionState};
 use crate::bus::Bus;
 use crate::clock::{Pacer, Tick};
+use crate::silence::{GLANCE, SILENCE, Silence};
 use can_protocol::{Pace as WirePace, RunState};
 use firmware_core::supervision::{Action, Cause, Event, Signal, State};
 use serde::{Deserialize, Serialize};
@@ -32,9 +33,6 @@ impl Pace {
         }
     }
 }
-
-/// A peer that is silent for this long in lock-step is lost.
-pub const SILENCE: Duration = Duration::from_secs(1);
 
 /// How often a rig is sent the end of its session at most, and how long each answer may take.
 const FAREWELLS: u32 = 4;
@@ -237,10 +235,10 @@ impl Session<'_> {
         buses: &mut Buses<'_, '_, B>,
         patience: Duration,
     ) -> bool {
-        let since = Instant::now();
+        let mut silence = Silence::new();
         loop {
             // Read before the buses: a host that was suspended first takes in what has arrived.
-            let late = since.elapsed() > patience;
+            let late = silence.lasts(Instant::now()) > patience;
             self.receive(state, buses);
             let mut ports = self.ports.iter().zip(&state.ports);
             let waiting = ports.rfind(|(port, memory)| port.owes_an_answer(memory));
@@ -248,7 +246,7 @@ impl Session<'_> {
             if late {
                 return false;
             }
-            buses.wait(waiting.bus, patience);
+            buses.wait(waiting.bus, patience.min(GLANCE));
         }
     }
 

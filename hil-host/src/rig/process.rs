@@ -2,8 +2,7 @@
 //!
 //! In clock pace it runs by its own clock, once per period as the host's sync set it, with the
 //! newest valid command; in lock-step it waits for the next command, and considers the host lost
-//! after [`SILENCE`] of real time. In the safe state it brings the ram to rest by its own clock in
-//! either pace.
+//! after [`SILENCE`]. In the safe state it brings the ram to rest by its own clock in either pace.
 //!
 //! The clock-paced loop neither prints nor allocates: once per second it hands a small status to an
 //! ordinary thread, which prints it.
@@ -17,6 +16,7 @@ use crate::bus::{Bus, Sent, SocketCanBus};
 use crate::clock::Pacer;
 use crate::draw::Draw;
 use crate::realtime::{self, RealtimeOptions};
+use crate::silence::{GLANCE, SILENCE, Silence};
 use can_protocol::{MessageId, Node, Pace, Profile, RunState, Sender};
 use heapless::spsc::{Producer, Queue};
 use scenario::rig::RigSetup;
@@ -24,14 +24,8 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Real time after which a lock-step host is lost.
-pub const SILENCE: Duration = Duration::from_secs(1);
-
 /// Real time after which a rig that went safe ends, when it is to end with the run.
 pub const LINGER: Duration = Duration::from_secs(2);
-
-/// Longest wait for a frame: a stop is seen after that time.
-const GLANCE: Duration = Duration::from_millis(50);
 
 /// How a rig runs and ends.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -209,15 +203,14 @@ fn silent_cycles(timing: Timing) -> u32 {
 /// Real times that the loop looks at.
 struct Watch {
     accepted: u64,
-    heard: Instant,
+    silence: Silence,
     safe_since: Option<Instant>,
     printed: Instant,
 }
 
 impl Watch {
     fn new() -> Self {
-        let now = Instant::now();
-        Self { accepted: 0, heard: now, safe_since: None, printed: now }
+        Self { accepted: 0, silence: Silence::new(), safe_since: None, printed: Instant::now() }
     }
 
     /// How long no new valid command had come at that time.
@@ -225,9 +218,9 @@ impl Watch {
         let accepted = rig.frames().received;
         if accepted != self.accepted {
             self.accepted = accepted;
-            self.heard = now;
+            self.silence = Silence::new();
         }
-        now.saturating_duration_since(self.heard)
+        self.silence.lasts(now)
     }
 
     fn safe_for(&mut self, rig: &RigNode) -> Duration {
