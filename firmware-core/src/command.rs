@@ -13,6 +13,9 @@ pub struct Command {
 pub const STOP_DECELERATION_M_PER_S2: f64 = 10.0;
 
 impl Command {
+    /// At rest in mid-stroke.
+    pub(crate) const REST: Self = Self { displacement_m: 0.0, velocity_m_per_s: 0.0 };
+
     /// Whether both numbers are finite.
     pub(crate) fn is_finite(self) -> bool {
         self.displacement_m.is_finite() && self.velocity_m_per_s.is_finite()

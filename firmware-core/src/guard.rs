@@ -16,13 +16,22 @@ pub enum ForceInput {
 }
 
 /// The last believed force of a slot.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard {
     /// The force (N); zero before the first one.
     pub force_n: f64,
 }
 
+impl Default for Guard {
+    fn default() -> Self {
+        Self::NEW
+    }
+}
+
 impl Guard {
+    /// Nothing has happened yet.
+    pub(crate) const NEW: Self = Self { force_n: 0.0 };
+
     /// Takes what arrived and gives the force to use (N). One that is no number is not used.
     ///
     /// ```

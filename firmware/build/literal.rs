@@ -8,7 +8,7 @@ use firmware_core::damper::Nominal;
 use firmware_core::lanes::Lanes;
 use firmware_core::track::IrregularitySample;
 use firmware_core::vehicle::{
-    Anchor, Axle, Body, BodyId, BumpStop, DamperMount, RailSupport, Suspension, Torsion,
+    Anchor, Axle, Body, BodyId, BumpStop, DamperMount, RailSupport, Suspension, Torsion, Vehicle,
     VehicleState,
 };
 use firmware_core::wheel_rail::creep::{CreepForce, CreepLaw, Creepage};
@@ -129,7 +129,7 @@ impl Literal for Series {
 
 impl<T: Literal, const N: usize> Literal for heapless::Vec<T, N> {
     fn literal(&self) -> String {
-        format!("list(&{})", self.as_slice().literal())
+        format!("heapless::Vec::from_array({})", self.as_slice().literal())
     }
 }
 
@@ -167,6 +167,7 @@ by_fields! {
     }
     RailSupport { mass_kg, stiffness_n_per_m, damping_n_s_per_m }
     Rolling { creepage, force }
+    Vehicle { bodies, suspensions, torsions, bump_stops, dampers, axles }
     Suspension { first, second, stiffness_n_per_m, damping_n_s_per_m, play_m }
     Torsion { first, second, stiffness_n_m_per_rad, damping_n_m_s_per_rad }
     Wheel { tape_m, radius_m, friction, material, surface, creep }

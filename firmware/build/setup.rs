@@ -1,14 +1,13 @@
 //! The set-up of a run as Rust source.
 //!
-//! What the core can be given as it is stands there as a constant: the contact table, samples of
-//! the track, the state to start from. A vehicle and its dampers are built from numbers, as
+//! What the core can be given as it is stands there as a constant: the vehicle, the contact table,
+//! samples of the track, the state to start from. Dampers are built from their numbers, as
 //! anywhere.
 
 use crate::literal::Literal;
 use firmware_core::compensation::Compensator;
 use firmware_core::damper::{Damper, Effect};
 use firmware_core::track::Layout;
-use firmware_core::vehicle::Vehicle;
 use same_bits::two_roles;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use std::fmt::Write;
@@ -55,11 +54,12 @@ pub(crate) fn source(run: &Run) -> String {
         &format!("pub(crate) static SAMPLES: [IrregularitySample; {count}] = {list}"),
     );
     let start = run.start.state.literal().replacen("OneVehicle", "VehicleState", 1);
-    put(&mut text, "Steady running.", &format!("static START: VehicleState = {start}"));
+    put(&mut text, "Steady running.", &format!("const START: VehicleState = {start}"));
     let dampers: Vec<String> = run.slots.iter().map(|slot| damper(&slot.force)).collect();
     let list = format!("static DAMPERS: [Numbers; {}] = [{}]", dampers.len(), dampers.join(", "));
     put(&mut text, "The dampers in their slots.", &list);
-    text.push_str(&vehicle(&run.vehicle));
+    let vehicle = run.vehicle.literal();
+    put(&mut text, "The vehicle.", &format!("const THE_VEHICLE: Vehicle = {vehicle}"));
     text
 }
 
@@ -91,26 +91,4 @@ fn numbers(damper: &Damper) -> String {
     let effects: Vec<String> = damper.effects().iter().map(effect).collect();
     let nominal = damper.nominal().literal();
     format!("Numbers {{ nominal: {nominal}, effects: &[{}] }}", effects.join(", "))
-}
-
-/// A function that fills a vehicle.
-fn vehicle(vehicle: &Vehicle) -> String {
-    let Vehicle { bodies, suspensions, torsions, bump_stops, dampers, axles } = vehicle;
-    let mut text = String::from(
-        "/// Fills an empty vehicle; false where it has no room.\n\
-         fn fill_vehicle(into: &mut Vehicle) -> bool {\n    let mut fits = true;\n",
-    );
-    let mut add = |list: &str, values: Vec<String>| {
-        for value in values {
-            let _ = writeln!(text, "    fits &= into.{list}.push({value}).is_ok();");
-        }
-    };
-    add("bodies", bodies.iter().map(Literal::literal).collect());
-    add("suspensions", suspensions.iter().map(Literal::literal).collect());
-    add("torsions", torsions.iter().map(Literal::literal).collect());
-    add("bump_stops", bump_stops.iter().map(Literal::literal).collect());
-    add("dampers", dampers.iter().map(Literal::literal).collect());
-    add("axles", axles.iter().map(Literal::literal).collect());
-    text.push_str("    fits\n}\n");
-    text
 }

@@ -52,7 +52,7 @@ impl BoardLocomotive {
     /// The locomotive of the scenario for so many cycles of RUN; none the second time.
     #[inline(never)]
     pub fn new(cycles: u32) -> Option<&'static mut Self> {
-        let line: &'static Line<'static> = setup::line_with_rig(setup::vehicle()?)?;
+        let line: &'static Line<'static> = setup::line_with_rig(&setup::VEHICLE)?;
         let state: &'static mut LineState = setup::start(line)?;
         let terms = two_roles::terms(line.cycle_s, cycles, PATIENCE, SILENCE_TICKS);
         let node = TimedLocomotive::new(Locomotive::new(line, state, terms)?);

@@ -1,11 +1,11 @@
 //! The scenario in flash, and the places in RAM that are filled from it at the start.
 //!
-//! The build script reads the scenario on the host. Contact table, track and start are constants
-//! of the core's own types; a vehicle and its dampers are built from their numbers. Everything that
-//! is large stays in its place: it is filled there and never moved.
+//! The build script reads the scenario on the host. Vehicle, contact table, track and start are
+//! constants of the core's own types; dampers are built from their numbers. The line and its state
+//! are in RAM from the reset on, as the image has them, and never move.
 
 use firmware_core::compensation::Compensator;
-use firmware_core::damper::{Damper, Effect, Nominal};
+use firmware_core::damper::{Damper, DamperError, Effect, Nominal};
 use firmware_core::lanes::Lanes;
 use firmware_core::line::{Fade, Line, LineState, RigSlot, Slot};
 use firmware_core::supervision::CommandLimits;
@@ -21,7 +21,7 @@ use firmware_core::wheel_rail::wheel::{Rolling, Surface, Wheel, WheelForce};
 use nalgebra::Vector3;
 use same_bits::locomotive::BoardWindow;
 use same_bits::two_roles;
-use static_cell::StaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 
 /// What a damper is made from.
 pub struct Numbers {
@@ -29,37 +29,54 @@ pub struct Numbers {
     effects: &'static [(&'static str, &'static [f64])],
 }
 
-// The scenario as constants, and `fill_vehicle`.
+// The scenario as constants.
 include!(concat!(env!("OUT_DIR"), "/setup.rs"));
 
 /// A body by its place.
-fn body(index: usize) -> BodyId {
-    BodyId::new(index).unwrap_or(BodyId::GROUND)
+const fn body(index: usize) -> BodyId {
+    match BodyId::new(index) {
+        Some(body) => body,
+        None => BodyId::GROUND,
+    }
 }
 
-/// A list of what fits into it, which the host has checked.
-fn list<T: Clone, const N: usize>(values: &[T]) -> heapless::Vec<T, N> {
-    heapless::Vec::from_slice(values).unwrap_or_default()
-}
-
-static VEHICLE: StaticCell<Vehicle> = StaticCell::new();
-static TRACK: StaticCell<Track<'static>> = StaticCell::new();
-static LINE: StaticCell<Line<'static>> = StaticCell::new();
+/// The vehicle.
+pub static VEHICLE: Vehicle = THE_VEHICLE;
+static TRACK: Track<'static> = Track {
+    layout: Layout::tangent(),
+    irregularity: Irregularity {
+        samples: &SAMPLES,
+        before: 0,
+        behind: 0,
+        first_m: TRACK_FIRST_M,
+        step_m: TRACK_STEP_M,
+    },
+};
+static CHANGEABLE: ConstStaticCell<Vehicle> = ConstStaticCell::new(THE_VEHICLE);
+static LINE: ConstStaticCell<Line<'static>> = ConstStaticCell::new(Line {
+    vehicle: &VEHICLE,
+    track: &TRACK,
+    contact: Some(&TABLE),
+    speed_m_per_s: SPEED_M_PER_S,
+    cycle_s: CYCLE_S,
+    substeps: SUBSTEPS,
+    slots: [const { Slot::Empty }; DAMPER_SLOTS],
+    fade: Fade::NONE,
+});
+static STATE: ConstStaticCell<LineState> = ConstStaticCell::new(LineState::of(START));
 static WINDOW: StaticCell<BoardWindow> = StaticCell::new();
 static RIG: StaticCell<Damper> = StaticCell::new();
-static STATE: StaticCell<LineState> = StaticCell::new();
 
-/// The vehicle; none the second time, or where it does not fit.
-#[inline(never)]
-pub fn vehicle() -> Option<&'static mut Vehicle> {
-    let vehicle = VEHICLE.try_uninit()?.write(Vehicle::default());
-    (fill_vehicle(vehicle) && vehicle.check().is_ok()).then_some(vehicle)
+/// A vehicle in RAM, for another creep law; none the second time.
+pub fn changeable_vehicle() -> Option<&'static mut Vehicle> {
+    CHANGEABLE.try_take()
 }
 
 /// The line with a model in every slot; none the second time, or where a damper cannot be built.
 #[inline(never)]
 pub fn line(vehicle: &'static Vehicle) -> Option<&'static mut Line<'static>> {
-    let line = empty_line(vehicle)?;
+    let line = LINE.try_take()?;
+    line.vehicle = vehicle;
     let step_s = CYCLE_S / f64::from(SUBSTEPS);
     for (slot, numbers) in line.slots.iter_mut().zip(&DAMPERS) {
         mount(slot, numbers, step_s)?;
@@ -67,37 +84,12 @@ pub fn line(vehicle: &'static Vehicle) -> Option<&'static mut Line<'static>> {
     Some(line)
 }
 
-#[expect(clippy::large_stack_arrays, reason = "empty slots, written in their place")]
-#[inline(never)]
-fn empty_line(vehicle: &'static Vehicle) -> Option<&'static mut Line<'static>> {
-    Some(LINE.try_uninit()?.write(Line {
-        vehicle,
-        track: track()?,
-        contact: Some(&TABLE),
-        speed_m_per_s: SPEED_M_PER_S,
-        cycle_s: CYCLE_S,
-        substeps: SUBSTEPS,
-        slots: [const { Slot::Empty }; DAMPER_SLOTS],
-        fade: Fade::default(),
-    }))
-}
-
-#[inline(never)]
-fn track() -> Option<&'static Track<'static>> {
-    let irregularity = Irregularity {
-        samples: &SAMPLES,
-        before: 0,
-        behind: 0,
-        first_m: TRACK_FIRST_M,
-        step_m: TRACK_STEP_M,
-    };
-    Some(TRACK.try_uninit()?.write(Track { layout: Layout::tangent(), irregularity }))
-}
-
 /// The state of a line in steady running; none the second time.
 #[inline(never)]
 pub fn start(line: &Line<'_>) -> Option<&'static mut LineState> {
-    Some(STATE.try_uninit()?.write(line.start(START.clone())))
+    let state = STATE.try_take()?;
+    line.begin(state);
+    Some(state)
 }
 
 /// A window on the track, empty; none the second time.
@@ -138,7 +130,8 @@ fn put_on_rig(slot: &mut Slot<'_>) -> Option<()> {
 /// The damper on the rig; none the second time, or where it cannot be built.
 #[inline(never)]
 pub fn rig_damper() -> Option<&'static Damper> {
-    let damper = RIG.try_uninit()?.write(damper(&RIG_DAMPER)?);
+    let Ok(damper) = Damper::new(RIG_DAMPER.nominal, &effects(&RIG_DAMPER)?) else { return None };
+    let damper = RIG.try_uninit()?.write(damper);
     damper.prepare(CYCLE_S / f64::from(nodes::rig::SUBSTEPS));
     Some(damper)
 }
@@ -146,21 +139,30 @@ pub fn rig_damper() -> Option<&'static Damper> {
 /// Effects in one damper at most.
 const MOST: usize = firmware_core::damper::MAX_EFFECTS;
 
-/// Puts a damper into its slot.
+/// Builds a damper and puts it into its slot.
 #[inline(never)]
 fn mount(slot: &mut Slot<'_>, numbers: &Numbers, step_s: f64) -> Option<()> {
-    *slot = Slot::Modelled(damper(numbers)?);
+    put(slot, Damper::new(numbers.nominal, &effects(numbers)?))?;
     if let Slot::Modelled(damper) = slot {
         damper.prepare(step_s);
     }
     Some(())
 }
 
-/// A damper from its numbers.
-fn damper(numbers: &Numbers) -> Option<Damper> {
-    let mut effects = heapless::Vec::<Effect, MOST>::new();
+/// A function of its own, so that its copies, 22 kB each, are not on the stack while a damper is
+/// built.
+#[inline(never)]
+fn put(slot: &mut Slot<'_>, built: Result<Damper, DamperError>) -> Option<()> {
+    *slot = Slot::Modelled(built.ok()?);
+    Some(())
+}
+
+/// The effects of a damper from their numbers.
+#[inline(never)]
+fn effects(numbers: &Numbers) -> Option<heapless::Vec<Effect, MOST>> {
+    let mut effects = heapless::Vec::new();
     for (name, values) in numbers.effects {
         effects.push(Effect::from_values(name, values).ok()?).ok()?;
     }
-    Damper::new(numbers.nominal, &effects).ok()
+    Some(effects)
 }

@@ -98,18 +98,21 @@ fn on_time(run: &mut Run, lines: &[String]) -> Outcome {
 
 /// Whether the board of the locomotive has room for it.
 fn fits(run: &mut Run, image: &Path, of_locomotive: &[String], of_rig: &[String]) -> Outcome {
-    let Some(stack) = number(of_locomotive, "stack steps ") else {
+    let (Some(setup), Some(stack)) =
+        (number(of_locomotive, "stack setup "), number(of_locomotive, "stack steps "))
+    else {
         return Outcome::Failed(format!("the locomotive said {of_locomotive:?}"));
     };
     let Some((flash, statics)) = memory(image) else {
         return Outcome::Failed(format!("{}: no 32-bit ELF file", image.display()));
     };
     run.note(format!(
-        "{}; {}; stack {stack} B, flash {flash} B, statics {statics} B",
+        "{}; {}; stack {stack} B (set-up {setup} B), flash {flash} B, \
+         statics {statics} B",
         last(of_locomotive),
         last(of_rig)
     ));
-    let ram = statics + stack;
+    let ram = statics + stack.max(setup);
     if ram > RAM_MAX {
         return Outcome::Failed(format!("{ram} B of RAM, expected at most {RAM_MAX}"));
     }

@@ -22,14 +22,23 @@ impl Kinematics {
 }
 
 /// The velocities of the last two cycles.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Differences {
     last_m_per_s: [f64; 2],
     /// How many of them are known.
     known: u8,
 }
 
+impl Default for Differences {
+    fn default() -> Self {
+        Self::NEW
+    }
+}
+
 impl Differences {
+    /// Nothing has happened yet.
+    pub(crate) const NEW: Self = Self { last_m_per_s: [0.0; 2], known: 0 };
+
     /// Takes the motion of this cycle. A derivative is zero until its difference has all its
     /// samples. From then on both are exact for a velocity of second degree.
     pub(crate) fn take(&mut self, wanted: Command, period_s: f64) -> Kinematics {

@@ -38,10 +38,21 @@ pub enum Compensator {
 }
 
 /// What a compensator remembers. The default is the start of every one that does not adapt.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompensatorState {
     differences: Differences,
     adaptive: Option<AdaptiveState>,
+}
+
+impl Default for CompensatorState {
+    fn default() -> Self {
+        Self::NEW
+    }
+}
+
+impl CompensatorState {
+    /// Nothing has happened yet.
+    pub(crate) const NEW: Self = Self { differences: Differences::NEW, adaptive: None };
 }
 
 // A rig's controller has room for this.

@@ -34,14 +34,6 @@ pub(super) struct DelayLine {
     knots: [Knot; KNOTS],
 }
 
-impl Default for DelayLine {
-    fn default() -> Self {
-        let knots = [Knot { time_s: 0.0, force_n: 0.0 }; KNOTS];
-        // The first knot says that there was no force before the start.
-        Self { now_s: 0.0, first: 0, count: 1, knots }
-    }
-}
-
 impl fmt::Debug for DelayLine {
     /// The knots in use.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -50,6 +42,10 @@ impl fmt::Debug for DelayLine {
 }
 
 impl DelayLine {
+    /// One knot, which says that there was no force before the start.
+    pub(super) const NEW: Self =
+        Self { now_s: 0.0, first: 0, count: 1, knots: [Knot { time_s: 0.0, force_n: 0.0 }; KNOTS] };
+
     /// Where within a step a later reading will look, if a knot there will be kept.
     pub(super) fn cut_s(delay_s: f64, step_s: f64) -> Option<f64> {
         if 2.0 * step_s <= SHARE * delay_s {
@@ -110,7 +106,7 @@ mod tests {
     fn straight_lines_come_late_and_unbent_at_any_step() {
         for step_s in [1e-6, 17e-6, 1e-4, 0.37e-3, 1e-3, 5e-3] {
             for delay_s in [1e-5, 3e-4, 2.3e-3, 20e-3] {
-                let mut line = DelayLine::default();
+                let mut line = DelayLine::NEW;
                 let steps = (0.06 / step_s) as u32;
                 for i in 1..=steps {
                     line.pass(step_s);

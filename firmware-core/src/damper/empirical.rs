@@ -83,12 +83,17 @@ pub struct MapKnot {
 }
 
 /// The sense of motion, and since when.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Turned {
     /// The eyes move together; at the start they count as moving apart.
     compresses: bool,
     /// Time since the motion last turned, s.
     since_s: f64,
+}
+
+impl Turned {
+    /// Nothing has happened yet.
+    pub(super) const NEW: Self = Self { compresses: false, since_s: 0.0 };
 }
 
 impl DamperState {

@@ -154,7 +154,7 @@ pub struct Done {
 }
 
 /// Everything a damper remembers.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DamperState {
     motion: Motion,
     deflection_m: f64,
@@ -170,7 +170,29 @@ pub struct DamperState {
     fallbacks: u32,
 }
 
+impl Default for DamperState {
+    fn default() -> Self {
+        Self::NEW
+    }
+}
+
 impl DamperState {
+    /// Nothing has happened yet.
+    pub(crate) const NEW: Self = Self {
+        motion: Motion::new(0.0, 0.0),
+        deflection_m: 0.0,
+        creep_m: 0.0,
+        resting: false,
+        chain_force_n: 0.0,
+        output_n: 0.0,
+        piston_velocity_m_per_s: 0.0,
+        temperature_degc: None,
+        memory: [[0.0; 4]; MAX_EFFECTS],
+        delay: DelayLine::NEW,
+        turned: Turned::NEW,
+        fallbacks: 0,
+    };
+
     /// At mid-stroke, at rest, the joint in the middle of its clearance.
     pub fn rest() -> Self {
         Self { resting: true, ..Self::default() }

@@ -48,6 +48,9 @@ pub struct TooFar {
 }
 
 impl Fade {
+    /// At once.
+    pub const NONE: Self = Self { motion_cycles: 0, measuring_cycles: 0, coupling_cycles: 0 };
+
     /// The same, with a fade of the motion that is long enough for a way within half the limits.
     ///
     /// The steepest speed of a raised cosine over `T` is `pi x / (2 T)`, its strongest acceleration

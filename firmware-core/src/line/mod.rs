@@ -103,6 +103,19 @@ pub struct LineState {
 }
 
 impl LineState {
+    /// A vehicle in steady motion, with slots in which nothing has happened yet.
+    #[expect(clippy::large_stack_arrays, reason = "a board makes it a constant")]
+    pub const fn of(vehicle: VehicleState) -> Self {
+        Self {
+            vehicle,
+            slots: [SlotState::NEW; DAMPER_SLOTS],
+            cycle: 0,
+            state: State::Init,
+            fade: Fade::NONE,
+            ramp_in_cycles: 0,
+        }
+    }
+
     /// Takes an event.
     pub fn on(&mut self, event: Event) -> Outcome {
         let outcome = self.state.on(event);
@@ -182,18 +195,18 @@ impl Line<'_> {
 
     /// The state at the start of a run, from a vehicle in steady motion: INIT, or RUN where no
     /// damper is on a rig.
-    #[expect(clippy::large_stack_arrays, reason = "once per run, where there is no heap")]
     pub fn start(&self, vehicle: VehicleState) -> LineState {
+        let mut state = LineState::of(vehicle);
+        self.begin(&mut state);
+        state
+    }
+
+    /// The same in a state's own place, which is [`LineState::of`] a vehicle: it is large.
+    pub fn begin(&self, state: &mut LineState) {
         self.assert_configured();
         debug_assert!(self.vehicle.check().is_ok(), "a vehicle that cannot run");
-        let mut state = LineState {
-            vehicle,
-            slots: [SlotState::default(); DAMPER_SLOTS],
-            cycle: 0,
-            state: State::Init,
-            fade: self.fade,
-            ramp_in_cycles: 0,
-        };
+        debug_assert!(state.cycle == 0, "begun after {} cycles", state.cycle);
+        state.fade = self.fade;
         if !self.slots.iter().any(|slot| matches!(slot, Slot::Rig(_))) {
             // There is nobody to agree with.
             state.state = State::Run;
@@ -211,7 +224,6 @@ impl Line<'_> {
                 memory.compensator = rig.compensator.start();
             }
         }
-        state
     }
 
     /// One cycle: takes what arrived, leaves the commands in the slots.

@@ -90,7 +90,7 @@ impl<'a> RigSlot<'a> {
 }
 
 /// What a slot remembers.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlotState {
     /// The model's state.
     pub damper: DamperState,
@@ -124,6 +124,34 @@ pub struct SlotState {
     pub is_force_believed: bool,
     /// Whether the rig is lost and the slot goes on with its model.
     pub has_dropped_out: bool,
+}
+
+impl Default for SlotState {
+    fn default() -> Self {
+        Self::NEW
+    }
+}
+
+impl SlotState {
+    /// Nothing has happened yet.
+    pub const NEW: Self = Self {
+        damper: DamperState::NEW,
+        guard: Guard::NEW,
+        wear: VirtualWearState::NEW,
+        mid_stroke_m: 0.0,
+        limits: CommandLimits::NONE,
+        wanted: Command::REST,
+        ahead: Ahead::resting(Command::REST),
+        compensator: CompensatorState::NEW,
+        command: Command::REST,
+        limited: 0,
+        demand: Demand::NONE,
+        ram_start_m: 0.0,
+        motion: Ramp::NONE,
+        coupling: Ramp::NONE,
+        is_force_believed: false,
+        has_dropped_out: false,
+    };
 }
 
 /// Forces of the four slots during one cycle.

@@ -28,11 +28,19 @@ pub struct CommandLimits {
     pub acceleration_m_per_s2: f64,
 }
 
+impl CommandLimits {
+    /// No limits.
+    pub(crate) const NONE: Self = Self {
+        stroke_m: f64::INFINITY,
+        velocity_m_per_s: f64::INFINITY,
+        acceleration_m_per_s2: f64::INFINITY,
+    };
+}
+
 impl Default for CommandLimits {
     /// No limit.
     fn default() -> Self {
-        let none = f64::INFINITY;
-        Self { stroke_m: none, velocity_m_per_s: none, acceleration_m_per_s2: none }
+        Self::NONE
     }
 }
 
@@ -60,6 +68,10 @@ pub struct Demand {
 }
 
 impl Demand {
+    /// Nothing was asked for.
+    pub(crate) const NONE: Self =
+        Self { stroke_m: 0.0, velocity_m_per_s: 0.0, speed_change_m_per_s: 0.0 };
+
     /// Of each quantity the larger one.
     #[must_use]
     pub const fn larger(self, other: Self) -> Self {

@@ -21,6 +21,9 @@ pub struct Ramp {
 const ROUNDING: f64 = 1e-9;
 
 impl Ramp {
+    /// Not begun.
+    pub(crate) const NONE: Self = Self { progress: 0.0 };
+
     /// A ramp at its upper end.
     pub const FULL: Self = Self { progress: 1.0 };
 

@@ -19,6 +19,17 @@ struct Section {
     offset_m: f64,
 }
 
+impl Section {
+    /// Straight and level, from far behind every vehicle.
+    const TANGENT: Self = Self {
+        start_m: -1e9,
+        curvature: [0.0; 3],
+        cant: [0.0; 3],
+        heading_rad: 0.0,
+        offset_m: 0.0,
+    };
+}
+
 /// Why a layout cannot be built.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LayoutError {
@@ -78,10 +89,8 @@ impl Default for Layout {
 
 impl Layout {
     /// A straight level track without end.
-    pub fn tangent() -> Self {
-        let mut sections = heapless::Vec::new();
-        let full = sections.push(Section { start_m: -1e9, ..Section::default() });
-        debug_assert!(full.is_ok());
+    pub const fn tangent() -> Self {
+        let sections = heapless::Vec::from_array([Section::TANGENT]);
         Self { sections, end_m: 0.0 }
     }
 

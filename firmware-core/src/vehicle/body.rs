@@ -62,8 +62,8 @@ impl BodyId {
     pub const GROUND: Self = Self(BODIES_MAX as u8 - 1);
 
     /// The body with this index; `None` when there is no such place or it is the ground's.
-    pub fn new(index: usize) -> Option<Self> {
-        (index < BODIES_MAX - 1).then_some(Self(index as u8))
+    pub const fn new(index: usize) -> Option<Self> {
+        if index < BODIES_MAX - 1 { Some(Self(index as u8)) } else { None }
     }
 
     /// Index into an array of `BODIES_MAX`; the mask proves to the compiler that it is inside.

@@ -20,13 +20,24 @@ const SHARE_MAX: f64 = 0.5;
 const GAP_MAX: u32 = 100;
 
 /// The model that follows the rig, and what the force differs from its own.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Mismatch {
     measured: Option<DamperState>,
     missing: u32,
     scale: Scale,
     force_n: f64,
     squares: Squares,
+}
+
+impl Mismatch {
+    /// Nothing has happened yet.
+    pub(super) const NEW: Self = Self {
+        measured: None,
+        missing: 0,
+        scale: Scale { product: 0.0, square: 0.0 },
+        force_n: 0.0,
+        squares: Squares { difference: 0.0, model: 0.0, readings: 0 },
+    };
 }
 
 /// Sums over the readings since they were cleared.

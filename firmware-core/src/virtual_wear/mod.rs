@@ -88,7 +88,7 @@ impl Reading {
 }
 
 /// What the wear remembers.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VirtualWearState {
     differences: Differences,
     /// The model that is driven by what the joint wants.
@@ -104,6 +104,27 @@ pub struct VirtualWearState {
     mismatch: Mismatch,
     /// What a worn damper would have done.
     reference: Reference,
+}
+
+impl Default for VirtualWearState {
+    fn default() -> Self {
+        Self::NEW
+    }
+}
+
+impl VirtualWearState {
+    /// Nothing has happened yet.
+    pub(crate) const NEW: Self = Self {
+        differences: Differences::NEW,
+        wanted: DamperState::NEW,
+        targets: Rounding::NEW,
+        healthy: DamperState::NEW,
+        healthy_squares: 0.0,
+        healthy_cycles: 0,
+        fastest_m_per_s: 0.0,
+        mismatch: Mismatch::NEW,
+        reference: Reference::NEW,
+    };
 }
 
 /// Cycles by which a compensator's rig is late, to the nearest; the rest is left to it.

@@ -19,7 +19,7 @@ use super::mismatch::{Compared, Correction};
 use crate::damper::DamperState;
 
 /// The worn damper under the vehicle's own motion.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reference {
     damper: DamperState,
     last_m: Option<f64>,
@@ -28,6 +28,10 @@ pub(super) struct Reference {
 }
 
 impl Reference {
+    /// Nothing has happened yet.
+    pub(super) const NEW: Self =
+        Self { damper: DamperState::NEW, last_m: None, squares: 0.0, readings: 0 };
+
     /// Takes the vehicle's displacement (m) of a cycle, and what has arrived in it; `known` is what
     /// the model needs without that.
     pub(super) fn take(

@@ -18,8 +18,13 @@ pub const MOST_ROUNDING_CYCLES: u8 = 15;
 const KEPT: usize = 2 * MOST_ROUNDING_CYCLES as usize + 2;
 
 /// The last targets (m).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Rounding(Ring<f64, KEPT>);
+
+impl Rounding {
+    /// Nothing has happened yet.
+    pub(super) const NEW: Self = Self(Ring::filled(0.0));
+}
 
 /// Cycles on either side with which a jump of the speed (m/s) keeps an acceleration (m/s2).
 pub(super) fn rounding_cycles(speed_m_per_s: f64, acceleration_m_per_s2: f64, cycle_s: f64) -> u8 {
@@ -53,7 +58,7 @@ mod tests {
         // 76 mm/s at 16 m/s2: five cycles.
         let half = rounding_cycles(0.076, 16.0, 1e-3);
         assert_eq!(half, 2);
-        let mut rounding = Rounding::default();
+        let mut rounding = Rounding::NEW;
         let mut last = 0.0;
         for cycle in -20..20 {
             // Seen two cycles ahead.

@@ -76,7 +76,7 @@ fn run(group: &str, name: &str, steps: u32) -> Option<u64> {
 /// The locomotive, with what it costs.
 #[inline(never)]
 fn creep(law: &str, steps: u32) -> Option<u64> {
-    let vehicle = setup::vehicle()?;
+    let vehicle = setup::changeable_vehicle()?;
     if !locomotive::use_law(vehicle, law) {
         return None;
     }
@@ -93,7 +93,7 @@ fn creep(law: &str, steps: u32) -> Option<u64> {
 /// The locomotive on a track that is handed over while it runs.
 #[inline(never)]
 fn window(law: &str, steps: u32) -> Option<u64> {
-    let vehicle = setup::vehicle()?;
+    let vehicle = setup::changeable_vehicle()?;
     if !locomotive::use_law(vehicle, law) {
         return None;
     }
