@@ -135,6 +135,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "minutes to hours in an interpreter")]
     fn no_payload_passes_under_another_id() {
         // Both CRCs are linear: if one payload distinguishes two ids, every payload does.
         for first in MessageId::all() {
@@ -153,6 +154,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "minutes to hours in an interpreter")]
     fn every_single_and_double_bit_error_is_found() {
         for profile in [Profile::Classical, Profile::Fd] {
             let message = MessageId::Measurement(profile, crate::Node::ALL[2]);
@@ -174,6 +176,7 @@ mod tests {
         }
     }
     #[test]
+    #[cfg_attr(miri, ignore = "minutes to hours in an interpreter")]
     fn a_frame_opens_under_its_own_mask_and_no_other() {
         let code = SessionCode::of(3, 4);
         for (profile, cycles) in [(Profile::Classical, 1_u32 << 16), (Profile::Fd, 1 << 18)] {

@@ -163,6 +163,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "minutes to hours in an interpreter")]
     fn the_masks_of_a_session_repeat_only_after_all_of_them() {
         // All codes for CRC-8, every 257th for CRC-16.
         for (profile, codes) in [(Profile::Classical, 1), (Profile::Fd, 257)] {
@@ -178,6 +179,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "minutes to hours in an interpreter")]
     fn two_codes_never_have_one_mask_in_one_cycle() {
         for (profile, roll_overs) in [(Profile::Classical, 1), (Profile::Fd, 8191)] {
             for roll_over in (0..masks(profile)).step_by(roll_overs) {
@@ -201,6 +203,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "minutes to hours in an interpreter")]
     fn only_the_stated_bits_count() {
         for cycle in (0..u32::MAX - 15 * 256).step_by(99_991) {
             let at = |code, cycle| Seal { code: SessionCode(code), cycle }.mask(Profile::Classical);
@@ -220,6 +223,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "minutes to hours in an interpreter")]
     fn codes_are_spread_evenly_over_random_numbers() {
         // Counting numbers are the worst source: each low byte must still be as frequent as others.
         let mut frequency = [0_u32; 256];

@@ -5,7 +5,7 @@
 //! bits are the same, because each wheel's force depends on its own place alone.
 
 use super::axle::{Axle, Place, RailSupport};
-use super::body::{BODIES_MAX, BodyId, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
+use super::body::{BODIES_MAX, BodyId, COORDINATES, LATERAL, PITCH, Pose, ROLL, VERTICAL, YAW};
 use super::links::Forces;
 use super::running::{Places, Running};
 use super::state::VehicleState;
@@ -117,28 +117,10 @@ impl Vehicle {
         kept: Kept,
     ) {
         let half = N::splat(0.5 * running.substep_s);
-        let of_body = |poses: &[Pose<L>; BODIES_MAX], coordinate: usize| {
-            N::gather(seats, |seat| poses[seat.body & (BODIES_MAX - 1)][coordinate].lane(seat.lane))
-        };
-        let of_rail = |rails: &[[[Lanes<L>; 2]; 2]; AXLES_MAX], direction: usize| {
-            N::gather(seats, |seat| rails[seat.axle][seat.side][direction].lane(seat.lane))
-        };
-        // Spelled out: a closure in `array::map` is called, not inlined.
-        let of_bodies = |poses: &[Pose<L>; BODIES_MAX]| {
-            [
-                of_body(poses, LATERAL),
-                of_body(poses, VERTICAL),
-                of_body(poses, ROLL),
-                of_body(poses, PITCH),
-                of_body(poses, YAW),
-            ]
-        };
-        let of_rails =
-            |rails: &[[[Lanes<L>; 2]; 2]; AXLES_MAX]| [of_rail(rails, 0), of_rail(rails, 1)];
-        let (here, moving) = (of_bodies(&state.position), of_bodies(velocity));
-        let rail_place = of_rails(&state.rail_position);
-        let [right, down] = of_rails(&state.rail_half_velocity);
-        let [right_rate, down_rate] = of_rails(&state.rail_acceleration);
+        let (here, moving) = (of_bodies(seats, &state.position), of_bodies(seats, velocity));
+        let rail_place = of_rails::<N, L>(seats, &state.rail_position);
+        let [right, down] = of_rails::<N, L>(seats, &state.rail_half_velocity);
+        let [right_rate, down_rate] = of_rails::<N, L>(seats, &state.rail_acceleration);
         let rail_speed = [right + half * right_rate, down + half * down_rate];
         let irregular = |direction: usize| {
             N::gather(seats, |seat| {
@@ -263,4 +245,48 @@ impl RailSupport {
             (-down_n - vertical_k * position[1] - vertical_c * velocity[1]) / vertical_kg,
         ]
     }
+}
+
+// Functions and no closures: without LTO a closure of this loop is called, not inlined.
+
+/// All coordinates of the wheels' bodies.
+#[inline(always)]
+fn of_bodies<N: Number, const L: usize>(
+    seats: &N::Each<Seat>,
+    poses: &[Pose<L>; BODIES_MAX],
+) -> [N; COORDINATES] {
+    [
+        of_body(seats, poses, LATERAL),
+        of_body(seats, poses, VERTICAL),
+        of_body(seats, poses, ROLL),
+        of_body(seats, poses, PITCH),
+        of_body(seats, poses, YAW),
+    ]
+}
+
+#[inline(always)]
+fn of_body<N: Number, const L: usize>(
+    seats: &N::Each<Seat>,
+    poses: &[Pose<L>; BODIES_MAX],
+    coordinate: usize,
+) -> N {
+    N::gather(seats, |seat| poses[seat.body & (BODIES_MAX - 1)][coordinate].lane(seat.lane))
+}
+
+/// Both directions of the wheels' rails.
+#[inline(always)]
+fn of_rails<N: Number, const L: usize>(
+    seats: &N::Each<Seat>,
+    rails: &[[[Lanes<L>; 2]; 2]; AXLES_MAX],
+) -> [N; 2] {
+    [of_rail(seats, rails, 0), of_rail(seats, rails, 1)]
+}
+
+#[inline(always)]
+fn of_rail<N: Number, const L: usize>(
+    seats: &N::Each<Seat>,
+    rails: &[[[Lanes<L>; 2]; 2]; AXLES_MAX],
+    direction: usize,
+) -> N {
+    N::gather(seats, |seat| rails[seat.axle][seat.side][direction].lane(seat.lane))
 }
