@@ -38,8 +38,10 @@ pub(crate) fn source(run: &Run) -> String {
     }
     let track = long_track(run);
     for cycles in two_roles::CYCLES {
-        rows.push(("roles", "loopback", cycles, roles(run, &track, cycles)));
+        rows.push(("roles", "loopback", cycles, roles(run, &track, cycles, Around::Model)));
     }
+    let [short, _] = two_roles::CYCLES;
+    rows.push(("roles", "servo", short, roles(run, &track, short, Around::Servo)));
     rows.push(("contact", "rows", STEPS, contact::run(STEPS)));
     rows.push(("state", "machine", STEPS, state_machine::run(STEPS)));
     rows.push(("codec", "all", STEPS, codec::run(STEPS).unwrap_or_else(|| panic!("no node"))));
@@ -66,8 +68,15 @@ fn long_track(run: &Run) -> Vec<IrregularitySample> {
     numbers.map(|place| samples.samples[of_number(place)]).collect()
 }
 
+/// What the node of the rig has around it.
+#[derive(Clone, Copy)]
+enum Around {
+    Model,
+    Servo,
+}
+
 /// The locomotive and the rig as nodes of one bus.
-fn roles(run: &Run, samples: &[IrregularitySample], cycles: u32) -> u64 {
+fn roles(run: &Run, samples: &[IrregularitySample], cycles: u32, around: Around) -> u64 {
     let irregularity = Irregularity { samples, ..run.track.view().irregularity };
     let track = Track { irregularity, ..run.track.view() };
     let mut line = line(run, &run.vehicle, &track);
@@ -86,16 +95,22 @@ fn roles(run: &Run, samples: &[IrregularitySample], cycles: u32) -> u64 {
     line.fade =
         Fade { motion_cycles: ramp_cycles, measuring_cycles: 0, coupling_cycles: ramp_cycles };
     let damper = run.rig.damper.clone().prepared(CYCLE_S / f64::from(SUBSTEPS));
-    let rig = two_roles::rig(&ModelSetup {
+    let setup = ModelSetup {
         damper: &damper,
         stroke_m: run.rig.stroke_m,
         rate_m_per_s: run.rig.rate_m_per_s,
         lag_s: run.rig.lag_s,
         seed: 1,
-    });
+    };
     let mut state = line.start(run.start.state.clone());
-    two_roles::run(&line, &mut state, rig, cycles)
-        .unwrap_or_else(|| panic!("the roles ended before {cycles} cycles"))
+    let hash = match around {
+        Around::Model => two_roles::run(&line, &mut state, two_roles::rig(&setup), cycles),
+        Around::Servo => {
+            let rig = two_roles::behind_servo(&setup, CYCLE_S);
+            two_roles::run(&line, &mut state, rig, cycles)
+        }
+    };
+    hash.unwrap_or_else(|| panic!("the roles ended before {cycles} cycles"))
 }
 
 /// The locomotive with modelled dampers in all slots.

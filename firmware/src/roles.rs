@@ -6,11 +6,11 @@ use firmware_core::damper::Damper;
 use firmware_core::line::{Line, LineState, Slot};
 use firmware_core::track::Track;
 use nodes::locomotive::{End, Locomotive};
-use nodes::rig::ModelSetup;
+use nodes::rig::{ModelSetup, ServoBench, ServoRig};
 use nodes::timed::{TimedLocomotive, TimedRig};
 use same_bits::Random;
 use same_bits::locomotive::BoardWindow;
-use same_bits::two_roles::{self, Feed, Rig};
+use same_bits::two_roles::{self, Feed};
 use static_cell::StaticCell;
 
 /// Period of the timer (us): a cycle of the model.
@@ -25,17 +25,30 @@ const PATIENCE: Patience = Patience { repeat_cycles: 20, attempts: 250, quiet_cy
 /// The rig, which has just started.
 pub type BoardRig = TimedRig<nodes::rig::ModelRig<'static>, Random>;
 
+/// The same behind a servo controller and its converters, which are doubles: a port puts its own in
+/// their place.
+pub type ServoBoardRig = TimedRig<ServoRig<ServoBench<'static>>, Random>;
+
 /// The rig of the scenario around the model of its damper.
 #[inline(never)]
 pub fn rig(damper: &'static Damper) -> BoardRig {
-    let rig: Rig<'static> = two_roles::rig(&ModelSetup {
+    TimedRig::new(two_roles::rig(&model(damper)), SILENCE_TICKS)
+}
+
+/// The rig of the scenario behind a servo controller.
+#[inline(never)]
+pub fn servo_rig(damper: &'static Damper) -> ServoBoardRig {
+    TimedRig::new(two_roles::behind_servo(&model(damper), setup::CYCLE_S), SILENCE_TICKS)
+}
+
+fn model(damper: &'static Damper) -> ModelSetup<'static> {
+    ModelSetup {
         damper,
         stroke_m: setup::RIG_STROKE_M,
         rate_m_per_s: setup::RIG_RATE_M_PER_S,
         lag_s: setup::RIG_LAG_S,
         seed: 1,
-    });
-    TimedRig::new(rig, SILENCE_TICKS)
+    }
 }
 
 static LOCOMOTIVE: StaticCell<BoardLocomotive> = StaticCell::new();

@@ -4,8 +4,9 @@
 use crate::support::command::{folder, output, read, yawbench};
 use std::path::Path;
 
+/// Two cases that take seconds; those of another seed may take minutes.
 fn campaign(place: &Path, more: &[&str]) -> String {
-    let args = ["campaign", "--cases", "2", "--seed", "1", "--brief"];
+    let args = ["campaign", "--cases", "2", "--seed", "6", "--brief"];
     let result = output(yawbench().args(args).args(more).current_dir(place));
     assert_eq!(result.status.code(), Some(0), "{}", String::from_utf8_lossy(&result.stderr));
     String::from_utf8(result.stdout).unwrap()
@@ -16,7 +17,7 @@ fn a_seed_gives_the_same_table_whole_in_shards_and_after_a_stop() {
     let place = folder("campaign");
     let whole = campaign(&place, &["--out", "whole"]);
     let table = read(&place.join("whole/table.json"));
-    assert!(whole.starts_with("2 brief cases of seed 1"), "{whole}");
+    assert!(whole.starts_with("2 brief cases of seed 6"), "{whole}");
     assert_eq!(whole, read(&place.join("whole/table.txt")));
 
     campaign(&place, &["--out", "parts", "--shard", "2/2"]);

@@ -17,7 +17,7 @@ use firmware_core::supervision::Checks;
 use firmware_core::track::IrregularitySample;
 use nodes::locomotive::{End, Locomotive, SILENCE_TICKS, Terms};
 use nodes::loopback::Loopback;
-use nodes::rig::{ModelRig, ModelSetup, Numbers, RigNode};
+use nodes::rig::{ModelRig, ModelSetup, Numbers, Plant, RigNode, ServoBench, ServoRig, ServoSetup};
 use nodes::timed::{TimedLocomotive, TimedRig};
 
 /// Cycles of RUN: in every test run, and in the long one.
@@ -38,6 +38,9 @@ const REACH_M: f64 = 10.0;
 /// A rig of these runs.
 pub type Rig<'a> = RigNode<ModelRig<'a>, Random>;
 
+/// The same behind a servo controller and converters.
+pub type BehindServo<'a> = RigNode<ServoRig<ServoBench<'a>>, Random>;
+
 impl Numbers for Random {
     /// Anyone can foresee these: a real bus needs the random numbers of the part.
     fn seeded(seed: u64, stream: u64) -> Self {
@@ -52,6 +55,14 @@ impl Numbers for Random {
 /// The rig around its damper.
 pub fn rig<'a>(setup: &ModelSetup<'a>) -> Rig<'a> {
     RigNode::new(setup, NODE, Profile::Classical)
+}
+
+/// The rig around its damper, with a set-point and two sensors between them.
+pub fn behind_servo<'a>(setup: &ModelSetup<'a>, cycle_s: f64) -> BehindServo<'a> {
+    let ModelSetup { damper, stroke_m, rate_m_per_s, lag_s, seed } = *setup;
+    let servo = ServoBench::new(damper, [stroke_m, rate_m_per_s, lag_s], 0.0, cycle_s);
+    let setup = ServoSetup { servo, stroke_m, rate_m_per_s, seed };
+    RigNode::new(&setup, NODE, Profile::Classical)
 }
 
 /// What the locomotive is given. The usual patience is meant for two boards in real time; emulated
@@ -82,7 +93,12 @@ pub fn terms(cycle_s: f64, cycles: u32, patience: Patience, silence_ticks: u32) 
 }
 
 /// The run on the host, on a line that holds the whole track; none where it is not completed.
-pub fn run(line: &Line<'_>, state: &mut LineState, rig: Rig<'_>, cycles: u32) -> Option<u64> {
+pub fn run<P: Plant>(
+    line: &Line<'_>,
+    state: &mut LineState,
+    rig: RigNode<P, Random>,
+    cycles: u32,
+) -> Option<u64> {
     let wire = Loopback::default();
     let (mut at_locomotive, mut at_rig) = wire.ends();
     let terms = terms(line.cycle_s, cycles, Patience::default(), SILENCE_TICKS);

@@ -16,6 +16,9 @@ use firmware::expected;
 use firmware::roles::{self, BoardLocomotive, PERIOD_US};
 use nodes::locomotive::End;
 use nodes::loopback::Loopback;
+use nodes::rig::Plant;
+use nodes::timed::TimedRig;
+use same_bits::Random;
 
 #[entry]
 fn main() -> ! {
@@ -33,11 +36,13 @@ fn run(bus: &str, cycles: u32) -> Option<bool> {
     let _ = writeln!(Console, "stack setup {}", stack::deepest());
     let timer = cortex_m::Peripherals::take()?.SYST;
     let (end, late) = match bus {
-        "loopback" => on_a_loopback(locomotive, timer)?,
+        "loopback" => on_a_loopback(roles::rig(locomotive.damper()?), locomotive, timer)?,
+        "servo" => on_a_loopback(roles::servo_rig(locomotive.damper()?), locomotive, timer)?,
         "uart" => on_a_line(locomotive, timer)?,
         _ => return None,
     };
-    let (hash, host) = (locomotive.hash(), expected::hash("roles", "loopback", cycles));
+    let around = if bus == "servo" { "servo" } else { "loopback" };
+    let (hash, host) = (locomotive.hash(), expected::hash("roles", around, cycles));
     let is_same = hash == host && end == End::Completed;
     let verdict = if is_same { "same" } else { "DIFFERENT" };
     let _ = writeln!(Console, "late {late}");
@@ -52,13 +57,13 @@ fn run(bus: &str, cycles: u32) -> Option<bool> {
 
 /// Both roles in this program.
 #[inline(never)]
-fn on_a_loopback(
+fn on_a_loopback<P: Plant>(
+    mut rig: TimedRig<P, Random>,
     locomotive: &mut BoardLocomotive,
     timer: cortex_m::peripheral::SYST,
 ) -> Option<(End, u32)> {
     let wire = Loopback::default();
     let (mut at_locomotive, mut at_rig) = wire.ends();
-    let mut rig = roles::rig(locomotive.damper()?);
     stack::paint();
     let mut timer = Timer::start(timer, PERIOD_US);
     loop {

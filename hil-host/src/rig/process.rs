@@ -2,8 +2,8 @@
 //!
 //! In clock pace it runs by its own clock, once per period as the host's sync set it, with the
 //! newest valid command; in lock-step it waits for the next command, and considers the host lost
-//! after a second of silence. In the safe state it brings the ram to rest by its own clock in either
-//! pace.
+//! after a second of silence. In the safe state it brings the ram to rest by its own clock, in
+//! either pace.
 //!
 //! The clock-paced loop neither prints nor allocates: once per second it hands a small status to an
 //! ordinary thread, which prints it.

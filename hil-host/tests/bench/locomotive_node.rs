@@ -33,7 +33,7 @@ fn with_an_ideal_rig() -> Run {
     run
 }
 
-fn terms(run: &Run, pace: WirePace) -> Terms {
+pub(crate) fn terms(run: &Run, pace: WirePace) -> Terms {
     let Arming { number, boot, requirements, .. } = Arming::in_memory().requiring(&run.readiness);
     let profile = Profile::Classical;
     Terms {
@@ -53,7 +53,7 @@ fn terms(run: &Run, pace: WirePace) -> Terms {
 }
 
 /// The damper on the rig, as its image prepares it.
-fn specimen(run: &Run) -> Damper {
+pub(crate) fn specimen(run: &Run) -> Damper {
     run.rig.damper.clone().prepared(CYCLE_S / f64::from(SUBSTEPS))
 }
 
@@ -68,23 +68,24 @@ fn emulated_rig(run: &Run) -> Node<Emulator, Draw> {
 }
 
 /// What a session of two nodes has come to.
-struct Found {
+pub(crate) struct Found<P: Plant> {
     hash: u64,
-    end: NodeEnd,
-    stop: Option<(u64, Signal)>,
+    pub(crate) end: NodeEnd,
+    pub(crate) stop: Option<(u64, Signal)>,
     cycles: u64,
     state: State,
-    rig: RunState,
+    pub(crate) rig: RunState,
+    pub(crate) physics: P::State,
 }
 
 /// Both nodes on a loopback, tick by tick, until the locomotive ends.
-fn together<P: Plant>(
+pub(crate) fn together<P: Plant>(
     line: &Line<'_>,
     mut state: LineState,
     terms: Terms,
     rig: Node<P, Draw>,
     mut disturb: impl FnMut(u32, &mut Locomotive<'_>, &mut BusEnd<'_>) -> bool,
-) -> Found {
+) -> Found<P> {
     let wire = Loopback::default();
     let (mut at_locomotive, mut at_rig) = wire.ends();
     let locomotive = Locomotive::new(line, &mut state, terms).unwrap();
@@ -106,6 +107,7 @@ fn together<P: Plant>(
                 cycles: node.state().cycle,
                 state: node.state().state,
                 rig: rig.rig().run_state(),
+                physics: rig.rig().physics().clone(),
             };
         }
     }

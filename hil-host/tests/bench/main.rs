@@ -17,6 +17,7 @@ mod rig_physics;
 mod rig_process;
 mod rig_states;
 mod second_sender;
+mod servo_controller;
 mod several_rigs;
 mod sound_rigs;
 mod stand_ins;

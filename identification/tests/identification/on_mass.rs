@@ -12,6 +12,8 @@ use std::path::PathBuf;
 
 const RATE_HZ: f64 = 750.0;
 const PERIOD: usize = 300;
+/// Runge-Kutta steps per sample.
+const STEPS: u32 = 40;
 const MASS_KG: f64 = 2.0;
 const K0: f64 = 5e4;
 const C0: f64 = 40.0;
@@ -23,7 +25,12 @@ fn multisine(seed: u64, rms_n: f64) -> impl Fn(f64) -> f64 {
     let tones: Vec<(f64, f64)> =
         (3..=60).map(|line| (TAU * f64::from(line) / length_s, TAU * draw(&mut random))).collect();
     let size = rms_n * libm::sqrt(2.0 / tones.len() as f64);
-    move |t: f64| tones.iter().map(|(omega, phase)| size * libm::cos(omega * t + phase)).sum()
+    let at = |t: f64| tones.iter().map(|(omega, phase)| size * libm::cos(omega * t + phase)).sum();
+    // Of one period, at every time that a Runge-Kutta step looks at.
+    let places = 2 * STEPS as usize * PERIOD;
+    let place_s = length_s / places as f64;
+    let table: Vec<f64> = (0..places).map(|place| at(place as f64 * place_s)).collect();
+    move |t: f64| table[(t / place_s).round() as usize % places]
 }
 
 /// Uniform in 0 to 1.
@@ -36,7 +43,7 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| draw(random)).sum::<f64>() - 6.0
 }
 
-/// The motion at every sample under `force`, by the classical Runge-Kutta method with 40 steps per
+/// The motion at every sample under `force`, by the classical Runge-Kutta method with [`STEPS`] per
 /// sample. `law` gives the rate of the internal force `z`, and what is added to it.
 fn motion(
     force: &dyn Fn(f64) -> f64,
@@ -44,8 +51,7 @@ fn motion(
     law: &dyn Fn(f64, f64, f64) -> (f64, f64),
     output: Output,
 ) -> Vec<f64> {
-    let steps = 40;
-    let h = 1.0 / (RATE_HZ * f64::from(steps));
+    let h = 1.0 / (RATE_HZ * f64::from(STEPS));
     let rates = |t: f64, [y, v, z]: [f64; 3]| {
         let (rate, added) = law(y, v, z);
         [v, (force(t) - K0 * y - C0 * v - z - added) / MASS_KG, rate]
@@ -58,7 +64,7 @@ fn motion(
             Output::Displacement => state[0],
             Output::Acceleration => rates(sample as f64 / RATE_HZ, state)[1],
         });
-        for step in 0..steps {
+        for step in 0..STEPS {
             let t = sample as f64 / RATE_HZ + h * f64::from(step);
             let k1 = rates(t, state);
             let k2 = rates(t + 0.5 * h, moved(state, k1, 0.5 * h));

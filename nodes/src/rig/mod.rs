@@ -44,19 +44,25 @@ mod net;
 mod outbox;
 mod plant;
 mod ram;
+mod servo;
+mod servo_bench;
 mod session;
-pub mod set_point;
+mod set_point;
 mod states;
+mod view;
 
 pub use condition::Condition;
 pub use model::{ModelRig, ModelSetup, ModelState, SUBSTEPS};
 pub use outbox::{Outbox, Says};
 pub use plant::{Limits, Plant, Reading, Reference, Target};
 pub use ram::{CENTRING_M_PER_S, DECELERATION_M_PER_S2, Ram, RamState};
+pub use servo::{ServoRig, ServoSetup, ServoState};
+pub use servo_bench::ServoBench;
 pub use session::{FrameCounts, Session, Timing};
+pub use set_point::{BLIND_CYCLES, SETTLE_CYCLES, STILL_M, Sensed, ServoInterface, SetPoint};
 pub use states::follow;
 
-use crate::{WATCHDOG_CYCLES, WireFrame, wire_state};
+use crate::{WATCHDOG_CYCLES, WireFrame};
 use can_protocol::arming::{Listener, Quiet, RigArming, RigEvent, RigStatus};
 use can_protocol::{
     ArmMessage, Command, FaultCode, Frame, HeartbeatFlags, MeasurementFlags, MessageId, Mode, Node,
@@ -281,7 +287,13 @@ impl<P: Plant, N: Numbers> RigNode<P, N> {
     /// The plant for a cycle.
     fn advance(&mut self) -> Reading {
         let target = if self.machine.moves() { self.target } else { Target::Hold };
+        let is_stopping = self.is_latched() && !self.is_at_rest();
+        let has_power = self.machine == State::Armed || self.machine.moves() || is_stopping;
+        self.plant.power(&mut self.state, has_power && self.pressure == Pressure::Ready);
         let reading = self.plant.cycle(&mut self.state, target);
+        if self.plant.has_lost_power(&self.state) {
+            self.drop_pressure();
+        }
         self.cycles += 1;
         self.last = Some(reading);
         reading
@@ -466,6 +478,7 @@ impl<P: Plant, N: Numbers> RigNode<P, N> {
         let mut flags = MeasurementFlags::empty();
         flags.set(MeasurementFlags::LIMIT_REACHED, reading.limits.any());
         flags.set(MeasurementFlags::ACTUATOR_LAGGING, reading.behind_m.abs() > LAGGING_M);
+        flags.set(MeasurementFlags::SENSOR_INVALID, !self.plant.is_measured(&self.state));
         let tripped = [
             (reading.limits.stroke, Trips::STROKE_LIMIT),
             (reading.limits.rate, Trips::VELOCITY_LIMIT),
@@ -503,94 +516,6 @@ impl<P: Plant, N: Numbers> RigNode<P, N> {
     /// Whether the watchdog watches: a host holds or moves the ram.
     fn is_watched(&self) -> bool {
         self.session.is_commanded() && (self.machine == State::Armed || self.machine.moves())
-    }
-}
-
-/// What the rig can be asked.
-impl<P: Plant, N: Numbers> RigNode<P, N> {
-    /// Its number.
-    pub fn node(&self) -> Node {
-        self.node
-    }
-
-    /// The number that it drew when it started.
-    pub fn boot(&self) -> u32 {
-        self.boot
-    }
-
-    /// Period, slow-down, pace and profile, as the last sync set them.
-    pub fn timing(&self) -> Timing {
-        self.timing
-    }
-
-    /// Who waits for whom.
-    pub fn pace(&self) -> Pace {
-        self.timing.pace
-    }
-
-    /// Its run state.
-    pub fn run_state(&self) -> RunState {
-        wire_state(self.machine)
-    }
-
-    /// Whether the ram follows commands.
-    pub fn is_coupled(&self) -> bool {
-        self.machine.moves()
-    }
-
-    /// Whether it stays in SAFE or FAULT until it is reset.
-    pub fn is_latched(&self) -> bool {
-        matches!(self.machine, State::Safe | State::Fault)
-    }
-
-    /// Whether nobody commands it: no session is armed, or its first command has not come yet.
-    pub fn is_idle(&self) -> bool {
-        !self.session.is_commanded()
-    }
-
-    /// Whether a session is armed, and not ended.
-    pub fn is_armed(&self) -> bool {
-        self.session.is_armed()
-    }
-
-    /// Its condition.
-    pub fn condition(&self) -> Condition {
-        self.condition
-    }
-
-    /// Whether the ram stands still, as its plant has it.
-    pub fn is_at_rest(&self) -> bool {
-        self.plant.is_at_rest(&self.state)
-    }
-
-    /// Cycles since it exists.
-    pub fn cycles(&self) -> u64 {
-        self.cycles
-    }
-
-    /// How often it was armed and set running.
-    pub fn runs(&self) -> u64 {
-        self.runs
-    }
-
-    /// How often it went to SAFE or FAULT by itself.
-    pub fn safe_events(&self) -> u64 {
-        self.safe_events
-    }
-
-    /// How the commands were received.
-    pub fn frames(&self) -> FrameCounts {
-        self.session.counts()
-    }
-
-    /// What its sensors showed last.
-    pub fn last(&self) -> Option<Reading> {
-        self.last
-    }
-
-    /// The physics: what the sensors would show without noise.
-    pub fn physics(&self) -> &P::State {
-        &self.state
     }
 }
 

@@ -41,6 +41,20 @@ pub trait Plant: Clone {
     /// One cycle.
     fn cycle(&self, state: &mut Self::State, target: Target) -> Reading;
 
+    /// Gives the drive its power or takes it, before each cycle: it has power while the rig is
+    /// armed, moves or comes to rest. An emulated drive always has it.
+    fn power(&self, _state: &mut Self::State, _is_on: bool) {}
+
+    /// Whether the last reading was measured. One that was not repeats the last that was.
+    fn is_measured(&self, _state: &Self::State) -> bool {
+        true
+    }
+
+    /// Whether the drive has lost its power although the rig gives it.
+    fn has_lost_power(&self, _state: &Self::State) -> bool {
+        false
+    }
+
     /// Whether the ram stands still.
     fn is_at_rest(&self, state: &Self::State) -> bool;
 

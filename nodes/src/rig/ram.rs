@@ -57,6 +57,11 @@ impl Ram {
         Self { stroke_m, rate_m_per_s, lag_s, step_s, residual }
     }
 
+    /// Length of a substep (s).
+    pub(super) fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
     /// One cycle of so many substeps; `each` is told where the ram is after each of them.
     pub fn cycle(
         &self,

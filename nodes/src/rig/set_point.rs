@@ -18,9 +18,9 @@
 //!
 //! This is no safety function: emergency stop and pressure dump are hard-wired beside it.
 
+use super::Limits;
 use super::plant::{Reading, Reference, Target};
-use super::ram::{RamState, bounded};
-use super::{Limits, Ram};
+use super::ram::{Ram, RamState, bounded};
 
 /// Cycles with a still ram and the set-point on it before the line may close.
 pub const SETTLE_CYCLES: u32 = 20;
@@ -67,8 +67,6 @@ enum Stage {
 /// The set-point of a servo controller, cycle by cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SetPoint {
-    ram: Ram,
-    period_s: f64,
     stage: Stage,
     /// Where the set-point is, and how fast.
     reference: RamState,
@@ -77,11 +75,9 @@ pub struct SetPoint {
 }
 
 impl SetPoint {
-    /// A set-point whose line is open, for a ram with this stroke and speed.
-    pub fn new(stroke_m: f64, rate_m_per_s: f64, period_s: f64) -> Self {
+    /// A set-point whose line is open.
+    pub fn new() -> Self {
         Self {
-            ram: Ram::new(stroke_m, rate_m_per_s, 0.0, period_s),
-            period_s,
             stage: Stage::Open { still: 0 },
             reference: RamState::default(),
             last: None,
@@ -94,9 +90,16 @@ impl SetPoint {
         self.stage == Stage::Enabled
     }
 
-    /// One cycle; `wants_enable` while the rig is armed or moves. None without a measurement.
+    /// Whether it stands still.
+    pub fn is_at_rest(&self) -> bool {
+        self.reference.velocity_m_per_s == 0.0
+    }
+
+    /// One cycle, which is a substep of the ram; `wants_enable` while the rig is armed or moves.
+    /// None without a measurement.
     pub fn cycle(
         &mut self,
+        ram: &Ram,
         servo: &mut impl ServoInterface,
         wants_enable: bool,
         target: Target,
@@ -109,7 +112,7 @@ impl SetPoint {
         }
         let limits = match (self.stage, sensed) {
             (Stage::Open { still }, Some(sensed)) => {
-                self.wait_open(servo, still, sensed, wants_enable);
+                self.wait_open(ram.stroke_m, servo, (still, sensed), wants_enable);
                 Limits::default()
             }
             (Stage::Open { .. }, None) => {
@@ -117,7 +120,7 @@ impl SetPoint {
                 Limits::default()
             }
             (Stage::Enabled, _) => {
-                let limits = self.ram.cycle(&mut self.reference, target, 1, |_| {});
+                let limits = ram.cycle(&mut self.reference, target, 1, |_| {});
                 servo.write_set_point(self.reference.displacement_m);
                 servo.feed();
                 limits
@@ -127,7 +130,7 @@ impl SetPoint {
         let Sensed { displacement_m, force_n } = sensed?;
         let behind_m = match target {
             Target::Follow(reference) => {
-                let Reference { displacement_m: wanted_m, .. } = reference.after(self.period_s);
+                let Reference { displacement_m: wanted_m, .. } = reference.after(ram.step_s());
                 wanted_m - displacement_m
             }
             Target::Hold | Target::Centre => 0.0,
@@ -139,12 +142,12 @@ impl SetPoint {
     /// With an open line the set-point follows the ram; closes it once the ram was still.
     fn wait_open(
         &mut self,
+        stroke_m: f64,
         servo: &mut impl ServoInterface,
-        still: u32,
-        sensed: Sensed,
+        (still, sensed): (u32, Sensed),
         wants_enable: bool,
     ) {
-        let displacement_m = bounded(sensed.displacement_m, self.ram.stroke_m);
+        let displacement_m = bounded(sensed.displacement_m, stroke_m);
         self.reference = RamState { displacement_m, velocity_m_per_s: 0.0 };
         servo.write_set_point(displacement_m);
         let moved_m = self
@@ -159,6 +162,12 @@ impl SetPoint {
         } else {
             Stage::Open { still: still.min(SETTLE_CYCLES) }
         };
+    }
+}
+
+impl Default for SetPoint {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
@@ -225,15 +234,15 @@ mod tests {
 
     const FAR: Target = Target::Follow(Reference { displacement_m: 20e-3, velocity_m_per_s: 0.0 });
 
-    fn set_point() -> SetPoint {
-        SetPoint::new(0.1, 1.0, 1e-3)
+    fn ram() -> Ram {
+        Ram::new(0.1, 1.0, 0.0, 1e-3)
     }
 
     /// Cycles until the line is closed; how many.
     fn enable(set_point: &mut SetPoint, bench: &mut Double, target: Target) -> u32 {
         let mut cycles = 0;
         while !set_point.is_enabled() {
-            set_point.cycle(bench, true, target);
+            set_point.cycle(&ram(), bench, true, target);
             assert_eq!(bench.ram_m, 7e-3, "moved in cycle {cycles}");
             bench.pass();
             cycles += 1;
@@ -244,7 +253,7 @@ mod tests {
 
     #[test]
     fn a_bench_is_measured_then_set_there_then_enabled_and_only_then_moved() {
-        let (mut set_point, mut bench) = (set_point(), Double::new());
+        let (mut set_point, mut bench) = (SetPoint::new(), Double::new());
         // Even a host that already wants it elsewhere waits.
         assert_eq!(enable(&mut set_point, &mut bench, FAR), SETTLE_CYCLES + 1);
         let fed = bench.done.iter().position(|done| *done == Done::Fed).unwrap();
@@ -252,7 +261,7 @@ mod tests {
         assert_eq!(before[..2], [Done::Sensed, Done::Set(7e-3)]);
         assert!(before.iter().all(|done| matches!(done, Done::Sensed | Done::Set(7e-3))));
         assert_eq!(bench.ram_m, 7e-3);
-        set_point.cycle(&mut bench, true, FAR);
+        set_point.cycle(&ram(), &mut bench, true, FAR);
         bench.pass();
         // 1 m/s for a cycle.
         assert!((bench.ram_m - 8e-3).abs() < 1e-12, "{}", bench.ram_m);
@@ -260,7 +269,7 @@ mod tests {
 
     #[test]
     fn a_program_that_is_gone_moves_nothing_and_one_that_comes_back_begins_anew() {
-        let (mut first, mut bench) = (set_point(), Double::new());
+        let (mut first, mut bench) = (SetPoint::new(), Double::new());
         enable(&mut first, &mut bench, Target::Hold);
         // Reset, panic, brown-out or a debugger: the program just stops, and its DAC may jump.
         for _ in 0..WATCHDOG_CYCLES {
@@ -269,31 +278,31 @@ mod tests {
         bench.set_m = -90e-3;
         bench.pass();
         assert_eq!((bench.closed, bench.ram_m), (0, 7e-3));
-        enable(&mut set_point(), &mut bench, FAR);
+        enable(&mut SetPoint::new(), &mut bench, FAR);
         assert_eq!(bench.ram_m, 7e-3);
     }
 
     #[test]
     fn a_ram_that_is_not_seen_or_not_wanted_is_cut_off() {
-        let (mut set_point, mut bench) = (set_point(), Double::new());
+        let (mut set_point, mut bench) = (SetPoint::new(), Double::new());
         enable(&mut set_point, &mut bench, Target::Hold);
         bench.is_blind = true;
         for cycle in 1..=BLIND_CYCLES {
-            assert_eq!(set_point.cycle(&mut bench, true, Target::Hold), None);
+            assert_eq!(set_point.cycle(&ram(), &mut bench, true, Target::Hold), None);
             assert_eq!(set_point.is_enabled(), cycle < BLIND_CYCLES, "{cycle}");
         }
         assert_eq!(bench.done.last(), Some(&Done::Opened));
         bench.is_blind = false;
         enable(&mut set_point, &mut bench, Target::Hold);
-        set_point.cycle(&mut bench, false, FAR);
+        set_point.cycle(&ram(), &mut bench, false, FAR);
         assert_eq!((set_point.is_enabled(), bench.closed), (false, 0));
     }
 
     #[test]
     fn a_ram_that_drifts_is_not_enabled() {
-        let (mut set_point, mut bench) = (set_point(), Double::new());
+        let (mut set_point, mut bench) = (SetPoint::new(), Double::new());
         for _ in 0..200 {
-            set_point.cycle(&mut bench, true, Target::Hold);
+            set_point.cycle(&ram(), &mut bench, true, Target::Hold);
             bench.ram_m += 2.0 * STILL_M;
         }
         assert!(!set_point.is_enabled());
