@@ -224,13 +224,13 @@ fn a_browser_sees_traces_move_and_its_button_ends_the_run() {
     };
     let root = "document.documentElement.dataset";
     browser.wait_until(&format!("{root}.state === 'RUN' && Number({root}.drawn) > 5")).unwrap();
-    // The traces move: other pixels, of a later time.
+    // The traces move: other pixels, of a later time. They are drawn some frames after it is known.
     let picture = "document.getElementById('forces').toDataURL()";
-    let (before, time) =
-        (browser.evaluate(picture).unwrap(), browser.evaluate(&format!("{root}.time")).unwrap());
+    browser.evaluate(&format!("window.before = {picture}; 0")).unwrap();
+    let time = browser.evaluate(&format!("{root}.time")).unwrap();
     let later = format!("Number({root}.time) > {} + 500", time.as_str().unwrap());
     browser.wait_until(&later).unwrap();
-    assert_ne!(browser.evaluate(picture).unwrap(), before);
+    browser.wait_until(&format!("{picture} !== window.before")).unwrap();
     // On a phone too the bar of an interlock is in sight without scrolling.
     let meter = "document.querySelector('#interlocks meter').getBoundingClientRect()";
     let loops = "[...document.querySelectorAll('#loops canvas')]";
