@@ -23,6 +23,18 @@ impl Condition {
         Self { enabled: true, zero_age_s: Some(0), shunt_passed: true, may_reset: true, limits }
     }
 
+    /// A rig that is ready, whose own limits are the stroke (m) and the speed (m/s) of its ram;
+    /// neither its acceleration nor its force has one.
+    pub(super) fn of_ram(stroke_m: f64, rate_m_per_s: f64) -> Self {
+        let micro = |value: f64| libm::round(value * 1e6) as u32;
+        Self::ready(Limits {
+            stroke_um: micro(stroke_m),
+            velocity_um_per_s: micro(rate_m_per_s),
+            acceleration_mm_per_s2: u32::MAX,
+            force_n: u32::MAX,
+        })
+    }
+
     /// What the rig answers: its ram stands at `ram_m` of a stroke to either side, under a force.
     pub(super) fn readiness(
         &self,

@@ -9,7 +9,6 @@
 use super::condition::Condition;
 use super::plant::{Plant, Reading, Reference, Target};
 use super::ram::{Ram, RamState, bounded};
-use can_protocol::arming::Limits;
 use firmware_core::damper::{Damper, DamperState, Motion};
 
 /// Substeps of a cycle.
@@ -67,14 +66,7 @@ impl<'a> Plant for ModelRig<'a> {
     }
 
     fn condition(setup: &ModelSetup<'a>) -> Condition {
-        let micro = |value: f64| libm::round(value * 1e6) as u32;
-        Condition::ready(Limits {
-            stroke_um: micro(setup.stroke_m),
-            velocity_um_per_s: micro(setup.rate_m_per_s),
-            // Neither has a limit of its own here.
-            acceleration_mm_per_s2: u32::MAX,
-            force_n: u32::MAX,
-        })
+        Condition::of_ram(setup.stroke_m, setup.rate_m_per_s)
     }
 
     fn with_period(self, period_s: f64) -> Self {

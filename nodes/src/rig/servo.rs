@@ -10,10 +10,9 @@
 //! set-point and the readings is the bench's own: this plant adds no physics.
 
 use super::condition::Condition;
-use super::plant::{Plant, Reading, Target};
+use super::plant::{Limits, Plant, Reading, Target};
 use super::ram::Ram;
 use super::set_point::{STILL_M, ServoInterface, SetPoint};
-use can_protocol::arming::Limits;
 use core::fmt::Debug;
 
 /// What a rig behind a servo controller is made from.
@@ -71,14 +70,7 @@ impl<S: ServoInterface + Debug + Clone + PartialEq> Plant for ServoRig<S> {
     }
 
     fn condition(setup: &ServoSetup<S>) -> Condition {
-        let micro = |value: f64| libm::round(value * 1e6) as u32;
-        Condition::ready(Limits {
-            stroke_um: micro(setup.stroke_m),
-            velocity_um_per_s: micro(setup.rate_m_per_s),
-            // Neither has a limit of its own here.
-            acceleration_mm_per_s2: u32::MAX,
-            force_n: u32::MAX,
-        })
+        Condition::of_ram(setup.stroke_m, setup.rate_m_per_s)
     }
 
     fn with_period(self, period_s: f64) -> Self {
@@ -101,7 +93,7 @@ impl<S: ServoInterface + Debug + Clone + PartialEq> Plant for ServoRig<S> {
             displacement_m: ram_m,
             ram_displacement_m: ram_m,
             behind_m: 0.0,
-            limits: super::plant::Limits::default(),
+            limits: Limits::default(),
         };
         ServoState {
             servo: self.servo.clone(),
