@@ -167,9 +167,9 @@ by_fields! {
     }
     RailSupport { mass_kg, stiffness_n_per_m, damping_n_s_per_m }
     Rolling { creepage, force }
-    Vehicle { bodies, suspensions, torsions, bump_stops, dampers, axles }
     Suspension { first, second, stiffness_n_per_m, damping_n_s_per_m, play_m }
     Torsion { first, second, stiffness_n_m_per_rad, damping_n_m_s_per_rad }
+    Vehicle { bodies, suspensions, torsions, bump_stops, dampers, axles }
     Wheel { tape_m, radius_m, friction, material, surface, creep }
     WheelForce {
         longitudinal_n, lateral_n, vertical_n, roll_n_m, pitch_n_m, yaw_n_m, tread_n, flange_n,

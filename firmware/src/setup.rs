@@ -72,9 +72,11 @@ pub fn changeable_vehicle() -> Option<&'static mut Vehicle> {
     CHANGEABLE.try_take()
 }
 
-/// The line with a model in every slot; none the second time, or where a damper cannot be built.
+/// The line with a model in every slot; none the second time, or where the vehicle cannot run or a
+/// damper cannot be built.
 #[inline(never)]
 pub fn line(vehicle: &'static Vehicle) -> Option<&'static mut Line<'static>> {
+    vehicle.check().ok()?;
     let line = LINE.try_take()?;
     line.vehicle = vehicle;
     let step_s = CYCLE_S / f64::from(SUBSTEPS);

@@ -29,12 +29,6 @@ pub(crate) struct Differences {
     known: u8,
 }
 
-impl Default for Differences {
-    fn default() -> Self {
-        Self::NEW
-    }
-}
-
 impl Differences {
     /// Nothing has happened yet.
     pub(crate) const NEW: Self = Self { last_m_per_s: [0.0; 2], known: 0 };
@@ -56,7 +50,7 @@ impl Differences {
             self.last_m_per_s = [v, v1];
             self.known = self.known.saturating_add(1).min(2);
         } else {
-            *self = Self::default();
+            *self = Self::NEW;
         }
         Kinematics { wanted, acceleration_m_per_s2, jerk_m_per_s3 }
     }

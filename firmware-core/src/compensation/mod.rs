@@ -37,21 +37,15 @@ pub enum Compensator {
     Adaptive(Adaptive),
 }
 
-/// What a compensator remembers. The default is the start of every one that does not adapt.
+/// What a compensator remembers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompensatorState {
     differences: Differences,
     adaptive: Option<AdaptiveState>,
 }
 
-impl Default for CompensatorState {
-    fn default() -> Self {
-        Self::NEW
-    }
-}
-
 impl CompensatorState {
-    /// Nothing has happened yet.
+    /// The start of every one that does not adapt.
     pub(crate) const NEW: Self = Self { differences: Differences::NEW, adaptive: None };
 }
 
@@ -65,7 +59,7 @@ impl Compensator {
             Self::Adaptive(adaptive) => Some(adaptive.start()),
             Self::None | Self::Feedforward(_) => None,
         };
-        CompensatorState { differences: Differences::default(), adaptive }
+        CompensatorState { adaptive, ..CompensatorState::NEW }
     }
 
     /// The command of this cycle for a wanted motion. `answer` is what has arrived from the rig

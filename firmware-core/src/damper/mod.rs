@@ -170,12 +170,6 @@ pub struct DamperState {
     fallbacks: u32,
 }
 
-impl Default for DamperState {
-    fn default() -> Self {
-        Self::NEW
-    }
-}
-
 impl DamperState {
     /// Nothing has happened yet.
     pub(crate) const NEW: Self = Self {
@@ -195,7 +189,7 @@ impl DamperState {
 
     /// At mid-stroke, at rest, the joint in the middle of its clearance.
     pub fn rest() -> Self {
-        Self { resting: true, ..Self::default() }
+        Self { resting: true, ..Self::NEW }
     }
 
     /// Without force at the given motion, the joint in the middle of its clearance.

@@ -1,7 +1,7 @@
 //! A rig whose node stands before a servo controller: the line closes before anything moves, and
 //! opens for good where the ram is not seen any more.
 
-use crate::locomotive_node::{specimen, terms, together};
+use crate::locomotive_node::{Found, specimen, terms, together};
 use crate::support::locomotive::{NODE, scenario};
 use can_protocol::{Pace, Profile, RunState};
 use firmware_core::damper::Damper;
@@ -25,16 +25,21 @@ fn setup<'a>(run: &Run, servo: ServoBench<'a>) -> ServoSetup<ServoBench<'a>> {
 
 type Rig<'a> = RigNode<ServoRig<ServoBench<'a>>, Draw>;
 
+/// A session of a locomotive and a rig before this bench, to its end.
+fn session<'a>(run: &Run, servo: ServoBench<'a>, pace: Pace) -> Found<ServoRig<ServoBench<'a>>> {
+    let track = run.track.view();
+    let line = hil_host::run::line(run, &track);
+    let rig = Rig::new(&setup(run, servo), NODE, Profile::Classical);
+    let state = line.start(run.start.state.clone());
+    together(&line, state, terms(run, pace), rig, |_, _, _| true)
+}
+
 #[test]
 fn a_locomotive_runs_with_a_rig_behind_a_servo_controller() {
     let run = scenario();
     let damper = specimen(&run);
-    let track = run.track.view();
-    let line = hil_host::run::line(&run, &track);
     for pace in [Pace::LockStep, Pace::Clock] {
-        let rig = Rig::new(&setup(&run, bench(&run, &damper)), NODE, Profile::Classical);
-        let state = line.start(run.start.state.clone());
-        let found = together(&line, state, terms(&run, pace), rig, |_, _, _| true);
+        let found = session(&run, bench(&run, &damper), pace);
         assert_eq!((found.end, found.stop), (End::Completed, None), "{pace:?}");
         assert_eq!(found.rig, RunState::Standby);
         // The session is over, so the drive has no power, and the ram stays where it stands.
@@ -46,12 +51,7 @@ fn a_locomotive_runs_with_a_rig_behind_a_servo_controller() {
 fn a_rig_that_does_not_see_its_ram_any_more_loses_its_power_for_good() {
     let run = scenario();
     let damper = specimen(&run);
-    let track = run.track.view();
-    let line = hil_host::run::line(&run, &track);
-    let servo = bench(&run, &damper).blind_from(3000);
-    let rig = Rig::new(&setup(&run, servo), NODE, Profile::Classical);
-    let state = line.start(run.start.state.clone());
-    let found = together(&line, state, terms(&run, Pace::LockStep), rig, |_, _, _| true);
+    let found = session(&run, bench(&run, &damper).blind_from(3000), Pace::LockStep);
     assert_eq!(found.end, End::Safe);
     assert_eq!(found.rig, RunState::Fault);
     assert!(!found.physics.servo().is_closed());

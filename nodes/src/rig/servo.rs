@@ -32,8 +32,8 @@ pub struct ServoSetup<S> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoRig<S> {
     servo: S,
+    /// The ram as the set-point may move it, with a cycle as its substep.
     set_point: Ram,
-    period_s: f64,
 }
 
 /// Everything that it remembers.
@@ -62,7 +62,7 @@ impl<S: ServoInterface + Debug + Clone + PartialEq> Plant for ServoRig<S> {
 
     fn new(setup: &ServoSetup<S>, period_s: f64, _stream: u64) -> Self {
         let set_point = Ram::new(setup.stroke_m, setup.rate_m_per_s, 0.0, period_s);
-        Self { servo: setup.servo.clone(), set_point, period_s }
+        Self { servo: setup.servo.clone(), set_point }
     }
 
     fn seed(setup: &ServoSetup<S>) -> u64 {
@@ -75,11 +75,11 @@ impl<S: ServoInterface + Debug + Clone + PartialEq> Plant for ServoRig<S> {
 
     fn with_period(self, period_s: f64) -> Self {
         let Ram { stroke_m, rate_m_per_s, .. } = self.set_point;
-        Self { set_point: Ram::new(stroke_m, rate_m_per_s, 0.0, period_s), period_s, ..self }
+        Self { set_point: Ram::new(stroke_m, rate_m_per_s, 0.0, period_s), ..self }
     }
 
     fn period_s(&self) -> f64 {
-        self.period_s
+        self.set_point.step_s()
     }
 
     fn stroke_m(&self) -> f64 {
