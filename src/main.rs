@@ -40,6 +40,7 @@ mod served;
 mod simulate;
 mod stop;
 mod study;
+mod track_server;
 mod usage;
 mod validation;
 mod value;
@@ -93,6 +94,11 @@ enum Command {
     /// Reset a rig that is latched in SAFE or FAULT. It does not arm it.
     #[command(after_help = "Example: yawbench rig-reset --bus socketcan:can0 --node 1")]
     RigReset(rig_reset::RigResetArgs),
+    /// Hand the track of a scenario to a locomotive on a board, which has no memory for it.
+    #[command(
+        after_help = "Example: yawbench track-server scenarios/ss9-160kmh.toml --duration 86400 --bus socketcan:can0"
+    )]
+    TrackServer(track_server::TrackServerArgs),
     /// Look at this machine and its CAN interface: what holds a run back, and how to change it.
     /// Nothing is changed.
     #[command(after_help = "Examples: yawbench doctor
@@ -231,6 +237,7 @@ fn run(command: &Command) -> Result<ExitCode, CommandError> {
         Command::Rtcheck(args) => rtcheck::command(args)?,
         Command::Faults(args) => faults::command(args)?,
         Command::RigReset(args) => rig_reset::command(args)?,
+        Command::TrackServer(args) => track_server::command(args)?,
         Command::Characterise(args) => characterise::command(args)?,
         Command::Identify(args) => identify::command(args)?,
         Command::Campaign(args) => campaign::command(args)?,

@@ -1,9 +1,9 @@
 //! The nodes on the bus and the ids of their messages.
 //!
 //! Ids are ordered by urgency, since the lower id wins: pressure off, sync, commands, measurements,
-//! faults, telemetry, residuals, arming, heartbeats. The `DataID` that enters a frame's CRC is
+//! faults, telemetry, residuals, track, arming, heartbeats. The `DataID` that enters a frame's CRC is
 //! `0x5000 + id`, so that a frame sent under a wrong id fails its check.
-use crate::{Error, Profile};
+use crate::{Error, Profile, TrackPart};
 use core::fmt;
 
 /// The number of a rig, 1 to 4.
@@ -91,6 +91,12 @@ pub enum MessageId {
     Telemetry(Node),
     /// `0x500 + n`: how far a rig's damper is from its model, from the host.
     Residual(Node),
+    /// `0x540`: a locomotive asks for its track.
+    TrackRequest,
+    /// `0x541`: a track server says which track it has.
+    TrackOffer,
+    /// `0x542` and `0x543`: a track server hands over half a sample.
+    TrackSample(TrackPart),
     /// `0x600 + n`: the host asks a rig in the arming exchange.
     ArmRequest(Node),
     /// `0x610 + n`: the rig answers.
@@ -119,6 +125,10 @@ impl MessageId {
             Self::Fault(sender) => (0x300, sender.number()),
             Self::Telemetry(node) => (0x400, node.number()),
             Self::Residual(node) => (0x500, node.number()),
+            Self::TrackRequest => (0x540, 0),
+            Self::TrackOffer => (0x540, 1),
+            Self::TrackSample(TrackPart::CentreLine) => (0x540, 2),
+            Self::TrackSample(TrackPart::Rails) => (0x540, 3),
             Self::ArmRequest(node) => (0x600, node.number()),
             Self::ArmAnswer(node) => (0x610, node.number()),
             Self::Heartbeat(sender) => (0x700, sender.number()),
@@ -142,6 +152,13 @@ impl MessageId {
             0x300 => sender.map(Self::Fault),
             0x400 => node.map(Self::Telemetry),
             0x500 => node.map(Self::Residual),
+            0x540 => match number {
+                0 => Some(Self::TrackRequest),
+                1 => Some(Self::TrackOffer),
+                2 => Some(Self::TrackSample(TrackPart::CentreLine)),
+                3 => Some(Self::TrackSample(TrackPart::Rails)),
+                _ => None,
+            },
             0x600 => node.map(Self::ArmRequest),
             0x610 => node.map(Self::ArmAnswer),
             0x700 => sender.map(Self::Heartbeat),
@@ -161,15 +178,23 @@ impl MessageId {
             | Self::Sync
             | Self::Command(..)
             | Self::Residual(_)
+            | Self::TrackRequest
             | Self::ArmRequest(_)
             | Self::Fault(Sender::Host)
             | Self::Heartbeat(Sender::Host) => true,
             Self::Measurement(..)
             | Self::Telemetry(_)
+            | Self::TrackOffer
+            | Self::TrackSample(_)
             | Self::ArmAnswer(_)
             | Self::Fault(Sender::Rig(_))
             | Self::Heartbeat(Sender::Rig(_)) => false,
         }
+    }
+
+    /// Whether it is between a locomotive and its track server: no rig sends or reads it.
+    pub const fn is_of_track(self) -> bool {
+        matches!(self, Self::TrackRequest | Self::TrackOffer | Self::TrackSample(_))
     }
 
     /// The number that enters the CRC in front of the payload: `0x5000 + id`.
@@ -180,7 +205,13 @@ impl MessageId {
     /// Payload length, bytes.
     pub const fn payload_len(self) -> usize {
         match self {
-            Self::Sync | Self::ArmRequest(_) | Self::ArmAnswer(_) | Self::Heartbeat(_) => 8,
+            Self::Sync
+            | Self::TrackRequest
+            | Self::TrackOffer
+            | Self::TrackSample(_)
+            | Self::ArmRequest(_)
+            | Self::ArmAnswer(_)
+            | Self::Heartbeat(_) => 8,
             Self::Command(profile, _) | Self::Measurement(profile, _) => profile.cyclic_len(),
             Self::PressureOff(_) | Self::Fault(_) | Self::Telemetry(_) | Self::Residual(_) => 6,
         }
@@ -203,9 +234,13 @@ impl MessageId {
                 Some(1_000)
             }
             Self::Command(Profile::Fd, _) | Self::Measurement(Profile::Fd, _) => Some(500),
-            Self::PressureOff(_) | Self::Fault(_) | Self::ArmRequest(_) | Self::ArmAnswer(_) => {
-                None
-            }
+            Self::PressureOff(_)
+            | Self::Fault(_)
+            | Self::TrackRequest
+            | Self::TrackOffer
+            | Self::TrackSample(_)
+            | Self::ArmRequest(_)
+            | Self::ArmAnswer(_) => None,
             Self::Telemetry(_) | Self::Residual(_) => Some(50_000),
             Self::Heartbeat(_) => Some(20_000),
         }
@@ -226,6 +261,10 @@ impl fmt::Display for MessageId {
             Self::Fault(sender) => write!(f, "FAULT_{sender}"),
             Self::Telemetry(node) => write!(f, "TELEMETRY_{node}"),
             Self::Residual(node) => write!(f, "RESIDUAL_{node}"),
+            Self::TrackRequest => f.write_str("TRACK_REQUEST"),
+            Self::TrackOffer => f.write_str("TRACK_OFFER"),
+            Self::TrackSample(TrackPart::CentreLine) => f.write_str("TRACK_CENTRE_LINE"),
+            Self::TrackSample(TrackPart::Rails) => f.write_str("TRACK_RAILS"),
             Self::ArmRequest(node) => write!(f, "ARM_REQUEST_{node}"),
             Self::ArmAnswer(node) => write!(f, "ARM_ANSWER_{node}"),
             Self::Heartbeat(sender) => write!(f, "HEARTBEAT_{sender}"),
@@ -245,8 +284,8 @@ mod tests {
             }
         }
         // 5 pressure off, sync, 4 x (command + measurement) x 2, 5 faults, 4 telemetry,
-        // 4 residuals, 4 x (request + answer) of arming, 5 heartbeats.
-        assert_eq!(MessageId::all().count(), 5 + 1 + 16 + 5 + 4 + 4 + 8 + 5);
+        // 4 residuals, 4 of track, 4 x (request + answer) of arming, 5 heartbeats.
+        assert_eq!(MessageId::all().count(), 5 + 1 + 16 + 5 + 4 + 4 + 4 + 8 + 5);
     }
 
     #[test]

@@ -7,7 +7,8 @@
 //! rig answers with a [`Measurement`] (the force that it measured). Five slow messages accompany
 //! them: [`Sync`], [`Heartbeat`], [`Fault`], [`Telemetry`] and [`Residual`]. Before a rig moves,
 //! both sides exchange [`ArmMessage`]s ([`arming`]), and [`PressureOff`] asks a rig to drop the
-//! pressure in any state.
+//! pressure in any state. A locomotive on a board, which has no memory for its whole track, is
+//! handed it sample by sample; no rig has to know of that ([`TrackRequest`]).
 //!
 //! | id | message | sender | bytes | when |
 //! | --- | --- | --- | --- | --- |
@@ -20,6 +21,9 @@
 //! | `0x300 + n` | [`Fault`], n = 0 is the host | both | 6 | on change |
 //! | `0x400 + n` | [`Telemetry`] | rig n | 6 | 20 Hz |
 //! | `0x500 + n` | [`Residual`] of rig n | host | 6 | 20 Hz, while it is watched |
+//! | `0x540` | [`TrackRequest`] | a locomotive on a board | 8 | on demand |
+//! | `0x541` | [`TrackOffer`] | track server | 8 | on demand |
+//! | `0x542`, `0x543` | [`TrackSample`], one half each | track server | 8 | on demand |
 //! | `0x600 + n` | [`ArmMessage`], a question | host | 8 | while arming |
 //! | `0x610 + n` | [`ArmMessage`], an answer | rig n | 8 | while arming |
 //! | `0x700 + n` | [`Heartbeat`], n = 0 is the host | both | 8 | 50 Hz |
@@ -38,6 +42,7 @@
 //! | command displacement | i24 x 0.1 µm (±0.839 m) | i32 x 10 nm (±21.5 m) |
 //! | command velocity | i16 x 0.01 mm/s (±327.67 mm/s) | i24 x 1 µm/s (±8.39 m/s) |
 //! | measured force | i20 x 0.2 N (±104.9 kN) | i32 x 0.01 N (±21.5 MN) |
+//! | irregularity of the track | i24 x 10 nm (±83.9 mm) | none |
 //! | measured displacement | i20 x 0.2 µm (±104.9 mm) | i32 x 10 nm (±21.5 m) |
 //! | time | none | u32 (command), u24 (measurement) x 1 µs, modulo, all ones = none |
 //!
@@ -125,6 +130,7 @@ pub mod signal;
 mod state;
 mod sync;
 mod telemetry;
+mod track;
 mod wire_enum;
 
 pub use arming::{ArmItem, ArmMessage, ArmSide};
@@ -151,3 +157,4 @@ pub use signal::Saturated;
 pub use state::RunState;
 pub use sync::{PROTOCOL_VERSION, Pace, Sync};
 pub use telemetry::{Pressure, Telemetry, Trips};
+pub use track::{TrackFingerprint, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample};

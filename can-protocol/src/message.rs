@@ -1,7 +1,7 @@
 //! Any frame of the protocol: for logs, monitors and tests.
 use crate::{
     ArmMessage, Command, Error, Fault, Frame, Heartbeat, Measurement, MessageId, PressureOff,
-    Residual, Saturated, Sync, Telemetry,
+    Residual, Saturated, Sync, Telemetry, TrackOffer, TrackRequest, TrackSample,
 };
 use core::fmt;
 
@@ -22,6 +22,12 @@ pub enum Message {
     Telemetry(Telemetry),
     /// How far a rig's damper is from its model.
     Residual(Residual),
+    /// A locomotive asks for its track.
+    TrackRequest(TrackRequest),
+    /// Which track there is.
+    TrackOffer(TrackOffer),
+    /// Half a sample of it.
+    TrackSample(TrackSample),
     /// One step of the arming exchange.
     Arm(ArmMessage),
     /// Alive.
@@ -29,8 +35,9 @@ pub enum Message {
 }
 
 impl Message {
-    /// The message in a plain frame, whichever it is. A sealed command or measurement needs its
-    /// seal: [`Command::decode_sealed`], [`Measurement::decode_sealed`].
+    /// The message in a plain frame, whichever it is. A sealed command, measurement or
+    /// sample of the track needs its seal: [`Command::decode_sealed`],
+    /// [`Measurement::decode_sealed`], [`TrackSample::decode_sealed`].
     ///
     /// # Errors
     /// An id that is not of this protocol, or whatever that message's own `decode` finds.
@@ -43,6 +50,9 @@ impl Message {
             MessageId::Fault(_) => Fault::decode(id, data).map(Self::Fault),
             MessageId::Telemetry(_) => Telemetry::decode(id, data).map(Self::Telemetry),
             MessageId::Residual(_) => Residual::decode(id, data).map(Self::Residual),
+            MessageId::TrackRequest => TrackRequest::decode(id, data).map(Self::TrackRequest),
+            MessageId::TrackOffer => TrackOffer::decode(id, data).map(Self::TrackOffer),
+            MessageId::TrackSample(_) => TrackSample::decode(id, data).map(Self::TrackSample),
             MessageId::ArmRequest(_) | MessageId::ArmAnswer(_) => {
                 ArmMessage::decode(id, data).map(Self::Arm)
             }
@@ -61,6 +71,9 @@ impl Message {
             Self::Fault(fault) => fault.encode(),
             Self::Telemetry(telemetry) => telemetry.encode(),
             Self::Residual(residual) => residual.encode(),
+            Self::TrackRequest(request) => (request.encode(), Saturated::empty()),
+            Self::TrackOffer(offer) => (offer.encode(), Saturated::empty()),
+            Self::TrackSample(sample) => sample.encode(),
             Self::Arm(message) => message.encode(),
             Self::Heartbeat(heartbeat) => heartbeat.encode(),
         }
@@ -77,6 +90,9 @@ impl fmt::Display for Message {
             Self::Fault(fault) => fault.fmt(f),
             Self::Telemetry(telemetry) => telemetry.fmt(f),
             Self::Residual(residual) => residual.fmt(f),
+            Self::TrackRequest(request) => request.fmt(f),
+            Self::TrackOffer(offer) => offer.fmt(f),
+            Self::TrackSample(sample) => sample.fmt(f),
             Self::Arm(message) => message.fmt(f),
             Self::Heartbeat(heartbeat) => heartbeat.fmt(f),
         }

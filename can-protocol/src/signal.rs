@@ -23,6 +23,8 @@ bitflags::bitflags! {
         const TEMPERATURE = 1 << 3;
         /// The counter, or the echo, is beyond the profile's range.
         const COUNTER = 1 << 4;
+        /// A sample of the track.
+        const TRACK = 1 << 5;
     }
 }
 

@@ -6,6 +6,7 @@ use firmware_core::supervision::CommandLimits;
 use firmware_core::track::{Irregularity, IrregularitySample, Track};
 use firmware_core::vehicle::{DAMPER_SLOTS, Vehicle};
 use nodes::rig::{ModelSetup, SUBSTEPS};
+use nodes::track::{as_sent, there_and_back};
 use same_bits::{codec, compensator, contact, effect, locomotive, state_machine, two_roles};
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use std::fmt::Write;
@@ -57,15 +58,18 @@ pub(crate) fn source(run: &Run) -> String {
 /// Cycles before and after those of RUN: four fades of half a second, and reserve.
 const FADES: u32 = 4_000;
 
-/// The track, there and back, for the longest run of both roles.
+/// The track as it travels, there and back, for the longest run of both roles.
 fn long_track(run: &Run) -> Vec<IrregularitySample> {
     let samples = &run.track.samples;
     let longest = two_roles::CYCLES.into_iter().max().unwrap_or(0) + FADES;
     let way_m = f64::from(longest) * CYCLE_S * run.speed_m_per_s;
     let more = (way_m / samples.step_m) as usize;
     let numbers = 0..samples.samples.len() + more;
-    let of_number = |place| two_roles::there_and_back(place, samples.samples.len());
-    numbers.map(|place| samples.samples[of_number(place)]).collect()
+    let sample = |place| {
+        let number = there_and_back(place, samples.samples.len());
+        as_sent(&samples.samples[number]).unwrap_or_else(|| panic!("{number} does not travel"))
+    };
+    numbers.map(sample).collect()
 }
 
 /// What the node of the rig has around it.

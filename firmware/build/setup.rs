@@ -8,6 +8,7 @@ use crate::literal::Literal;
 use firmware_core::compensation::Compensator;
 use firmware_core::damper::{Damper, Effect};
 use firmware_core::track::Layout;
+use nodes::track::Identity;
 use same_bits::two_roles;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use std::fmt::Write;
@@ -26,6 +27,9 @@ pub(crate) fn source(run: &Run) -> String {
     number("CYCLE_S", "Length of a cycle (s).", CYCLE_S);
     number("TRACK_FIRST_M", "Distance of the first sample (m).", samples.first_m);
     number("TRACK_STEP_M", "Distance between samples (m).", samples.step_m);
+    let fingerprint = Identity::of(&run.track.view().irregularity, true)
+        .unwrap_or_else(|e| panic!("{e}"))
+        .fingerprint;
     number("STROKE_M", "Largest displacement of a command (m).", run.motion.stroke_m);
     let most = run.motion.velocity_m_per_s;
     number("VELOCITY_M_PER_S", "Largest speed of a command (m/s).", most);
@@ -34,6 +38,8 @@ pub(crate) fn source(run: &Run) -> String {
     number("RIG_STROKE_M", "Largest travel of the rig (m).", run.rig.stroke_m);
     number("RIG_RATE_M_PER_S", "Largest speed of the rig (m/s).", run.rig.rate_m_per_s);
     number("RIG_LAG_S", "Time constant of the rig (s).", run.rig.lag_s);
+    let fingerprint = format!("const TRACK_FINGERPRINT: u32 = {fingerprint:#010x}");
+    put(&mut text, "The track there and back, as it travels.", &fingerprint);
     let ramp = format!("const RAMP_CYCLES: u32 = {}", run.motion.ramp_cycles);
     put(&mut text, "Cycles of a fade.", &ramp);
     let compensator = format!("const COMPENSATOR: Compensator = {}", compensator(run).literal());

@@ -4,13 +4,11 @@ use crate::setup;
 use can_protocol::arming::Patience;
 use firmware_core::damper::Damper;
 use firmware_core::line::{Line, LineState, Slot};
-use firmware_core::track::Track;
 use nodes::locomotive::{End, Locomotive};
 use nodes::rig::{ModelSetup, ServoBench, ServoRig};
 use nodes::timed::{TimedLocomotive, TimedRig};
 use same_bits::Random;
-use same_bits::locomotive::BoardWindow;
-use same_bits::two_roles::{self, Feed};
+use same_bits::two_roles::{self, BoardReader};
 use static_cell::StaticCell;
 
 /// Period of the timer (us): a cycle of the model.
@@ -53,12 +51,11 @@ fn model(damper: &'static Damper) -> ModelSetup<'static> {
 
 static LOCOMOTIVE: StaticCell<BoardLocomotive> = StaticCell::new();
 
-/// The locomotive with its window on the track.
+/// The locomotive with the reader of its track.
 pub struct BoardLocomotive {
     node: TimedLocomotive<'static>,
     line: &'static Line<'static>,
-    window: &'static mut BoardWindow,
-    feed: Feed,
+    reader: &'static mut BoardReader,
 }
 
 impl BoardLocomotive {
@@ -69,19 +66,13 @@ impl BoardLocomotive {
         let state: &'static mut LineState = setup::start(line)?;
         let terms = two_roles::terms(line.cycle_s, cycles, PATIENCE, SILENCE_TICKS);
         let node = TimedLocomotive::new(Locomotive::new(line, state, terms)?);
-        let (window, feed) = (setup::endless_window()?, Feed::default());
-        Some(LOCOMOTIVE.try_uninit()?.write(Self { node, line, window, feed }))
+        let reader = setup::track_reader()?;
+        Some(LOCOMOTIVE.try_uninit()?.write(Self { node, line, reader }))
     }
 
-    /// One tick of the timer; false where the track was not there in time.
-    pub fn tick<C: embedded_can::nb::Can>(&mut self, can: &mut C, skipped: u32) -> bool {
-        let at_m = self.node.locomotive().state().vehicle.distance_m.lane(0);
-        let ahead_m = self.line.speed_m_per_s * self.line.cycle_s;
-        let has_track = self.feed.fill(self.window, &setup::SAMPLES, (at_m, ahead_m));
-        let irregularity = self.window.view();
-        let track = Track { layout: self.line.track.layout.clone(), irregularity };
-        self.node.tick_on(can, &track, skipped);
-        has_track
+    /// One tick of the timer.
+    pub fn tick<C: embedded_can::nb::Can>(&mut self, can: &mut C, skipped: u32) {
+        self.node.tick_reading(can, self.reader, skipped);
     }
 
     /// The model of the damper on its rig: where both roles are one program, the rig has the same.

@@ -19,8 +19,10 @@ use firmware_core::wheel_rail::hertz::Material;
 use firmware_core::wheel_rail::table::{ContactTable, ZoneTable};
 use firmware_core::wheel_rail::wheel::{Rolling, Surface, Wheel, WheelForce};
 use nalgebra::Vector3;
+use nodes::timed::TimedServer;
+use nodes::track::Server;
 use same_bits::locomotive::BoardWindow;
-use same_bits::two_roles;
+use same_bits::two_roles::{self, BoardReader};
 use static_cell::{ConstStaticCell, StaticCell};
 
 /// What a damper is made from.
@@ -65,6 +67,7 @@ static LINE: ConstStaticCell<Line<'static>> = ConstStaticCell::new(Line {
 });
 static STATE: ConstStaticCell<LineState> = ConstStaticCell::new(LineState::of(START));
 static WINDOW: StaticCell<BoardWindow> = StaticCell::new();
+static READER: ConstStaticCell<BoardReader> = ConstStaticCell::new(BoardReader::NEW);
 static RIG: StaticCell<Damper> = StaticCell::new();
 
 /// A vehicle in RAM, for another creep law; none the second time.
@@ -100,10 +103,17 @@ pub fn window() -> Option<&'static mut BoardWindow> {
     Some(WINDOW.try_uninit()?.write(BoardWindow::new(SAMPLES.len(), TRACK_FIRST_M, TRACK_STEP_M)))
 }
 
-/// A window on a track without an end, empty; none the second time.
-#[inline(never)]
-pub fn endless_window() -> Option<&'static mut BoardWindow> {
-    Some(WINDOW.try_uninit()?.write(BoardWindow::new(usize::MAX, TRACK_FIRST_M, TRACK_STEP_M)))
+/// The reader of the track that this image is built for, there and back and there again; none the
+/// second time.
+pub fn track_reader() -> Option<&'static mut BoardReader> {
+    let reader = READER.try_take()?;
+    reader.begin(two_roles::TRACK_SESSION, Some(TRACK_FINGERPRINT));
+    Some(reader)
+}
+
+/// A server of the track in flash, there and back and there again; none where it does not travel.
+pub fn track_server() -> Option<TimedServer<'static>> {
+    Some(TimedServer::new(Server::new(&TRACK.irregularity, true).ok()?))
 }
 
 /// The line with a rig in the first slot; none the second time, or where a damper cannot be built.

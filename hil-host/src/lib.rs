@@ -63,6 +63,7 @@ mod silence;
 pub mod stability;
 mod statistics;
 mod summary;
+pub mod track_server;
 mod wear_map;
 
 pub use comparison::{ComparedDamper, ComparedEffect, Comparison, Quantity};

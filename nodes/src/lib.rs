@@ -3,6 +3,7 @@
 //! - [`rig`]: a rig as the bus sees it, around any [`rig::Plant`]: emulated on the host, or a real
 //!   one behind a microcontroller.
 //! - [`locomotive`]: the host's end with one rig, where no operating system is.
+//! - [`track`]: the track by messages, for a locomotive without memory for all of it.
 //! - [`timed`]: either of them, driven by a timer and with a CAN driver of `embedded_can`;
 //!   [`loopback`] and [`serial_line`] are doubles of one.
 //!
@@ -20,6 +21,7 @@ pub mod loopback;
 pub mod rig;
 pub mod serial_line;
 pub mod timed;
+pub mod track;
 mod wire_frame;
 mod wire_state;
 

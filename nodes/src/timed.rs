@@ -7,9 +7,9 @@
 use crate::can::{receive, transmit};
 use crate::locomotive::Locomotive;
 use crate::rig::{Numbers, Plant, RigNode};
+use crate::track::{Reader, Server};
 use can_protocol::Pace;
 use embedded_can::nb::Can;
-use firmware_core::track::Track;
 
 /// Cycles in which a rig that has lost its host in lock-step comes to rest: a second at 1 kHz,
 /// more than it needs from the highest speed that a command can name.
@@ -111,23 +111,65 @@ impl<'a> TimedLocomotive<'a> {
 
     /// One tick of the timer on the line's track, after `skipped` that were missed.
     pub fn tick<C: Can>(&mut self, can: &mut C, skipped: u32) {
-        self.tick_with(can, |locomotive| locomotive.tick(skipped));
-    }
-
-    /// The same on a stretch of the track that holds the whole vehicle.
-    pub fn tick_on<C: Can>(&mut self, can: &mut C, track: &Track<'_>, skipped: u32) {
-        self.tick_with(can, |locomotive| locomotive.tick_on(track, skipped));
-    }
-
-    fn tick_with<C: Can>(&mut self, can: &mut C, tick: impl FnOnce(&mut Locomotive<'a>)) {
         while let Some(frame) = receive(can) {
             self.0.hear(&frame);
         }
-        tick(&mut self.0);
+        self.0.tick(skipped);
+        self.send(can);
+    }
+
+    /// The same on a track that a server on the same bus has.
+    pub fn tick_reading<C: Can, const N: usize>(
+        &mut self,
+        can: &mut C,
+        reader: &mut Reader<N>,
+        skipped: u32,
+    ) {
+        while let Some(frame) = receive(can) {
+            self.0.hear(&frame);
+            reader.hear(&frame);
+        }
+        self.0.tick_reading(reader, skipped);
+        self.send(can);
+        if let Some(frame) = reader.take_frame() {
+            // It is asked for again.
+            let _lost = !transmit(can, &frame);
+        }
+    }
+
+    fn send<C: Can>(&mut self, can: &mut C) {
         let mut had_room = true;
         while let Some(frame) = self.0.take_frame() {
             had_room &= transmit(can, &frame);
         }
         self.0.note_room(had_room);
+    }
+}
+
+/// A track server with its CAN driver.
+#[derive(Debug, Clone)]
+pub struct TimedServer<'a>(Server<'a>);
+
+impl<'a> TimedServer<'a> {
+    /// A server that waits for a locomotive.
+    pub fn new(server: Server<'a>) -> Self {
+        Self(server)
+    }
+
+    /// The server.
+    pub fn server(&self) -> &Server<'a> {
+        &self.0
+    }
+
+    /// One tick of the timer.
+    pub fn tick<C: Can>(&mut self, can: &mut C) {
+        while let Some(frame) = receive(can) {
+            self.0.hear(&frame);
+        }
+        self.0.tick();
+        while let Some(frame) = self.0.take_frame() {
+            // A locomotive asks again for what it has not got.
+            let _lost = !transmit(can, &frame);
+        }
     }
 }

@@ -15,4 +15,5 @@ mod replay;
 mod rig;
 mod several_rigs;
 mod smoke;
+mod track_server;
 mod unstable;

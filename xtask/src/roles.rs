@@ -1,15 +1,17 @@
-//! The two roles on emulated boards: in one program through a loopback, and on two boards with a
-//! line between them.
+//! The two roles on emulated boards: in one program through a loopback, and on two boards and this
+//! machine, whose `yawbench track-server` has the track, with a bus between them.
 //!
 //! The loopback runs in the emulator's own time, so that a step that comes late is one. Two
 //! emulators run in real time, each on its own; in lock-step that does not change a bit.
 
+use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
 use crate::board::{Board, Length, RAM_MAX, memory};
 use crate::debian;
+use crate::hub::Hub;
 use crate::run::{Outcome, Run};
 use crate::stream::{Ended, lines};
 
@@ -43,33 +45,61 @@ pub(crate) fn test(run: &mut Run, target: &str, length: Length) -> Outcome {
             Err(reason) => Outcome::Failed(format!("both roles on one board, {rig}: {reason}")),
         });
     }
-    all.and(match on_two_boards(&locomotive, &rig, cycles) {
+    if let worse @ (Outcome::Failed(_) | Outcome::Skipped(_)) = build_host(run) {
+        return all.and(worse);
+    }
+    let track = run.target.join("debug/yawbench");
+    all.and(match on_two_boards(run, [&locomotive, &rig], &track, cycles) {
         Ok((of_locomotive, of_rig)) => fits(run, &locomotive.image, &of_locomotive, &of_rig),
-        Err(reason) => Outcome::Failed(format!("two boards on a line: {reason}")),
+        Err(reason) => Outcome::Failed(format!("two boards and a track server: {reason}")),
     })
 }
 
-/// What both boards say.
+/// The command that has the track. With the whole workspace, so that it is the one that the tests
+/// build too.
+fn build_host(run: &mut Run) -> Outcome {
+    let mut cargo = run.cargo();
+    run.checked(cargo.args(["build", "--workspace", "--bin", "yawbench"]))
+}
+
+/// What the track server takes: the scenario of the images, and as much of it as they have.
+const TRACK: [&str; 5] =
+    ["track-server", "scenarios/ss9-160kmh.toml", "--duration", "10.5", "--there-and-back"];
+
+/// What both boards say, with the track server of this machine on their bus.
 fn on_two_boards(
-    locomotive: &Board,
-    rig: &Board,
+    run: &Run,
+    [locomotive, rig]: [&Board; 2],
+    track: &Path,
     cycles: &str,
 ) -> Result<(Vec<String>, Vec<String>), String> {
     let socket = std::env::temp_dir().join(format!("yawbench-{}.sock", std::process::id()));
-    let at = |options: &str| format!("unix:{}{options}", socket.display());
+    let hub = Hub::listen(&socket).map_err(|why| format!("{}: {why}", socket.display()))?;
+    let at = format!("unix:{}", socket.display());
     let mut first = locomotive.command(&["uart", cycles]);
-    first.args(["-serial", &at(",server=on,wait=on")]);
+    first.args(["-serial", &at]);
     let mut second = rig.command(&[]);
-    second.args(["-serial", &at(",reconnect=1")]);
-    let (first, second) = std::thread::scope(|scope| {
-        let of_rig = scope.spawn(|| said(&mut second));
-        let of_locomotive = said(&mut first);
-        (of_locomotive, of_rig.join())
+    second.args(["-serial", &at]);
+    let mut server = Command::new(track);
+    server.args(TRACK).arg("--line").arg(&socket).current_dir(&run.root);
+    let (first, second, server) = std::thread::scope(|scope| {
+        scope.spawn(|| hub.run(3));
+        // One that could not start leaves its place on the bus to nobody.
+        let on_bus = |command: &mut Command| {
+            let lines = said(command);
+            let _gone = UnixStream::connect(&socket);
+            lines
+        };
+        let of_server = scope.spawn(move || on_bus(&mut server));
+        let of_rig = scope.spawn(move || on_bus(&mut second));
+        let of_locomotive = on_bus(&mut first);
+        (of_locomotive, of_rig.join(), of_server.join())
     });
-    // The emulator that has made it may have removed it.
-    let _gone = std::fs::remove_file(&socket);
-    let second = second.map_err(|_| "a thread has panicked".to_owned())?;
-    Ok((first?, second.map_err(|reason| format!("rig: {reason}"))?))
+    let panicked = |_| "a thread has panicked".to_owned();
+    let server = server.map_err(panicked)?.map_err(|reason| format!("track server: {reason}"))?;
+    println!("{}", last(&server));
+    let second = second.map_err(panicked)?.map_err(|reason| format!("rig: {reason}"))?;
+    Ok((first?, second))
 }
 
 /// What a board says until it ends well.

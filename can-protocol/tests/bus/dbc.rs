@@ -159,14 +159,17 @@ fn the_sealed_frames_of_the_comments_follow_their_recipe() {
         let described = wire::message(&dbc, message.raw());
         let raw =
             |name| wire::raw(described.signals.iter().find(|s| s.name == name).unwrap(), &data);
-        // The recipe of the comment on the bus, by hand: code 0x49C5, cycle 1000.
+        // The recipe of the comment on the bus, by hand: code 0x49C5, cycle 1000; of a sample of
+        // the track 0xDB7C and its number.
+        let (code, name, numbers) =
+            if message.is_of_track() { (0xDB7C, "number", 256) } else { (0x49C5, "counter", 0) };
         let (modulus, masks) = if data.len() == 8 { (15, 256) } else { (255, 65_536) };
-        let mask = (0x49C5 + 1000 / modulus * (2 * 0x49C5 + 1)) % masks;
-        assert_eq!(raw("counter"), 1000 % modulus);
+        let mask = (code + 1000 / modulus * (2 * code + 1)) % masks;
+        assert_eq!(raw(name), 1000 % modulus.max(numbers));
         assert_eq!(raw("crc"), wire::masked_crc(&dbc, message.raw(), &data, mask));
         count += 1;
     }
-    assert_eq!(count, 16, "commands and measurements of four nodes in both profiles");
+    assert_eq!(count, 18, "commands and measurements of four nodes in both profiles, and track");
 }
 
 proptest! {

@@ -3,7 +3,7 @@ use crate::support::samples;
 use can_protocol::signal::FixedPoint;
 use can_protocol::{
     CommandLayout, MeasurementFlags, MeasurementLayout, Message, MessageId, Profile, Receiver,
-    ReceiverState, Residual, Saturated, Telemetry, protection,
+    ReceiverState, Residual, Saturated, Telemetry, TrackSample, protection,
 };
 use proptest::prelude::*;
 
@@ -70,6 +70,18 @@ fn check(profile: Profile, sent: &Message) {
         (Message::Residual(sent), Message::Residual(read)) => {
             assert!(same(Residual::RMS, sent.rms_n, read.rms_n, has(Saturated::FORCE)));
             let bare = |message| Residual { rms_n: None, ..message };
+            assert_eq!(bare(*sent), bare(read));
+        }
+        (Message::TrackSample(sent), Message::TrackSample(read)) => {
+            let signals = TrackSample::CHANNELS;
+            let pairs = || sent.channels_m.into_iter().zip(read.channels_m).zip(signals);
+            // One flag stands for both.
+            let fits = |((sent, read), signal)| same(signal, sent, read, false);
+            assert_eq!(pairs().all(fits), !has(Saturated::TRACK));
+            assert!(pairs().all(|((sent, read), signal)| {
+                same(signal, sent, read, false) || same(signal, sent, read, true)
+            }));
+            let bare = |sample| TrackSample { channels_m: [None; 2], ..sample };
             assert_eq!(bare(*sent), bare(read));
         }
         (sent, read) => {

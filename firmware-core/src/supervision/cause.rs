@@ -51,6 +51,8 @@ pub enum Signal {
     BusQueue,
     /// A bus that is down.
     BusDown,
+    /// Samples of the track that are not there when the vehicle comes.
+    Track,
     /// A motion that grows towards the end of the stroke.
     Growth,
     /// A command that its limits would change.
@@ -73,7 +75,7 @@ pub enum Signal {
 
 impl Signal {
     /// All signals.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 33] = [
         Self::LostMeasurements,
         Self::LostCommands,
         Self::OldMeasurements,
@@ -97,6 +99,7 @@ impl Signal {
         Self::WrongSeal,
         Self::BusQueue,
         Self::BusDown,
+        Self::Track,
         Self::Growth,
         Self::CommandLimit,
         Self::SecondSender,
@@ -134,6 +137,7 @@ impl Signal {
             Self::WrongSeal => "wrong_seal",
             Self::BusQueue => "bus_queue",
             Self::BusDown => "bus_down",
+            Self::Track => "track",
             Self::Growth => "growth",
             Self::CommandLimit => "command_limit",
             Self::SecondSender => "second_sender",
@@ -172,6 +176,7 @@ impl Signal {
             Self::WrongSeal => "measurements with a wrong CRC",
             Self::BusQueue => "commands without room on the bus",
             Self::BusDown => "bus down",
+            Self::Track => "track not there in time",
             Self::Growth => "size of a motion that is growing beyond the stroke",
             Self::CommandLimit => "command beyond its limits",
             Self::SecondSender => "second sender on",
@@ -223,6 +228,7 @@ impl Signal {
             | Self::SilentRig
             | Self::CommandLimit
             | Self::BusDown
+            | Self::Track
             | Self::SecondSender
             | Self::WearLoopGain
             | Self::WearForceError

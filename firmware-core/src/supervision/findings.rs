@@ -18,7 +18,7 @@ pub struct Noted {
 }
 
 /// What was found of one rig.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Findings {
     cause: Option<Cause>,
     /// The strongest action that any cause has asked for.
@@ -29,6 +29,14 @@ pub(super) struct Findings {
     cycles: u64,
     /// What ended nothing, by signal.
     noted: [Option<Noted>; Signal::ALL.len()],
+}
+
+impl Default for Findings {
+    /// Nothing found.
+    fn default() -> Self {
+        let noted = [None; Signal::ALL.len()];
+        Self { cause: None, action: None, holds: false, cycles: 0, noted }
+    }
 }
 
 impl Findings {

@@ -47,6 +47,12 @@ impl<const N: usize> Window<N> {
         Self { kept: [[none; N]; 2], first: 0, held: 0, total, first_m, step_m }
     }
 
+    /// Forgets everything, before a track of so many samples.
+    pub fn restart(&mut self, total: usize, first_m: f64, step_m: f64) {
+        (self.first, self.held) = (0, 0);
+        (self.total, self.first_m, self.step_m) = (total, first_m, step_m);
+    }
+
     /// How many samples can be handed over now.
     pub fn room(&self) -> usize {
         (N - self.held).min(self.total.saturating_sub(self.first + self.held))
@@ -145,5 +151,7 @@ mod tests {
         assert_eq!(window.room(), 2, "a window does not move back");
         window.pass(1e9);
         assert_eq!(window.room(), 8, "it forgets what it holds, and no more");
+        window.restart(5, -1.0, 0.5);
+        assert_eq!((window.room(), window), (5, Window::new(5, -1.0, 0.5)));
     }
 }

@@ -4,17 +4,15 @@
 //! loopback or on a line to another board. In lock-step neither the bus nor the clock changes a
 //! bit.
 //!
-//! The track is run there and back and there again, so that a short one lasts; a board is handed it
-//! through a window.
+//! The track is run there and back and there again, so that a short one lasts. The host has it in
+//! memory, a board reads it from a track server on the same bus.
 
-use crate::locomotive::BoardWindow;
 use crate::random::Random;
 use can_protocol::arming::{Patience, Requirements};
 use can_protocol::{Node, Pace, Profile};
 use core::num::NonZeroU8;
 use firmware_core::line::{Line, LineState};
 use firmware_core::supervision::Checks;
-use firmware_core::track::IrregularitySample;
 use nodes::locomotive::{End, Locomotive, SILENCE_TICKS, Terms};
 use nodes::loopback::Loopback;
 use nodes::rig::{ModelRig, ModelSetup, Numbers, Plant, RigNode, ServoBench, ServoRig, ServoSetup};
@@ -32,8 +30,11 @@ pub const NODE: Node = Node::ALL[0];
 /// Ticks of a run besides its cycles: greeting, exchange, quiet bus, farewell.
 const OTHER_TICKS: u32 = 5_000;
 
-/// No wheel is further than this from the vehicle's reference point (m).
-const REACH_M: f64 = 10.0;
+/// The number that the reader of a track draws. On a real bus nobody may foresee it.
+pub const TRACK_SESSION: u16 = 0x5EED;
+
+/// Reads 25.6 m of track, with a locomotive of 18 m between its wheels.
+pub type BoardReader = nodes::track::Reader<256>;
 
 /// A rig of these runs.
 pub type Rig<'a> = RigNode<ModelRig<'a>, Random>;
@@ -100,7 +101,7 @@ pub fn run<P: Plant>(
     cycles: u32,
 ) -> Option<u64> {
     let wire = Loopback::default();
-    let (mut at_locomotive, mut at_rig) = wire.ends();
+    let [mut at_locomotive, mut at_rig] = wire.ends();
     let terms = terms(line.cycle_s, cycles, Patience::default(), SILENCE_TICKS);
     let mut locomotive = TimedLocomotive::new(Locomotive::new(line, state, terms)?);
     let mut rig = TimedRig::new(rig, SILENCE_TICKS);
@@ -114,40 +115,4 @@ pub fn run<P: Plant>(
         }
     }
     None
-}
-
-/// Number of the sample at a place of a track that is run there and back and there again. At the
-/// turns the track is continuous.
-pub fn there_and_back(place: usize, samples: usize) -> usize {
-    let period = (2 * samples).saturating_sub(2).max(1);
-    let at = place % period;
-    if at < samples { at } else { period - at }
-}
-
-/// Hands the track over to a window while the vehicle runs on it.
-#[derive(Debug, Default)]
-pub struct Feed {
-    next: usize,
-}
-
-impl Feed {
-    /// Fills the window around a vehicle that is at `at_m` and goes `ahead_m` in a cycle; whether
-    /// it holds the whole vehicle.
-    pub fn fill(
-        &mut self,
-        window: &mut BoardWindow,
-        samples: &[IrregularitySample],
-        (at_m, ahead_m): (f64, f64),
-    ) -> bool {
-        window.pass(at_m - REACH_M);
-        for _ in 0..window.room() {
-            let number = there_and_back(self.next, samples.len());
-            let Some(sample) = samples.get(number) else { break };
-            if !window.push(*sample) {
-                break;
-            }
-            self.next += 1;
-        }
-        window.reaches(at_m + REACH_M + ahead_m)
-    }
 }

@@ -1,5 +1,5 @@
-//! The locomotive on a board, with its rig on a loopback in the same program or on a line to
-//! another board.
+//! The locomotive on a board, with its rig and its track server on a loopback in the same program
+//! or on a line to another board and a host.
 //!
 //! The command line says which, `loopback` or `uart`, and how many cycles of RUN. Out comes a line
 //! with the trajectory hash and that of the host, and how many ticks came late.
@@ -14,6 +14,7 @@ use firmware::board::timer::Timer;
 use firmware::board::uart::Uart;
 use firmware::expected;
 use firmware::roles::{self, BoardLocomotive, PERIOD_US};
+use firmware::setup;
 use nodes::locomotive::End;
 use nodes::loopback::Loopback;
 use nodes::rig::Plant;
@@ -55,30 +56,30 @@ fn run(bus: &str, cycles: u32) -> Option<bool> {
     Some(is_same)
 }
 
-/// Both roles in this program.
+/// Both roles and the track server in this program.
 #[inline(never)]
 fn on_a_loopback<P: Plant>(
     mut rig: TimedRig<P, Random>,
     locomotive: &mut BoardLocomotive,
     timer: cortex_m::peripheral::SYST,
 ) -> Option<(End, u32)> {
+    let mut track = setup::track_server()?;
     let wire = Loopback::default();
-    let (mut at_locomotive, mut at_rig) = wire.ends();
+    let [mut at_locomotive, mut at_rig, mut at_track] = wire.ends();
     stack::paint();
     let mut timer = Timer::start(timer, PERIOD_US);
     loop {
         let skipped = timer.wait();
-        if !locomotive.tick(&mut at_locomotive, skipped) {
-            return None;
-        }
+        locomotive.tick(&mut at_locomotive, skipped);
         rig.tick(&mut at_rig);
+        track.tick(&mut at_track);
         if let Some(end) = locomotive.end() {
             return Some((end, timer.late()));
         }
     }
 }
 
-/// The rig is another board.
+/// The rig is another board, the track server a host.
 #[inline(never)]
 fn on_a_line(
     locomotive: &mut BoardLocomotive,
@@ -89,9 +90,7 @@ fn on_a_line(
     let mut timer = Timer::start(timer, PERIOD_US);
     loop {
         let skipped = timer.wait();
-        if !locomotive.tick(&mut line, skipped) {
-            return None;
-        }
+        locomotive.tick(&mut line, skipped);
         if let Some(end) = locomotive.end() {
             return Some((end, timer.late()));
         }

@@ -3,6 +3,7 @@
 use files::quoted;
 use std::fmt;
 use std::io;
+use std::path::PathBuf;
 
 /// Why a bus cannot be opened.
 #[derive(Debug)]
@@ -29,6 +30,13 @@ pub enum BusError {
         /// The name.
         interface: String,
     },
+    /// A serial line that cannot be connected to.
+    NoLine {
+        /// Its socket.
+        line: PathBuf,
+        /// What the kernel said.
+        error: io::Error,
+    },
     /// The kernel refused something else.
     Refused {
         /// The name.
@@ -46,6 +54,7 @@ impl BusError {
             | Self::NoInterface { .. }
             | Self::Down { .. }
             | Self::NotFd { .. }
+            | Self::NoLine { .. }
             | Self::NotVirtual { .. } => true,
             Self::Refused { .. } => false,
         }
@@ -89,6 +98,9 @@ impl fmt::Display for BusError {
                  but an emulated rig",
                 quoted(interface)
             ),
+            Self::NoLine { line, error } => {
+                write!(f, "line {}: {error}", quoted(&line.display().to_string()))
+            }
             Self::Refused { interface, error } => {
                 write!(f, "CAN interface \"{}\" cannot be used: {error}", quoted(interface))
             }

@@ -13,6 +13,7 @@ mod choice;
 mod error;
 mod memory;
 mod raw_frame;
+mod serial_line;
 mod socketcan;
 
 pub(crate) use any::AnyBus;
@@ -22,6 +23,7 @@ pub use error::BusError;
 pub use memory::{MAX_RIGS, MemoryBus, QUEUE_FRAMES};
 pub use nodes::WireFrame;
 pub use raw_frame::RawFrame;
+pub(crate) use serial_line::SerialLineBus;
 pub use socketcan::SocketCanBus;
 
 use can_protocol::Frame;

@@ -11,12 +11,12 @@ use firmware_core::vehicle::DAMPER_SLOTS;
 pub struct Notices {
     has_cause: bool,
     /// By port, one bit for each signal.
-    noted: [u32; DAMPER_SLOTS],
+    noted: [u64; DAMPER_SLOTS],
     /// By port: whether its slot goes on without the rig.
     dropped_out: [bool; DAMPER_SLOTS],
 }
 
-const _: () = assert!(Signal::ALL.len() <= u32::BITS as usize, "a bit for each signal");
+const _: () = assert!(Signal::ALL.len() <= u64::BITS as usize, "a bit for each signal");
 
 impl Session<'_> {
     /// Hands over what was found since the last call: the cause of a stop, rigs that have dropped
@@ -25,7 +25,7 @@ impl Session<'_> {
         let ports = self.ports.iter().zip(&state.ports).zip(&mut notices.noted);
         for ((port, memory), handed_over) in ports {
             for noted in memory.belief.noted() {
-                let bit = 1 << noted.first.signal as u32;
+                let bit = 1_u64 << noted.first.signal as u32;
                 if *handed_over & bit == 0 {
                     *handed_over |= bit;
                     let node = port.node.number();

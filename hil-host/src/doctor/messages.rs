@@ -22,6 +22,8 @@ pub fn messages_of_protocol(profile: Profile, rigs: u8) -> Vec<BusMessage> {
         | MessageId::Residual(node)
         | MessageId::ArmRequest(node)
         | MessageId::ArmAnswer(node) => node.number() <= rigs,
+        // A host has its track in memory.
+        MessageId::TrackRequest | MessageId::TrackOffer | MessageId::TrackSample(_) => false,
         MessageId::PressureOff(None)
         | MessageId::Sync
         | MessageId::Fault(Sender::Host)

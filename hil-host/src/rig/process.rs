@@ -73,7 +73,11 @@ pub fn heard_by(node: Node) -> Vec<MessageId> {
         | MessageId::Telemetry(of)
         | MessageId::ArmAnswer(of)
         | MessageId::Fault(Sender::Rig(of)) => of == node,
-        MessageId::Residual(_) | MessageId::Fault(Sender::Host) => false,
+        MessageId::Residual(_)
+        | MessageId::Fault(Sender::Host)
+        | MessageId::TrackRequest
+        | MessageId::TrackOffer
+        | MessageId::TrackSample(_) => false,
     };
     MessageId::all().filter(is_heard).collect()
 }

@@ -69,10 +69,10 @@ fn emulated_rig(run: &Run) -> Node<Emulator, Draw> {
 
 /// What a session of two nodes has come to.
 pub(crate) struct Found<P: Plant> {
-    hash: u64,
+    pub(crate) hash: u64,
     pub(crate) end: NodeEnd,
     pub(crate) stop: Option<(u64, Signal)>,
-    cycles: u64,
+    pub(crate) cycles: u64,
     state: State,
     pub(crate) rig: RunState,
     pub(crate) physics: P::State,
@@ -87,7 +87,7 @@ pub(crate) fn together<P: Plant>(
     mut disturb: impl FnMut(u32, &mut Locomotive<'_>, &mut BusEnd<'_>) -> bool,
 ) -> Found<P> {
     let wire = Loopback::default();
-    let (mut at_locomotive, mut at_rig) = wire.ends();
+    let [mut at_locomotive, mut at_rig] = wire.ends();
     let locomotive = Locomotive::new(line, &mut state, terms).unwrap();
     let mut locomotive = TimedLocomotive::new(locomotive);
     let mut rig = TimedRig::new(rig, SILENCE_TICKS);
@@ -233,7 +233,7 @@ fn a_rig_whose_lock_step_host_is_gone_goes_safe_and_rests() {
     let line = hil_host::run::line(&run, &track);
     let mut state = line.start(run.start.state.clone());
     let wire = Loopback::default();
-    let (mut at_locomotive, mut at_rig) = wire.ends();
+    let [mut at_locomotive, mut at_rig] = wire.ends();
     let terms = terms(&run, WirePace::LockStep);
     let locomotive = Locomotive::new(&line, &mut state, terms).unwrap();
     let mut locomotive = TimedLocomotive::new(locomotive);

@@ -22,4 +22,5 @@ mod several_rigs;
 mod sound_rigs;
 mod stand_ins;
 mod support;
+mod track_by_message;
 mod unfit_rigs;

@@ -31,7 +31,7 @@ fn code(cause: &Cause) -> (FaultCode, f64) {
         Signal::RigState => (FaultCode::StateMismatch, value),
         Signal::RigFault => (FaultCode::from_code(value as u16), 0.0),
         Signal::RigTrip => (FaultCode::Actuator, value),
-        Signal::BusQueue => (FaultCode::Overrun, value),
+        Signal::BusQueue | Signal::Track => (FaultCode::Overrun, value),
         Signal::BusDown => (FaultCode::BusOff, 0.0),
         Signal::Growth | Signal::Displacement => (FaultCode::StrokeLimit, per_mille),
         Signal::CommandLimit => (FaultCode::StrokeLimit, 1000.0),

@@ -163,7 +163,7 @@ impl Locomotive<'_> {
     }
 
     /// Gives up; a rig that is armed is told.
-    fn refuse(&mut self, why: NotArmed) {
+    pub(super) fn refuse(&mut self, why: NotArmed) {
         if let Some(frame) = self.rig.command(&Command::default(), RunState::Standby, 0) {
             self.put(frame);
         }

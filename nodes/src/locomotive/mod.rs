@@ -32,6 +32,7 @@ pub use fault::fault_of;
 pub use overheard::Overheard;
 pub use rig_end::{MAX_DELTA, answer, command_message, measured};
 
+use crate::track::{Reader, TrackFault};
 use crate::{WireFrame, wire_state};
 use can_protocol::arming::{HostArming, Listener, Patience, Quiet, Refusal, Requirements};
 use can_protocol::{Frame, Heartbeat, Node, PROTOCOL_VERSION, Pace, Profile, Sender, Sync};
@@ -118,6 +119,8 @@ pub enum NotArmed {
     NoDisplacement,
     /// Its ram stands too far away.
     TooFar,
+    /// There is no track to run on.
+    Track(TrackFault),
 }
 
 /// What ended the motion: the first cause, in its cycle.
@@ -162,6 +165,8 @@ pub struct Locomotive<'a> {
     silent_ticks: u32,
     /// Ticks in a row in which the bus had no room for a frame.
     late_ticks: u32,
+    /// Ticks that the track has been late.
+    trackless_ticks: u32,
     growth: Growth,
     is_asked_to_end: bool,
     /// Why the run ends in order.
@@ -195,6 +200,7 @@ impl<'a> Locomotive<'a> {
             armed_ticks: 0,
             silent_ticks: 0,
             late_ticks: 0,
+            trackless_ticks: 0,
             growth: Growth::default(),
             is_asked_to_end: false,
             why: None,
@@ -240,6 +246,35 @@ impl<'a> Locomotive<'a> {
         }
         let goes_on = core::mem::discriminant(&self.phase) == before;
         self.ticks = if goes_on { self.ticks + 1 } else { 0 };
+    }
+
+    /// The same on a track that comes by messages. Before the first tick it waits for its track. In
+    /// lock-step it waits for a late one too, as long as for a silent rig; in clock pace a late
+    /// track ends the run in SAFE.
+    pub fn tick_reading<const N: usize>(&mut self, reader: &mut Reader<N>, skipped: u32) {
+        let at_m = self.state.vehicle.distance_m.lane(0);
+        let has_track = reader.tick(at_m, self.line.speed_m_per_s * self.line.cycle_s);
+        let needs_track = self.phase == Phase::Running && !self.state.is_safe();
+        let has_begun = self.phase != Phase::Meeting || self.ticks > 0;
+        if !has_track && !has_begun {
+            if let Some(fault) = reader.fault() {
+                self.refuse(NotArmed::Track(fault));
+            }
+            return;
+        }
+        self.trackless_ticks =
+            if has_track || !needs_track { 0 } else { self.trackless_ticks.saturating_add(1) };
+        if self.trackless_ticks > 0 {
+            let waits = self.terms.pace == Pace::LockStep;
+            if waits && self.trackless_ticks < self.terms.silence_ticks {
+                return;
+            }
+            let cause = Cause::fact(Signal::Track, f64::from(self.trackless_ticks));
+            self.end_motion(cause, Action::Stop);
+        }
+        let irregularity = reader.view();
+        let track = Track { layout: self.line.track.layout.clone(), irregularity };
+        self.tick_on(&track, skipped);
     }
 
     /// The next frame to send.

@@ -5,7 +5,8 @@ use can_protocol::{
     ArmItem, ArmMessage, ArmSide, Command, CommandLayout, Fault, FaultCode, Heartbeat,
     HeartbeatFlags, Measurement, MeasurementFlags, MeasurementLayout, Message, MessageId, Mode,
     PROTOCOL_VERSION, Pace, Pressure, PressureOff, Profile, Residual, RunState, Seal, Sender,
-    SessionCode, Sync, Telemetry, Trips, Watch, protection,
+    SessionCode, Sync, Telemetry, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample,
+    Trips, Watch, protection,
 };
 use std::fmt::Write as _;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -27,7 +28,7 @@ struct Row {
 /// The whole file.
 pub(crate) fn dbc_text() -> String {
     let mut out = format!("VERSION \"yawbench {PROTOCOL_VERSION}\"\n\nNS_ :\n\nBS_:\n\n");
-    out += "BU_: HOST RIG_1 RIG_2 RIG_3 RIG_4\n";
+    out += "BU_: HOST RIG_1 RIG_2 RIG_3 RIG_4 TRACK\n";
     for message in MessageId::all() {
         let (id, length) = (message.raw(), message.payload_len());
         write!(out, "\nBO_ {id} {message}: {length} {}\n", transmitter(message)).expect("string");
@@ -56,7 +57,9 @@ fn transmitter(message: MessageId) -> String {
         | MessageId::PressureOff(_)
         | MessageId::Command(..)
         | MessageId::Residual(_)
+        | MessageId::TrackRequest
         | MessageId::ArmRequest(_) => "HOST".into(),
+        MessageId::TrackOffer | MessageId::TrackSample(_) => "TRACK".into(),
         MessageId::Measurement(_, node)
         | MessageId::Telemetry(node)
         | MessageId::ArmAnswer(node) => format!("RIG_{node}"),
@@ -72,6 +75,7 @@ fn receivers(message: MessageId) -> String {
         MessageId::Command(_, node)
         | MessageId::ArmRequest(node)
         | MessageId::PressureOff(Some(node)) => format!("RIG_{node}"),
+        MessageId::TrackRequest => "TRACK".into(),
         _ if transmitter(message) == "HOST" => "RIG_1,RIG_2,RIG_3,RIG_4".into(),
         _ => "HOST".into(),
     }
@@ -241,6 +245,22 @@ fn rows(message: MessageId) -> Vec<Row> {
             fault_code(PressureOff::CODE, "Why; any code, listed or not, drops the pressure."),
             code("detail", PressureOff::DETAIL, "How much, as in FAULT."),
         ],
+        MessageId::TrackRequest => vec![
+            code("count", TrackRequest::COUNT, "Samples wanted; 0 asks which track this is."),
+            code("session", TrackRequest::SESSION, "Number that the locomotive has drawn."),
+            code("first", TrackRequest::FIRST, "Number of the first sample wanted."),
+        ],
+        MessageId::TrackOffer => vec![
+            table(
+                "item",
+                TrackOffer::ITEM,
+                TrackItem::ALL.iter().map(|item| (u16::from(item.code()), item.name())),
+                "Which property; other codes are reserved.",
+            ),
+            code("session", TrackOffer::SESSION, "Number of the request."),
+            code("value", TrackOffer::VALUE, "Value of the property."),
+        ],
+        MessageId::TrackSample(part) => track_sample(part),
         MessageId::ArmRequest(_) | MessageId::ArmAnswer(_) => vec![
             counter(ArmMessage::COUNTER),
             state(ArmMessage::STATE),
@@ -309,6 +329,23 @@ fn residual() -> Vec<Row> {
     ]
 }
 
+fn track_sample(part: TrackPart) -> Vec<Row> {
+    let [first, second] = TrackSample::CHANNELS;
+    let number = code("number", TrackSample::NUMBER, "Number of the sample, modulo 256.");
+    match part {
+        TrackPart::CentreLine => vec![
+            number,
+            fixed("vertical_mm", first, "Mean of both rails, positive down."),
+            fixed("alignment_mm", second, "Mean of both rails, positive right."),
+        ],
+        TrackPart::Rails => vec![
+            number,
+            fixed("cross_level_mm", first, "Right rail lower than left."),
+            fixed("gauge_mm", second, "Wider than nominal."),
+        ],
+    }
+}
+
 /// A message to show in the comments: some values that fill the fields well.
 fn worked(message: MessageId) -> Message {
     let (state, temperature_degc) = (RunState::Run, Some(41.25));
@@ -371,6 +408,19 @@ fn worked(message: MessageId) -> Message {
             code: FaultCode::Sensor,
             detail: 2,
         }),
+        MessageId::TrackRequest => {
+            Message::TrackRequest(TrackRequest { session: 0x1234, first: 1000, count: 64 })
+        }
+        MessageId::TrackOffer => Message::TrackOffer(TrackOffer {
+            session: 0x1234,
+            item: TrackItem::Fingerprint,
+            value: 0xDEAD_BEEF,
+        }),
+        MessageId::TrackSample(part) => Message::TrackSample(TrackSample {
+            part,
+            number: (1000 % 256) as u8,
+            channels_m: [Some(-1.5e-3), Some(2.000_01e-3)],
+        }),
         MessageId::ArmRequest(node) => Message::Arm(ArmMessage {
             side: ArmSide::Host,
             node,
@@ -410,6 +460,8 @@ fn comments() -> String {
         };
         let counter = match message {
             MessageId::Sync => "No counter: the time advances.".to_string(),
+            MessageId::TrackRequest | MessageId::TrackOffer => "No counter.".to_string(),
+            MessageId::TrackSample(_) => "The number counts 0 to 255.".to_string(),
             _ => format!("Counter {range}."),
         };
         let check = format!(
@@ -442,6 +494,7 @@ fn sealed(message: MessageId) -> String {
     let (frame, _) = match worked(message) {
         Message::Command(command) => command.encode_sealed(profile, seal),
         Message::Measurement(measurement) => measurement.encode_sealed(profile, seal),
+        Message::TrackSample(sample) => return sealed_sample(&sample),
         _ => return String::new(),
     };
     format!(
@@ -451,6 +504,19 @@ fn sealed(message: MessageId) -> String {
         seal.code.bits(),
         seal.cycle,
         seal.mask(profile)
+    )
+}
+
+/// The same for a sample of the track.
+fn sealed_sample(sample: &TrackSample) -> String {
+    let seal = TrackRequest::seal(0x1234, 0xDEAD_BEEF, 1000);
+    let (frame, _) = sample.encode_sealed(seal);
+    format!(
+        "Sealed frame: {} (session 0x1234, fingerprint 0xDEADBEEF, code 0x{:04X}, sample 1000, \
+         mask 0x{:02X}). ",
+        hex(frame.data()),
+        seal.code.bits(),
+        seal.mask(Profile::Classical)
     )
 }
 

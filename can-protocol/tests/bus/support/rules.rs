@@ -56,7 +56,7 @@ fn arming() -> String {
          bytes: version, profile, pace and slow_down in one byte each, period_us and watchdog in \
          cycles in two, stroke, velocity, acceleration and force as agreed and the hash of this \
          file in four, low byte first. The hash of this file is the CRC-32 over its BO_ and SG_ \
-         lines in their order, each without white space at its ends and with one line feed behind \
+         lines in their order, without those of the messages TRACK_*, each without white space at its ends and with one line feed behind \
          it: 0x{DBC_HASH:08X}. \
          5. {} with r xor c: the one frame that arms, in STANDBY and with all of the above in \
          order. The rig answers {} with h xor c, or {} with the cycles that are missing to {} \
@@ -144,6 +144,22 @@ pub(crate) fn duties(message: MessageId) -> &'static str {
              judged. "
         }
         MessageId::Telemetry(_) | MessageId::Residual(_) => "The counter is not judged. ",
+        MessageId::TrackRequest => {
+            "From a locomotive that has no memory for its track. With count 0 the track server \
+             answers with one TRACK_OFFER for each item; otherwise with the samples first to \
+             first + count - 1, as many as the track has, CENTRE_LINE before RAILS. A newer request \
+             replaces one that is still being served; whatever did not arrive is asked for again. "
+        }
+        MessageId::TrackOffer => {
+            "Plain CRC. The fingerprint is the CRC-32 of zlib over FIRST_UM, STEP_UM and SAMPLES, four \
+             bytes each, then the codes of all samples in their order, vertical, alignment, cross \
+             level and gauge, three bytes each; low byte first. A track that is run there and back \
+             again has no end: SAMPLES is 0xFFFFFFFF, and the samples of one way count once. "
+        }
+        MessageId::TrackSample(_) => {
+            "Sealed as CMD is: h is the session of the request, r the fingerprint, and the number of \
+             the sample in the whole track stands for the cycle; k is that number divided by 15. "
+        }
         MessageId::ArmRequest(_) => {
             "The counter is not judged: the host may have started again. ARM is repeated until it \
              is answered; to the same ARM the rig answers ARMED again. REFUSED from the host ends \

@@ -2,7 +2,8 @@
 use can_protocol::{
     ArmItem, ArmMessage, ArmSide, Command, Fault, FaultCode, Heartbeat, HeartbeatFlags,
     Measurement, MeasurementFlags, Message, Mode, Node, Pace, Pressure, PressureOff, Profile,
-    Residual, RunState, Sender, Sync, Telemetry, Trips, Watch,
+    Residual, RunState, Sender, Sync, Telemetry, TrackItem, TrackOffer, TrackPart, TrackRequest,
+    TrackSample, Trips, Watch,
 };
 use proptest::prelude::*;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -187,6 +188,24 @@ fn residual() -> impl Strategy<Value = Residual> {
     )
 }
 
+/// Any message between a locomotive and its track server.
+fn track() -> impl Strategy<Value = Message> {
+    let request = (any::<u16>(), any::<u32>(), any::<u8>()).prop_map(|(session, first, count)| {
+        Message::TrackRequest(TrackRequest { session, first, count })
+    });
+    let item = prop::sample::select(TrackItem::ALL.to_vec());
+    let offer = (any::<u16>(), item, any::<u32>()).prop_map(|(session, item, value)| {
+        Message::TrackOffer(TrackOffer { session, item, value })
+    });
+    let part = prop::sample::select(TrackPart::ALL.to_vec());
+    let sample = (part, any::<u8>(), physical(0.08), physical(0.08)).prop_map(
+        |(part, number, first_m, second_m)| {
+            Message::TrackSample(TrackSample { part, number, channels_m: [first_m, second_m] })
+        },
+    );
+    prop_oneof![request, offer, sample]
+}
+
 /// Any message, and the profile to send it in.
 pub(crate) fn message() -> impl Strategy<Value = (Message, Profile)> {
     use Profile::{Classical, Fd};
@@ -201,6 +220,7 @@ pub(crate) fn message() -> impl Strategy<Value = (Message, Profile)> {
         1 => residual().prop_map(|residual| (Message::Residual(residual), Classical)),
         1 => heartbeat().prop_map(|heartbeat| (Message::Heartbeat(heartbeat), Classical)),
         1 => pressure_off().prop_map(|request| (Message::PressureOff(request), Classical)),
+        2 => track().prop_map(|message| (message, Classical)),
         1 => arming().prop_map(|message| (Message::Arm(message), Classical)),
     ]
 }
@@ -283,6 +303,26 @@ pub(crate) fn dbc_values(message: &Message, profile: Profile) -> Vec<(String, Va
             put("state", Value::Name(residual.state.name()));
             put("residual_rms_n", or(residual.rms_n, 1.0));
             put("watch", Value::Name(residual.watch.name()));
+        }
+        Message::TrackRequest(request) => {
+            put("count", number(request.count.into()));
+            put("session", number(request.session.into()));
+            put("first", number(request.first));
+        }
+        Message::TrackOffer(offer) => {
+            put("item", Value::Name(offer.item.name()));
+            put("session", number(offer.session.into()));
+            put("value", number(offer.value));
+        }
+        Message::TrackSample(sample) => {
+            let names = match sample.part {
+                TrackPart::CentreLine => ["vertical_mm", "alignment_mm"],
+                TrackPart::Rails => ["cross_level_mm", "gauge_mm"],
+            };
+            put("number", number(sample.number.into()));
+            for (name, value_m) in names.into_iter().zip(sample.channels_m) {
+                put(name, or(value_m, 1e3));
+            }
         }
         Message::Heartbeat(heartbeat) => {
             put("counter", number(heartbeat.counter.into()));

@@ -11,7 +11,8 @@ use can_protocol::{
     ArmItem, ArmMessage, ArmSide, BusPlan, Command, Cyclic, Fault, FaultCode, Frame, Heartbeat,
     Measurement, MeasurementFlags, Message, Mode, Node, Pace, Pressure, PressureOff, Profile,
     Receiver, ReceiverState, Residual, RunState, Seal, Sender, SessionCode, SessionHistory, Sync,
-    Telemetry, Trips, Watch, from_embedded, to_embedded,
+    Telemetry, TrackFingerprint, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample,
+    Trips, Watch, from_embedded, to_embedded,
 };
 use embedded_can::Id;
 
@@ -84,6 +85,11 @@ fn session(profile: Profile, node: Node) {
         let frame = match message {
             Message::Command(command) => command.encode_sealed(profile, seal).0,
             Message::Measurement(measurement) => measurement.encode_sealed(profile, seal).0,
+            Message::TrackSample(sample) => {
+                let frame = sample.encode_sealed(seal).0;
+                black_box(TrackSample::decode_sealed(frame.id(), frame.data(), seal).is_ok());
+                frame
+            }
             _ => continue,
         };
         black_box(&frame);
@@ -99,6 +105,9 @@ fn session(profile: Profile, node: Node) {
         black_box(reception);
     }
     black_box(state.cycle());
+    let mut fingerprint = TrackFingerprint::new(black_box(0), black_box(1), black_box(2));
+    fingerprint.add(black_box([0.0; 4]));
+    black_box((fingerprint.value(), TrackRequest::session(black_box(1), black_box(2))));
 }
 
 /// Both sides of the arming exchange.
@@ -159,7 +168,7 @@ fn arm(node: Node) {
 }
 
 /// One of each message.
-fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 9] {
+fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 12] {
     [
         Message::Sync(Sync {
             version: 1,
@@ -211,6 +220,13 @@ fn messages(node: Node, sender: Sender, state: RunState) -> [Message; 9] {
             state,
             code: FaultCode::Sensor,
             detail: 0,
+        }),
+        Message::TrackRequest(TrackRequest { session: 0, first: 0, count: 0 }),
+        Message::TrackOffer(TrackOffer { session: 0, item: TrackItem::First, value: 0 }),
+        Message::TrackSample(TrackSample {
+            part: TrackPart::Rails,
+            number: 0,
+            channels_m: [Some(0.0); 2],
         }),
         Message::Arm(ArmMessage {
             side: ArmSide::Host,

@@ -1,0 +1,137 @@
+//! `yawbench track-server`: the whole track, for a locomotive on a board that has no memory for it.
+//!
+//! The node is [`nodes::track::Server`]; here it has a process, a clock and a bus. It answers
+//! whoever asks, a sample per millisecond at most, and prints once a second how far it is. Nothing
+//! here moves a rig: a server that is late or gone stops a locomotive, which says so itself.
+
+use crate::BenchError;
+use crate::bus::{Bus, BusCounters, SerialLineBus, SocketCanBus};
+use crate::clock::Pacer;
+use can_protocol::{MessageId, Profile};
+use firmware_core::track::Irregularity;
+use nodes::track::{Counts, Identity, Server, Unservable};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Real time of a tick.
+const TICK: Duration = Duration::from_millis(1);
+
+/// What the server is connected to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Line {
+    /// A CAN interface.
+    Can(String),
+    /// A serial line, by its Unix socket; the server ends with it.
+    Serial(PathBuf),
+}
+
+/// What a server has done.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrackSummary {
+    /// Fingerprint of its track, as in the DBC.
+    pub fingerprint: String,
+    /// How often it was asked which track it has.
+    pub offers: u64,
+    /// How often it was asked for samples.
+    pub requests: u64,
+    /// Samples sent.
+    pub samples: u64,
+    /// Samples among them that it had sent before.
+    pub repeated: u64,
+    /// Frames that the bus did not take.
+    pub send_dropped: u64,
+    /// Frames that the kernel lost on the way in.
+    pub receive_dropped: u64,
+    /// Ticks that its clock missed.
+    pub skipped: u64,
+}
+
+/// Serves the irregularity of a scenario until `stop`, or until its serial line is closed;
+/// `is_endless` runs it there and back and there again.
+///
+/// # Errors
+/// A grid or a sample that does not travel; the interface or the line cannot be used.
+pub fn run_on(
+    scenario: &Path,
+    track: &Irregularity<'_>,
+    is_endless: bool,
+    line: &Line,
+    stop: &AtomicBool,
+) -> Result<TrackSummary, BenchError> {
+    let refused = |why: Unservable| BenchError::Kept {
+        file: scenario.to_owned(),
+        found: why.to_string(),
+        expected: why.expected(),
+    };
+    let mut server = Server::new(track, is_endless).map_err(refused)?;
+    let Identity { fingerprint, step_um, .. } = server.identity();
+    let step_m = f64::from(step_um) / 1e6;
+    let count = track.samples.len();
+    let ways = if is_endless { ", there and back" } else { "" };
+    files::say!(
+        "track {fingerprint:08x}, {:.0} m in {count} samples{ways}: waiting for a locomotive",
+        count as f64 * step_m
+    );
+    let (skipped, bus) = match line {
+        Line::Can(interface) => {
+            let heard = [MessageId::TrackRequest];
+            let mut bus = SocketCanBus::open(interface, &heard, Profile::Classical)?;
+            serve(&mut server, &mut bus, |_| stop.load(Ordering::Relaxed))
+        }
+        Line::Serial(path) => {
+            let mut bus = SerialLineBus::connect(path)?;
+            let is_over = |bus: &SerialLineBus| bus.is_closed() || stop.load(Ordering::Relaxed);
+            serve(&mut server, &mut bus, is_over)
+        }
+    };
+    let Counts { offers, requests, samples, repeated, .. } = server.counts();
+    Ok(TrackSummary {
+        fingerprint: format!("{fingerprint:08x}"),
+        offers,
+        requests,
+        samples,
+        repeated,
+        send_dropped: bus.send_dropped,
+        receive_dropped: bus.receive_dropped,
+        skipped,
+    })
+}
+
+/// The loop; the ticks that its clock missed, and what went over the bus.
+fn serve<B: Bus>(
+    server: &mut Server<'_>,
+    bus: &mut B,
+    is_over: impl Fn(&B) -> bool,
+) -> (u64, BusCounters) {
+    let mut pacer = Pacer::every(TICK);
+    let (mut printed, mut said) = (Instant::now(), server.counts());
+    while !is_over(bus) {
+        pacer.wait();
+        while let Some(frame) = bus.receive() {
+            server.hear(&frame);
+        }
+        server.tick();
+        while let Some(frame) = server.take_frame() {
+            // Whatever the bus does not take is asked for again.
+            bus.send(&frame);
+        }
+        if printed.elapsed() >= Duration::from_secs(1) && server.counts() != said {
+            (printed, said) = (Instant::now(), server.counts());
+            let Counts { samples, repeated, end, .. } = said;
+            files::say!("sample {end}, sent {samples}, again {repeated}");
+        }
+    }
+    (pacer.skipped(), bus.counters())
+}
+
+/// The account of a server in one line.
+pub fn summary_text(summary: &TrackSummary) -> String {
+    let TrackSummary { fingerprint, offers, requests, samples, repeated, .. } = summary;
+    format!(
+        "track {fingerprint}: asked for {offers} times, {samples} samples sent in {requests} \
+         requests, {repeated} of them again; frames dropped {} out and {} in, {} ticks missed",
+        summary.send_dropped, summary.receive_dropped, summary.skipped
+    )
+}

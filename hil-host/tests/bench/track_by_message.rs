@@ -1,0 +1,279 @@
+//! A locomotive node that reads its track from a server on the bus: the bits of the track in
+//! memory, and what happens where the samples are late, lost, old or another's.
+
+use crate::locomotive_node::terms;
+use crate::support::locomotive::{NODE, scenario};
+use can_protocol::{Frame, MessageId, Pace, Profile, RunState};
+use firmware_core::line::Line;
+use firmware_core::supervision::Signal;
+use firmware_core::track::{Irregularity, Track};
+use hil_host::rig::RigNode;
+use nodes::can::{receive, transmit};
+use nodes::locomotive::{End, Locomotive, NotArmed, SILENCE_TICKS, STOP_CYCLES};
+use nodes::loopback::{End as BusEnd, Loopback};
+use nodes::timed::{TimedLocomotive, TimedRig, TimedServer};
+use nodes::track::{Reader, Server, TrackFault, as_sent};
+use scenario::run::Run;
+
+/// Ticks after which a bench that has not ended hangs.
+const MOST_TICKS: u32 = 20_000;
+
+/// What a board holds.
+type BoardReader = Reader<256>;
+
+/// The scenario on its track as it travels.
+fn on_a_track_that_travels() -> Run {
+    let mut run = scenario();
+    for sample in &mut run.track.samples.samples {
+        *sample = as_sent(sample).unwrap();
+    }
+    run
+}
+
+/// What a session has come to.
+#[derive(Debug, PartialEq)]
+struct Found {
+    hash: u64,
+    end: End,
+    stop: Option<(u64, Signal)>,
+    cycles: u64,
+    rig: RunState,
+}
+
+/// A board and its rig on a bus with whatever else is on it, tick by tick.
+fn session(
+    run: &Run,
+    pace: Pace,
+    reader: &mut BoardReader,
+    mut else_on_bus: impl FnMut(u64, &mut BusEnd<'_>),
+) -> Found {
+    // No sample of the track is in this memory.
+    let irregularity = Irregularity { samples: &[], ..run.track.view().irregularity };
+    let track = Track { irregularity, ..run.track.view() };
+    let line: Line<'_> = hil_host::run::line(run, &track);
+    let mut state = line.start(run.start.state.clone());
+    let wire = Loopback::default();
+    let [mut at_locomotive, mut at_rig, mut at_server] = wire.ends();
+    let locomotive = Locomotive::new(&line, &mut state, terms(run, pace)).unwrap();
+    let mut locomotive = TimedLocomotive::new(locomotive);
+    let rig: RigNode = RigNode::new(&run.rig, NODE, Profile::Classical);
+    let mut rig = TimedRig::new(rig, SILENCE_TICKS);
+    for _ in 0..MOST_TICKS {
+        else_on_bus(locomotive.locomotive().state().cycle, &mut at_server);
+        locomotive.tick_reading(&mut at_locomotive, reader, 0);
+        rig.tick(&mut at_rig);
+        let node = locomotive.locomotive();
+        if let Some(end) = node.end() {
+            rig.tick(&mut at_rig);
+            return Found {
+                hash: node.hash(),
+                end,
+                stop: node.stop().map(|stop| (stop.cycle, stop.cause.signal)),
+                cycles: node.state().cycle,
+                rig: rig.rig().run_state(),
+            };
+        }
+    }
+    panic!("no end after {MOST_TICKS} ticks, in cycle {}", locomotive.locomotive().state().cycle)
+}
+
+fn reader(session: u16, expected: Option<u32>) -> BoardReader {
+    let mut reader = BoardReader::NEW;
+    reader.begin(session, expected);
+    reader
+}
+
+fn server(run: &Run) -> Server<'_> {
+    Server::new(&run.track.view().irregularity, false).unwrap()
+}
+
+/// The run with the whole track in memory.
+fn in_memory(run: &Run) -> Found {
+    let track = run.track.view();
+    let line = hil_host::run::line(run, &track);
+    let state = line.start(run.start.state.clone());
+    let rig: RigNode = RigNode::new(&run.rig, NODE, Profile::Classical);
+    let found = crate::locomotive_node::together(
+        &line,
+        state,
+        terms(run, Pace::LockStep),
+        rig,
+        |_, _, _| true,
+    );
+    let (hash, cycles) = (found.hash, found.cycles);
+    Found { hash, end: found.end, stop: found.stop, cycles, rig: found.rig }
+}
+
+#[test]
+fn a_track_by_message_gives_the_bits_of_the_track_in_memory() {
+    let run = on_a_track_that_travels();
+    let expected = in_memory(&run);
+    assert_eq!(expected.end, End::Completed);
+    for pace in [Pace::LockStep, Pace::Clock] {
+        let mut server = TimedServer::new(server(&run));
+        let fingerprint = server.server().identity().fingerprint;
+        let mut reader = reader(7, Some(fingerprint));
+        let found = session(&run, pace, &mut reader, |_, can| server.tick(can));
+        assert_eq!(found, expected, "{pace:?}");
+        let counts = server.server().counts();
+        assert_eq!((counts.offers, counts.repeated), (1, 0), "{counts:?}");
+        // About a sample of 0.1 m for every 2.25 ms, and the windows at both ends.
+        let way = f64::from(expected.cycles as u32) * run.cycle_s() * run.speed_m_per_s / 0.1;
+        let more = counts.samples as f64 - way;
+        assert!((256.0..300.0).contains(&more), "{} samples over {way:.0}", counts.samples);
+    }
+}
+
+#[test]
+fn frames_that_are_lost_are_asked_for_again() {
+    let run = on_a_track_that_travels();
+    let expected = in_memory(&run);
+    for (pace, every) in [(Pace::LockStep, 29), (Pace::Clock, 101)] {
+        let mut server = server(&run);
+        let mut sent = 0;
+        let found = session(&run, pace, &mut reader(7, None), |_, can| {
+            while let Some(frame) = receive(can) {
+                server.hear(&frame);
+            }
+            server.tick();
+            while let Some(frame) = server.take_frame() {
+                sent += 1;
+                if sent % every != 0 {
+                    assert!(transmit(can, &frame));
+                }
+            }
+        });
+        assert_eq!(found, expected, "{pace:?}");
+        assert!(server.counts().repeated > 0, "{:?}", server.counts());
+    }
+}
+
+#[test]
+fn a_server_that_falls_silent_stops_the_locomotive_where_its_window_ends() {
+    let run = on_a_track_that_travels();
+    for (pace, ticks) in [(Pace::Clock, 1), (Pace::LockStep, SILENCE_TICKS)] {
+        let mut server = TimedServer::new(server(&run));
+        let mut trackless = 0;
+        let mut last = (0, 0);
+        let found = session(&run, pace, &mut reader(7, None), |cycle, can| {
+            if cycle < 1500 {
+                server.tick(can);
+            } else {
+                // Its controller still takes in what nobody reads.
+                while receive(can).is_some() {}
+            }
+            last = if last.0 == cycle { (cycle, last.1 + 1) } else { (cycle, 1) };
+            trackless = trackless.max(last.1 * u32::from(cycle > 1500));
+        });
+        assert_eq!((found.end, found.rig), (End::Safe, RunState::Safe), "{pace:?}");
+        let Some((cycle, Signal::Track)) = found.stop else { panic!("{found:?}") };
+        // What it still had: up to the window less the reach of the vehicle to either side, 5 m.
+        let way_m = (cycle - 1500) as f64 * run.cycle_s() * run.speed_m_per_s;
+        assert!((3.5..=5.6).contains(&way_m), "{way_m} m after the last sample");
+        assert_eq!(found.cycles, cycle + 1 + STOP_CYCLES);
+        assert_eq!(trackless, ticks, "{pace:?}");
+    }
+}
+
+#[test]
+fn without_the_right_track_no_rig_is_armed() {
+    let run = on_a_track_that_travels();
+    let mut other = on_a_track_that_travels();
+    other.track.samples.samples[1000].gauge_m += 1e-6;
+    let mut wide = on_a_track_that_travels();
+    wide.track.samples.step_m = 0.05;
+    let right = server(&run).identity().fingerprint;
+    let wrong = server(&other).identity().fingerprint;
+    let refused = |tracks: &[&Run], expected| {
+        let mut servers: Vec<_> = tracks.iter().map(|run| server(run)).collect();
+        let found = session(&run, Pace::Clock, &mut reader(7, expected), |_, can| {
+            while let Some(frame) = receive(can) {
+                servers.iter_mut().for_each(|server| server.hear(&frame));
+            }
+            for server in &mut servers {
+                server.tick();
+                while let Some(frame) = server.take_frame() {
+                    assert!(transmit(can, &frame));
+                }
+            }
+        });
+        assert_eq!((found.cycles, found.rig), (0, RunState::Init), "{found:?}");
+        found.end
+    };
+    let not_armed = |fault| End::NotArmed(NotArmed::Track(fault));
+    assert_eq!(refused(&[], None), not_armed(TrackFault::NoServer));
+    let another = TrackFault::AnotherTrack { found: wrong, expected: right };
+    assert_eq!(refused(&[&other], Some(right)), not_armed(another));
+    assert_eq!(refused(&[&run, &other], None), not_armed(TrackFault::TwoServers));
+    // On a finer grid the window does not hold the vehicle.
+    assert_eq!(refused(&[&wide], None), not_armed(TrackFault::Grid));
+}
+
+#[test]
+fn samples_of_an_old_session_are_not_taken() {
+    let run = on_a_track_that_travels();
+    let mut server = server(&run);
+    let is_sample =
+        |frame: &Frame| matches!(MessageId::from_raw(frame.id()), Some(MessageId::TrackSample(_)));
+    let mut log = Vec::new();
+    session(&run, Pace::Clock, &mut reader(7, None), |_, can| {
+        while let Some(frame) = receive(can) {
+            server.hear(&frame);
+        }
+        server.tick();
+        while let Some(frame) = server.take_frame() {
+            assert!(transmit(can, &frame));
+            log.push(frame);
+        }
+    });
+    assert!(log.len() > 4000);
+    // The server answers which track it has, and the log comes in the place of its samples.
+    let mut played = log.iter().filter(|frame| is_sample(frame)).cycle();
+    let found = session(&run, Pace::Clock, &mut reader(8, None), |_, can| {
+        while let Some(frame) = receive(can) {
+            server.hear(&frame);
+        }
+        server.tick();
+        let mut plays = false;
+        while let Some(frame) = server.take_frame() {
+            let is_old = is_sample(&frame);
+            plays |= is_old;
+            assert!(is_old || transmit(can, &frame));
+        }
+        if plays {
+            let frames: Vec<_> = played.by_ref().take(2).collect();
+            assert!(frames.into_iter().all(|frame| transmit(can, frame)));
+        }
+    });
+    assert_eq!(found.end, End::NotArmed(NotArmed::Track(TrackFault::NoSamples)));
+}
+
+/// How far a rounded track moves the command of the rig from that on the track as it is.
+#[test]
+fn rounding_to_ten_nanometres_moves_the_rig_by_less_than_its_converters_see() {
+    let (exact, rounded) = (scenario(), on_a_track_that_travels());
+    let commands = |run: &Run| {
+        let track = run.track.view();
+        let line = hil_host::run::line(run, &track);
+        let state = line.start(run.start.state.clone());
+        let rig: RigNode = RigNode::new(&run.rig, NODE, Profile::Classical);
+        let mut commands = Vec::new();
+        crate::locomotive_node::together(
+            &line,
+            state,
+            terms(run, Pace::LockStep),
+            rig,
+            |_, node, _| {
+                commands.push(node.state().slots[0].command.displacement_m);
+                true
+            },
+        );
+        commands
+    };
+    let (exact, rounded): (Vec<f64>, Vec<f64>) = (commands(&exact), commands(&rounded));
+    let furthest = exact.iter().zip(&rounded).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let stroke = exact.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    println!("{furthest:e} m of {stroke:e} m");
+    assert!(exact.len() == rounded.len() && furthest > 0.0);
+    assert!(furthest < 1e-6 && stroke > 0.5e-3, "{furthest:e} m of {stroke:e} m");
+}

@@ -1,0 +1,144 @@
+//! The track server: the node that has the whole track.
+
+use super::identity::{Identity, Unservable, as_sent, channels};
+use crate::WireFrame;
+use can_protocol::{Frame, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample};
+use firmware_core::track::{Irregularity, IrregularitySample};
+use heapless::Deque;
+
+/// Frames that wait to be taken: an offer, or the samples of a tick.
+const FRAMES: usize = 8;
+
+/// Serves one locomotive at a time: whoever asked last.
+#[derive(Debug, Clone)]
+pub struct Server<'a> {
+    samples: &'a [IrregularitySample],
+    identity: Identity,
+    /// The session of the last request, and the samples that it asked for and did not get yet.
+    session: u16,
+    wanted: core::ops::Range<u32>,
+    frames: Deque<Frame, FRAMES>,
+    counts: Counts,
+}
+
+/// What a server has done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Questions for the track.
+    pub offers: u64,
+    /// Requests for samples.
+    pub requests: u64,
+    /// Samples sent.
+    pub samples: u64,
+    /// Samples sent again.
+    pub repeated: u64,
+    /// Number behind the furthest sample sent.
+    pub end: u32,
+}
+
+impl<'a> Server<'a> {
+    /// A server of a whole track; `is_endless` runs it there and back and there again.
+    ///
+    /// # Errors
+    /// A grid or a sample that cannot travel.
+    pub fn new(track: &Irregularity<'a>, is_endless: bool) -> Result<Self, Unservable> {
+        Ok(Self {
+            samples: track.samples,
+            identity: Identity::of(track, is_endless)?,
+            session: 0,
+            wanted: 0..0,
+            frames: Deque::new(),
+            counts: Counts::default(),
+        })
+    }
+
+    /// The track that it has.
+    pub fn identity(&self) -> Identity {
+        self.identity
+    }
+
+    /// What it has done.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Takes in any frame of the bus.
+    pub fn hear(&mut self, frame: &WireFrame) {
+        let Ok(request) = TrackRequest::decode(frame.id(), frame.data()) else { return };
+        let TrackRequest { session, first, count } = request;
+        if session != self.session {
+            // Another locomotive, or one that has started again.
+            (self.session, self.counts.end) = (session, 0);
+        }
+        if count == 0 {
+            self.wanted = 0..0;
+            self.offer();
+        } else {
+            self.counts.requests += 1;
+            let end = first.saturating_add(u32::from(count)).min(self.identity.samples);
+            self.wanted = first.min(end)..end;
+        }
+    }
+
+    fn offer(&mut self) {
+        self.counts.offers += 1;
+        for item in TrackItem::ALL {
+            let value = self.identity.value(item);
+            let offer = TrackOffer { session: self.session, item, value };
+            // Full only where nobody takes the frames; the locomotive asks again.
+            let _full = self.frames.push_back(offer.encode());
+        }
+    }
+
+    /// One tick: the next sample that is wanted. One per millisecond is enough up to 360 km/h on a
+    /// grid of 0.1 m, and leaves the bus to the rigs.
+    pub fn tick(&mut self) {
+        if self.frames.len() + TrackPart::ALL.len() > FRAMES {
+            return;
+        }
+        let Some(number) = self.wanted.next() else { return };
+        let Some(sample) = self.sample(number) else { return };
+        let [vertical_m, alignment_m, cross_level_m, gauge_m] = channels(&sample);
+        let seal = TrackRequest::seal(self.session, self.identity.fingerprint, number);
+        for (part, [first_m, second_m]) in [
+            (TrackPart::CentreLine, [vertical_m, alignment_m]),
+            (TrackPart::Rails, [cross_level_m, gauge_m]),
+        ] {
+            let channels_m = [Some(first_m), Some(second_m)];
+            let half = TrackSample { part, number: number as u8, channels_m };
+            let (frame, saturated) = half.encode_sealed(seal);
+            debug_assert!(saturated.is_empty(), "sample {number} does not travel");
+            let _full = self.frames.push_back(frame);
+        }
+        self.counts.samples += 1;
+        self.counts.repeated += u64::from(number < self.counts.end);
+        self.counts.end = self.counts.end.max(number.saturating_add(1));
+    }
+
+    /// The next frame to send.
+    pub fn take_frame(&mut self) -> Option<Frame> {
+        self.frames.pop_front()
+    }
+
+    /// A sample of the track as it travels.
+    fn sample(&self, number: u32) -> Option<IrregularitySample> {
+        let place = match self.identity.samples {
+            Identity::ENDLESS => there_and_back(number as usize, self.samples.len()),
+            _ => number as usize,
+        };
+        as_sent(self.samples.get(place)?)
+    }
+}
+
+/// Number of the sample at a place of a track that is run there and back and there again. At the
+/// turns the track is continuous.
+///
+/// ```
+/// let places = (0..8).map(|place| nodes::track::there_and_back(place, 4));
+/// assert!(places.eq([0, 1, 2, 3, 2, 1, 0, 1]));
+/// ```
+pub fn there_and_back(place: usize, samples: usize) -> usize {
+    let period = (2 * samples).saturating_sub(2).max(1);
+    let at = place % period;
+    if at < samples { at } else { period - at }
+}
