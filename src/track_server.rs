@@ -6,7 +6,7 @@ use crate::output::{print, warn};
 use crate::stop;
 use clap::Args;
 use hil_host::bus::BusChoice;
-use hil_host::track_server::{self, Line};
+use hil_host::track_server::{self, Line, Ways};
 use scenario::run::Run;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -49,8 +49,8 @@ pub(crate) fn command(args: &TrackServerArgs) -> Result<ExitCode, CommandError> 
     let run = Run::load(&args.scenario, args.overrides.overrides())?;
     warn(&run.warnings);
     let stop = stop::flag();
-    let (file, track) = (&args.scenario, run.track.view().irregularity);
-    let summary = track_server::run_on(file, &track, args.there_and_back, &line, stop)?;
+    let ways = if args.there_and_back { Ways::ThereAndBack } else { Ways::One };
+    let summary = track_server::run_on((&args.scenario, &run), ways, &line, stop)?;
     if args.json {
         print(&serde_json::to_string_pretty(&summary)?)?;
     } else {

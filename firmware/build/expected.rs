@@ -66,7 +66,7 @@ fn long_track(run: &Run) -> Vec<IrregularitySample> {
     let more = (way_m / samples.step_m) as usize;
     let numbers = 0..samples.samples.len() + more;
     let sample = |place| {
-        let number = there_and_back(place, samples.samples.len());
+        let number = there_and_back(place as u32, samples.samples.len() as u32) as usize;
         as_sent(&samples.samples[number]).unwrap_or_else(|| panic!("{number} does not travel"))
     };
     numbers.map(sample).collect()

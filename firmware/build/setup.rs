@@ -8,7 +8,7 @@ use crate::literal::Literal;
 use firmware_core::compensation::Compensator;
 use firmware_core::damper::{Damper, Effect};
 use firmware_core::track::Layout;
-use nodes::track::Identity;
+use nodes::track::{Identity, Ways};
 use same_bits::two_roles;
 use scenario::run::{CYCLE_S, Run, SlotForce};
 use std::fmt::Write;
@@ -27,7 +27,7 @@ pub(crate) fn source(run: &Run) -> String {
     number("CYCLE_S", "Length of a cycle (s).", CYCLE_S);
     number("TRACK_FIRST_M", "Distance of the first sample (m).", samples.first_m);
     number("TRACK_STEP_M", "Distance between samples (m).", samples.step_m);
-    let fingerprint = Identity::of(&run.track.view().irregularity, true)
+    let fingerprint = Identity::of(&run.track.view().irregularity, Ways::ThereAndBack)
         .unwrap_or_else(|e| panic!("{e}"))
         .fingerprint;
     number("STROKE_M", "Largest displacement of a command (m).", run.motion.stroke_m);

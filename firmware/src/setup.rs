@@ -20,7 +20,7 @@ use firmware_core::wheel_rail::table::{ContactTable, ZoneTable};
 use firmware_core::wheel_rail::wheel::{Rolling, Surface, Wheel, WheelForce};
 use nalgebra::Vector3;
 use nodes::timed::TimedServer;
-use nodes::track::Server;
+use nodes::track::{Server, Ways};
 use same_bits::locomotive::BoardWindow;
 use same_bits::two_roles::{self, BoardReader};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -112,8 +112,8 @@ pub fn track_reader() -> Option<&'static mut BoardReader> {
 }
 
 /// A server of the track in flash, there and back and there again; none where it does not travel.
-pub fn track_server() -> Option<TimedServer<'static>> {
-    Some(TimedServer::new(Server::new(&TRACK.irregularity, true).ok()?))
+pub fn track_server() -> Option<TimedServer<&'static [IrregularitySample]>> {
+    Some(TimedServer::new(Server::of(&TRACK.irregularity, Ways::ThereAndBack).ok()?))
 }
 
 /// The line with a rig in the first slot; none the second time, or where a damper cannot be built.

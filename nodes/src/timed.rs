@@ -7,7 +7,7 @@
 use crate::can::{receive, transmit};
 use crate::locomotive::Locomotive;
 use crate::rig::{Numbers, Plant, RigNode};
-use crate::track::{Reader, Server};
+use crate::track::{Reader, Server, Source};
 use can_protocol::Pace;
 use embedded_can::nb::Can;
 
@@ -148,16 +148,16 @@ impl<'a> TimedLocomotive<'a> {
 
 /// A track server with its CAN driver.
 #[derive(Debug, Clone)]
-pub struct TimedServer<'a>(Server<'a>);
+pub struct TimedServer<S>(Server<S>);
 
-impl<'a> TimedServer<'a> {
+impl<S: Source> TimedServer<S> {
     /// A server that waits for a locomotive.
-    pub fn new(server: Server<'a>) -> Self {
+    pub fn new(server: Server<S>) -> Self {
         Self(server)
     }
 
     /// The server.
-    pub fn server(&self) -> &Server<'a> {
+    pub fn server(&self) -> &Server<S> {
         &self.0
     }
 

@@ -4,12 +4,11 @@
 It was written from can-protocol/yawbench.dbc alone, from the comments of the bus and of TRACK_*,
 and shares no code with yawbench: where the two disagree, one of them or the document is wrong.
 
-It prints what it has read as one JSON object. "samples" is what the server offers, "received" what
-was taken of them; "refused" counts the frames whose CRC did not fit.
+It prints one JSON object: "samples" is what the server offers, "received" what was taken of them,
+and "refused" counts the frames whose CRC did not fit.
 """
 
 import argparse
-import collections
 import json
 import pathlib
 import secrets
@@ -20,18 +19,11 @@ import time
 import zlib
 
 REQUEST, OFFER, CENTRE_LINE, RAILS = 0x540, 0x541, 0x542, 0x543
-FIRST_UM, STEP_UM, SAMPLES, FINGERPRINT = ITEMS = range(4)
-ENDLESS = 0xFFFFFFFF
+ITEMS = ["first_um", "step_um", "samples", "fingerprint"]
+ENDLESS, INVALID = 0xFFFFFFFF, -(1 << 23)
 CHANNELS = ["vertical", "alignment", "cross_level", "gauge"]
-INVALID = -(1 << 23)
-# Fewer than 256: the number of a frame then says which of the samples asked for it is.
-LARGEST_REQUEST = 200
-QUIET_S, PATIENCE_S = 0.2, 5.0
-CONNECT_S = 60.0  # the server may have to be started by hand
-
-
-class Failure(Exception):
-    """Says in one line why the track was not read."""
+LARGEST_REQUEST = 200  # below 256, so that its number says which of them a sample is
+QUIET_S, PATIENCE_S, CONNECT_S = 0.2, 5.0, 60.0  # the last leaves time to start a server by hand
 
 
 def crc(data, register, width, polynomial):
@@ -45,30 +37,13 @@ def crc(data, register, width, polynomial):
     return register
 
 
-CRC8 = [crc([byte], 0, 8, 0x1D) for byte in range(256)]
-BEHIND_DATA_ID = {can_id: crc(struct.pack(">H", 0x5000 + can_id), 0xFF, 8, 0x1D)
-                  for can_id in (REQUEST, OFFER, CENTRE_LINE, RAILS)}
-
-
 def checksum(can_id, payload, mask=0):
     """CRC of a frame of 8 bytes; the mask is that of the seal, 0 for a plain frame."""
-    register = BEHIND_DATA_ID[can_id] ^ mask
-    for byte in payload:
-        register = CRC8[register ^ byte]
-    return register ^ 0xFF
-
-
-def session_code(session, fingerprint):
-    return crc(struct.pack("<II", session, fingerprint), 0xFFFF, 16, 0x1021)
-
-
-def seal_mask(code, sample):
-    return (code + sample // 15 * (2 * code + 1)) & 0xFF
+    behind_data_id = crc(struct.pack(">H", 0x5000 + can_id), 0xFF, 8, 0x1D)
+    return crc(payload, behind_data_id ^ mask, 8, 0x1D) ^ 0xFF
 
 
 class Bus:
-    """A SocketCAN interface."""
-
     def __init__(self, interface):
         self.socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
         # The frames of the server alone: with the flags in the mask, neither extended nor remote.
@@ -82,12 +57,9 @@ class Bus:
         self.socket.send(struct.pack("=IB3x8s", can_id, len(data), data))
 
     def receive(self, timeout):
-        """Id and payload of a frame, or None."""
+        """Id and payload of a frame; TimeoutError if none comes."""
         self.socket.settimeout(timeout)
-        try:
-            can_id, length, data = struct.unpack("=IB3x8s", self.socket.recv(16))
-        except TimeoutError:
-            return None
+        can_id, length, data = struct.unpack("=IB3x8s", self.socket.recv(16))
         return can_id, data[:length]
 
 
@@ -102,13 +74,9 @@ class Line:
             listener.bind(path)
             listener.listen(1)
             listener.settimeout(CONNECT_S)
-            try:
-                self.socket, _ = listener.accept()
-            except TimeoutError:
-                raise Failure(f"nobody connects to {path}") from None
-            finally:
-                pathlib.Path(path).unlink()
-        self.rest, self.frames = b"", collections.deque()
+            self.socket, _ = listener.accept()
+        pathlib.Path(path).unlink()
+        self.rest, self.frames = b"", []
 
     def send(self, can_id, data):
         packet = struct.pack(">H", can_id) + data
@@ -116,65 +84,60 @@ class Line:
         self.socket.sendall(self.END + packet + self.END)
 
     def receive(self, timeout):
-        """Id and payload of a frame, or None."""
-        if not self.frames:
-            self.socket.settimeout(timeout)
-            try:
-                heard = self.socket.recv(4096)
-            except TimeoutError:
-                return None
+        self.socket.settimeout(timeout)
+        while not self.frames:
+            heard = self.socket.recv(4096)
             if not heard:
-                raise Failure("the server closed the line")
+                raise RuntimeError("the server closed the line")
             *packets, self.rest = (self.rest + heard).split(self.END)
-            for packet in packets:
-                packet = packet.replace(self.ESC_END, self.END).replace(self.ESC_ESC, self.ESC)
-                if len(packet) >= 2:  # not the nothing between two ENDs
-                    self.frames.append((int.from_bytes(packet[:2], "big"), packet[2:]))
-        return self.frames.popleft() if self.frames else None
+            self.frames += filter(None, packets)  # nothing is between two ENDs
+        packet = self.frames.pop(0)
+        packet = packet.replace(self.ESC_END, self.END).replace(self.ESC_ESC, self.ESC)
+        return int.from_bytes(packet[:2], "big"), packet[2:]
 
 
 class Reader:
     def __init__(self, link, session, drop):
         self.link, self.session, self.drop = link, session, drop
-        self.offer, self.code = {}, None
+        self.offer, self.code, self.sample_frames, self.refused = {}, None, 0, 0
         self.codes = bytearray()  # of whole samples, in the order of the fingerprint
         self.next, self.end = 0, 0  # the sample that comes next, and the end of the request
         self.centre_line = None  # of the sample that comes next
-        self.sample_frames, self.refused = 0, 0
-        self.heard, self.progress = 0.0, 0.0
-        self.lost, self.asked_again = False, False
+        self.heard, self.progress, self.lost, self.asked_again = 0.0, 0.0, False, False
 
     def ask(self):
         """Asks for what is missing of the request. Nothing asked for: which track is it?"""
         payload = struct.pack("<BHI", self.end - self.next, self.session, self.next)
         self.link.send(REQUEST, bytes([checksum(REQUEST, payload)]) + payload)
-        self.heard, self.centre_line = time.monotonic(), None
+        self.heard = time.monotonic()
 
     def until(self, done):
         """Asks until it is done, again as soon as a frame is missing or none comes any more."""
         self.progress = time.monotonic()
         self.ask()
         while not done():
-            frame = self.link.receive(QUIET_S)
-            if frame is not None and len(frame[1]) == 8:
-                self.hear(*frame)
+            try:
+                self.hear(*self.link.receive(QUIET_S))
+            except TimeoutError:
+                pass
             now = time.monotonic()
             if now - self.progress > PATIENCE_S:
-                raise Failure(f"no progress for {PATIENCE_S:g} s, at sample {self.next}")
-            # Once only: frames of the request before are still under way behind the gap.
-            at_once = self.lost and not self.asked_again
-            if at_once or now - self.heard >= QUIET_S:
+                raise RuntimeError(f"no progress for {PATIENCE_S:g} s, at sample {self.next}")
+            # At once, but once: behind a gap, frames of the old request are still under way.
+            if (self.lost and not self.asked_again) or now - self.heard >= QUIET_S:
                 self.ask()
                 self.asked_again = True
             self.lost = False
 
     def hear(self, can_id, data):
+        if len(data) != 8:
+            return
         if can_id == OFFER:
             item, session, value = struct.unpack("<BHI", data[1:])
             if checksum(OFFER, data[1:]) != data[0]:
                 self.refused += 1
-            elif session == self.session and item in ITEMS:
-                self.offer[item] = value
+            elif session == self.session and item < 4 and ITEMS[item] not in self.offer:
+                self.offer[ITEMS[item]] = value
                 self.heard = self.progress = time.monotonic()
         elif can_id in (CENTRE_LINE, RAILS) and self.code is not None:
             self.sample_frames += 1
@@ -186,7 +149,8 @@ class Reader:
         sample = self.next + (data[1] - self.next) % 256
         if sample >= self.end:
             sample -= 256  # not asked for, so it was there before
-        if sample < 0 or checksum(can_id, data[1:], seal_mask(self.code, sample)) != data[0]:
+        mask = (self.code + sample // 15 * (2 * self.code + 1)) & 0xFF
+        if sample < 0 or checksum(can_id, data[1:], mask) != data[0]:
             self.refused += 1
             return
         self.heard = time.monotonic()
@@ -201,34 +165,28 @@ class Reader:
 
     def read(self, limit):
         self.until(lambda: len(self.offer) == len(ITEMS))
-        self.code = session_code(self.session, self.offer[FINGERPRINT])
-        wanted = self.offer[SAMPLES] if limit is None else min(limit, self.offer[SAMPLES])
+        numbers = struct.pack("<II", self.session, self.offer["fingerprint"])
+        self.code = crc(numbers, 0xFFFF, 16, 0x1021)
+        wanted = self.offer["samples"] if limit is None else min(limit, self.offer["samples"])
         if wanted == ENDLESS:
-            raise Failure("the track has no end: say with --samples how much of it to read")
+            raise RuntimeError("the track has no end: say with --samples how much of it to read")
         while self.next < wanted:
             self.end = min(self.next + LARGEST_REQUEST, wanted)
             self.until(lambda: self.next == self.end)
 
     def summary(self):
         computed = None
-        if self.next == self.offer[SAMPLES]:
-            head = struct.pack("<III", *(self.offer[item] for item in (FIRST_UM, STEP_UM, SAMPLES)))
+        if self.next == self.offer["samples"]:
+            head = struct.pack("<III", *(self.offer[item] for item in ITEMS[:3]))
             computed = f"{zlib.crc32(head + self.codes):08x}"
         codes = [int.from_bytes(self.codes[at:at + 3], "little", signed=True)
                  for at in range(0, len(self.codes), 3)]
-        return {
-            "session": self.session,
-            "first_um": self.offer[FIRST_UM],
-            "step_um": self.offer[STEP_UM],
-            "samples": self.offer[SAMPLES],
-            "fingerprint": f"{self.offer[FINGERPRINT]:08x}",
-            "computed_fingerprint": computed,
-            "received": self.next,
-            "refused": self.refused,
-            "largest_mm": {
-                name: max((abs(code) for code in codes[at::4] if code != INVALID), default=0) / 1e5
-                for at, name in enumerate(CHANNELS)},
-        }
+        largest = {name: max((abs(code) for code in codes[at::4] if code != INVALID), default=0)
+                   for at, name in enumerate(CHANNELS)}
+        offered = self.offer | {"fingerprint": f"{self.offer['fingerprint']:08x}"}
+        return {"session": self.session, **offered, "computed_fingerprint": computed,
+                "received": self.next, "refused": self.refused,
+                "largest_mm": {name: code / 1e5 for name, code in largest.items()}}
 
 
 def main():
@@ -236,18 +194,18 @@ def main():
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument("--bus", help="CAN interface")
     where.add_argument("--listen", metavar="PATH", help="Unix socket that the server connects to")
-    parser.add_argument("--session", type=int, help="0 to 65535; drawn if not given")
+    parser.add_argument("--session", type=int, default=secrets.randbits(16),
+                        help="0 to 65535; drawn if not given")
     parser.add_argument("--samples", type=int, help="how many to read; all if not given")
     parser.add_argument("--drop", type=int, default=0, help="ignore every N-th sample frame")
     options = parser.parse_args()
-    session = secrets.randbits(16) if options.session is None else options.session
-    if not 0 <= session <= 0xFFFF:
-        parser.error("--session is a number from 0 to 65535")
+    if not 0 <= options.session <= 0xFFFF:
+        parser.error("--session: 0 to 65535")
     try:
         link = Bus(options.bus) if options.bus else Line(options.listen)
-        reader = Reader(link, session, options.drop)
+        reader = Reader(link, options.session, options.drop)
         reader.read(options.samples)
-    except (Failure, OSError) as error:
+    except (RuntimeError, OSError) as error:
         print(f"track_reader: {error}", file=sys.stderr)
         return 1
     summary = reader.summary()

@@ -3,7 +3,7 @@
 //! ```text
 //! locomotive                                   track server
 //! TRACK_REQUEST count 0: which track?     ->
-//!                                         <-   TRACK_OFFER first, step, samples, fingerprint
+//!                                         <-   TRACK_OFFER first, step, samples, ways, fingerprint
 //! TRACK_REQUEST first 0, count 200        ->
 //!                                         <-   TRACK_CENTRE_LINE 0, TRACK_RAILS 0
 //!                                         <-   TRACK_CENTRE_LINE 1, ...

@@ -6,16 +6,18 @@ use crate::{Error, Frame, MessageId, protection};
 use core::fmt;
 
 wire_enum! {
-    /// One property of a track, as the 8-bit code on the wire. Codes 4 to 255 are reserved.
+    /// One property of a track, as the 8-bit code on the wire. Codes 5 to 255 are reserved.
     TrackItem in "item" {
         /// Distance of the first sample, µm, two's complement.
         First = 0, "FIRST_UM";
         /// Distance between samples, µm.
         Step = 1, "STEP_UM";
-        /// Samples of the whole track; all ones: without an end.
+        /// Samples of the track, one way.
         Samples = 2, "SAMPLES";
-        /// CRC-32 over the whole track, as the comment of the message defines it.
-        Fingerprint = 3, "FINGERPRINT";
+        /// 1: from one end to the other. 2: there and back and there again, without an end.
+        Ways = 3, "WAYS";
+        /// CRC-32 over the others and the samples ([`TrackFingerprint`](crate::TrackFingerprint)).
+        Fingerprint = 4, "FINGERPRINT";
     }
 }
 

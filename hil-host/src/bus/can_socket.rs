@@ -1,9 +1,11 @@
 //! A raw `SocketCAN` socket on a CAN interface of Linux, real or virtual.
 //!
 //! - Kernel filters let through exactly the ids that are wanted, data frames only.
-//! - The socket never blocks, and its send buffer holds a few frames: the kernel's queues would
-//!   otherwise deliver commands that are milliseconds old. What does not fit is dropped, counted
-//!   and not retried.
+//! - Nothing but [`CanSocket::wait`] blocks, and the send buffer holds a few frames: the kernel's
+//!   queues would otherwise deliver commands that are milliseconds old. What does not fit is
+//!   dropped, counted and not retried.
+//! - To wait is to read: the frame that ends a wait is kept for [`CanSocket::receive`], so that a
+//!   round trip in lock-step is two system calls on either side, as in any echo pair.
 //! - The kernel counts what it had to drop on the way in (`SO_RXQ_OVFL`) and delivers the number
 //!   with the next frame.
 //! - Error frames of the controller are counted. A virtual interface has none; it has no bit rate,
@@ -17,15 +19,11 @@ use super::raw_frame::RawFrame;
 use super::{BusCounters, Sent};
 use dbc::CanId;
 use nix::errno::Errno;
-use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
-use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg};
+use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg, send};
 use nodes::MAX_BYTES;
-use socketcan::{
-    CanFdFrame, CanFdSocket, CanFilter, CanFrame, EmbeddedFrame, ExtendedId, Id, Socket,
-    SocketOptions, StandardId,
-};
+use socketcan::{CanFdSocket, CanFilter, Socket, SocketOptions};
 use std::io::{self, IoSliceMut};
-use std::os::fd::{AsFd, AsRawFd};
+use std::os::fd::AsRawFd;
 use std::time::{Duration, Instant};
 
 /// Bytes asked for the send buffer. The kernel doubles the number and charges somewhat under 1 kB
@@ -47,6 +45,10 @@ pub(crate) struct CanSocket {
     /// The kernel's drop counter as last delivered, modulo 2^32.
     overflow: u32,
     opened: Instant,
+    /// What ended a wait and was not received yet.
+    arrived: Option<Arrived>,
+    /// The longest read that the kernel was told.
+    read_limit: Duration,
 }
 
 impl CanSocket {
@@ -64,17 +66,23 @@ impl CanSocket {
         let socket = CanFdSocket::open(interface).map_err(|error| explain(interface, error))?;
         check_interface(interface, takes_fd)?;
         set_up(&socket, accept).map_err(refused)?;
-        Ok(Self { socket, counters: BusCounters::default(), overflow: 0, opened: Instant::now() })
+        Ok(Self {
+            socket,
+            counters: BusCounters::default(),
+            overflow: 0,
+            opened: Instant::now(),
+            arrived: None,
+            read_limit: Duration::ZERO,
+        })
     }
 
-    /// Reads one frame of any kind; `None` when there is none.
-    fn read(&mut self) -> Option<Arrived> {
+    /// Reads one frame of any kind.
+    fn read(&mut self, flags: MsgFlags) -> Result<Arrived, Errno> {
         let mut buffer = [0_u8; FD_BYTES];
         let mut control = [0_u8; CONTROL_BYTES];
         let mut parts = [IoSliceMut::new(&mut buffer)];
-        let flags = MsgFlags::MSG_DONTWAIT;
         let message =
-            recvmsg::<()>(self.socket.as_raw_fd(), &mut parts, Some(&mut control), flags).ok()?;
+            recvmsg::<()>(self.socket.as_raw_fd(), &mut parts, Some(&mut control), flags)?;
         let bytes = message.bytes;
         for part in message.cmsgs().into_iter().flatten() {
             if let ControlMessageOwned::RxqOvfl(total) = part {
@@ -82,31 +90,27 @@ impl CanSocket {
                 self.overflow = total;
             }
         }
-        Some(Arrived::parse(&buffer, bytes))
+        Ok(Arrived::parse(&buffer, bytes))
     }
 }
 
 impl CanSocket {
     /// Hands a frame to the kernel at once, or drops it.
     pub(crate) fn send(&mut self, frame: &RawFrame) -> Sent {
-        let Some(id) = kernel_id(frame.id()) else { return Sent::Dropped };
-        let result = if frame.is_fd() {
-            CanFdFrame::new(id, frame.data()).map(|mut frame| {
-                frame.set_brs(true);
-                self.socket.write_frame(&frame)
-            })
-        } else {
-            CanFrame::new(id, frame.data()).map(|frame| self.socket.write_frame(&frame))
-        };
-        // A frame fits its kind: `None` does not occur.
-        let Some(Err(error)) = result else {
-            self.counters.sent += 1;
-            return Sent::Away;
-        };
-        self.counters.send_dropped += 1;
-        match error.raw_os_error().map(Errno::from_raw) {
-            Some(Errno::ENETDOWN | Errno::ENODEV | Errno::ENXIO) => Sent::Down,
-            _ => Sent::Dropped,
+        let (buffer, bytes) = kernel_frame(frame);
+        let bytes = buffer.get(..bytes).unwrap_or(&buffer);
+        match send(self.socket.as_raw_fd(), bytes, MsgFlags::MSG_DONTWAIT) {
+            Ok(_) => {
+                self.counters.sent += 1;
+                Sent::Away
+            }
+            Err(error) => {
+                self.counters.send_dropped += 1;
+                match error {
+                    Errno::ENETDOWN | Errno::ENODEV | Errno::ENXIO => Sent::Down,
+                    _ => Sent::Dropped,
+                }
+            }
         }
     }
 
@@ -114,7 +118,11 @@ impl CanSocket {
     pub(crate) fn receive(&mut self) -> Option<RawFrame> {
         // Bounded: as many foreign frames as there may be, the caller gets back to its cycle.
         for _ in 0..MOST_SKIPPED {
-            match self.read()? {
+            let arrived = match self.arrived.take() {
+                Some(arrived) => arrived,
+                None => self.read(MsgFlags::MSG_DONTWAIT).ok()?,
+            };
+            match arrived {
                 Arrived::Frame(frame) => {
                     self.counters.received += 1;
                     return Some(frame);
@@ -128,9 +136,35 @@ impl CanSocket {
 
     /// Waits until a frame may be there; false when the time has passed.
     pub(crate) fn wait(&mut self, timeout: Duration) -> bool {
-        let timeout = PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX);
-        let mut sockets = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
-        matches!(poll(&mut sockets, timeout), Ok(1..))
+        if self.arrived.is_some() {
+            return true;
+        }
+        let flags = if timeout.is_zero() || !self.limits_read(timeout) {
+            MsgFlags::MSG_DONTWAIT
+        } else {
+            MsgFlags::empty()
+        };
+        match self.read(flags) {
+            Ok(arrived) => self.arrived = Some(arrived),
+            Err(Errno::EAGAIN | Errno::EINTR) => return false,
+            // An interface that went down, for one: whoever sends is told of it.
+            Err(_) => {}
+        }
+        true
+    }
+
+    /// Tells the kernel how long a read may take at most, where that has changed; false where it
+    /// takes no such limit.
+    fn limits_read(&mut self, limit: Duration) -> bool {
+        // Less than a microsecond would be no limit.
+        let limit = limit.max(Duration::from_micros(1));
+        if self.read_limit != limit {
+            if self.socket.set_read_timeout(limit).is_err() {
+                return false;
+            }
+            self.read_limit = limit;
+        }
+        true
     }
 
     /// Time since it was opened.
@@ -144,12 +178,25 @@ impl CanSocket {
     }
 }
 
-/// An identifier as the kernel takes it.
-fn kernel_id(id: CanId) -> Option<Id> {
-    match id {
-        CanId::Standard(id) => StandardId::new(id).map(Id::Standard),
-        CanId::Extended(id) => ExtendedId::new(id).map(Id::Extended),
+/// A frame as the kernel takes it, `struct can_frame` or `canfd_frame`, and how many bytes that is.
+fn kernel_frame(frame: &RawFrame) -> ([u8; FD_BYTES], usize) {
+    let mut buffer = [0; FD_BYTES];
+    let id = match frame.id() {
+        CanId::Standard(id) => u32::from(id),
+        CanId::Extended(id) => id | libc::CAN_EFF_FLAG,
+    };
+    let data = frame.data();
+    let [a, b, c, d, len, flags, _, _, payload @ ..] = &mut buffer;
+    for (to, from) in [a, b, c, d].into_iter().zip(id.to_ne_bytes()) {
+        *to = from;
     }
+    *len = data.len() as u8;
+    payload.iter_mut().zip(data).for_each(|(to, from)| *to = *from);
+    if frame.is_fd() {
+        *flags = libc::CANFD_BRS as u8;
+        return (buffer, FD_BYTES);
+    }
+    (buffer, CLASSICAL_BYTES)
 }
 
 /// Error frames that one call of `receive` passes over.
@@ -201,7 +248,6 @@ fn set_up(socket: &CanFdSocket, accept: impl IntoIterator<Item = CanId>) -> io::
         .collect();
     socket.set_filters(&filters)?;
     socket.set_error_filter_accept_all()?;
-    socket.set_nonblocking(true)?;
     socket.set_socket_option_int(libc::SOL_SOCKET, libc::SO_SNDBUF, SEND_BUFFER_BYTES)?;
     socket.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RXQ_OVFL, 1)
 }
@@ -254,6 +300,21 @@ mod tests {
         buffer[4] = len;
         buffer[8..8 + payload.len()].copy_from_slice(payload);
         buffer
+    }
+
+    #[test]
+    fn frames_are_written_as_they_are_read() {
+        for (id, fd, data) in [
+            (CanId::Standard(0x101), false, &[1, 2, 3][..]),
+            (CanId::Standard(0x7FF), false, &[]),
+            (CanId::Standard(0x211), true, &[7; 64]),
+            (CanId::Extended(0x18FF_0301), false, &[9; 8]),
+        ] {
+            let frame = RawFrame::new(id, fd, data).unwrap();
+            let (buffer, bytes) = kernel_frame(&frame);
+            assert_eq!(Arrived::parse(&buffer, bytes), Arrived::Frame(frame));
+            assert_eq!(buffer[5], u8::from(fd), "the bit-rate switch");
+        }
     }
 
     #[test]

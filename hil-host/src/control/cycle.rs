@@ -131,15 +131,25 @@ impl Session<'_> {
     /// Receive: drains every bus. Each port keeps its newest measurement.
     pub(crate) fn receive<B: Bus>(&self, state: &mut SessionState, buses: &mut Buses<'_, '_, B>) {
         for bus in 0..buses.count() {
-            while let Some(frame) = buses.receive(bus) {
-                let mut ports = self.ports.iter().zip(&mut state.ports);
-                if !ports.any(|(port, memory)| port.bus == bus && port.take_frame(memory, &frame))
-                    && let Some(overheard) = state.overheard.get_mut(bus)
-                {
-                    overheard.take(&frame);
-                }
-            }
+            while self.receive_next(state, buses, bus) {}
         }
+    }
+
+    /// Receive: the next frame of one bus; false where there is none.
+    pub(super) fn receive_next<B: Bus>(
+        &self,
+        state: &mut SessionState,
+        buses: &mut Buses<'_, '_, B>,
+        bus: usize,
+    ) -> bool {
+        let Some(frame) = buses.receive(bus) else { return false };
+        let mut ports = self.ports.iter().zip(&mut state.ports);
+        if !ports.any(|(port, memory)| port.bus == bus && port.take_frame(memory, &frame))
+            && let Some(overheard) = state.overheard.get_mut(bus)
+        {
+            overheard.take(&frame);
+        }
+        true
     }
 
     /// Decode: the newest measurement of every rig, or why there is none.

@@ -236,17 +236,26 @@ impl Session<'_> {
         patience: Duration,
     ) -> bool {
         let mut silence = Silence::new();
+        // Rigs in memory have answered already.
+        for bus in 0..buses.count() {
+            while !buses.has_own_time(bus) && self.receive_next(state, buses, bus) {}
+        }
         loop {
             // Read before the buses: a host that was suspended first takes in what has arrived.
             let late = silence.lasts(Instant::now()) > patience;
-            self.receive(state, buses);
+            if late {
+                self.receive(state, buses);
+            }
             let mut ports = self.ports.iter().zip(&state.ports);
             let waiting = ports.rfind(|(port, memory)| port.owes_an_answer(memory));
-            let Some((waiting, _)) = waiting else { return true };
+            let Some(bus) = waiting.map(|(port, _)| port.bus) else { return true };
             if late {
                 return false;
             }
-            buses.wait(waiting.bus, patience.min(GLANCE));
+            // The next cycle takes in what has come behind the answer.
+            if buses.wait(bus, patience.min(GLANCE)) {
+                self.receive_next(state, buses, bus);
+            }
         }
     }
 

@@ -147,11 +147,14 @@ fn run<B: Bus>(
             rig.rest_if_uncommanded();
             send_out(rig, bus);
         } else {
-            bus.wait(GLANCE);
-            // Read before the bus: a rig that was suspended first takes in what has arrived.
-            let now = Instant::now();
-            take_in(rig, bus);
-            if watch.silence(rig, now) >= SILENCE && !rig.is_idle() {
+            if bus.wait(GLANCE)
+                && let Some(frame) = bus.receive()
+            {
+                // What has come behind it is there for the next wait.
+                rig.on_frame(&frame);
+                send_out(rig, bus);
+            }
+            if watch.silence(rig, Instant::now()) >= SILENCE && !rig.is_idle() {
                 rig.host_is_silent(silent_cycles(timing));
                 send_out(rig, bus);
                 come_to_rest(rig, bus, &mut pacer);

@@ -4,12 +4,17 @@
 //! whoever asks, a sample per millisecond at most, and prints once a second how far it is. Nothing
 //! here moves a rig: a server that is late or gone stops a locomotive, which says so itself.
 
+mod long_track;
+
 use crate::BenchError;
 use crate::bus::{Bus, BusCounters, SerialLineBus, SocketCanBus};
 use crate::clock::Pacer;
+use crate::control::NoStretch;
 use can_protocol::{MessageId, Profile};
-use firmware_core::track::Irregularity;
+use long_track::LongTrack;
+pub use nodes::track::Ways;
 use nodes::track::{Counts, Identity, Server, Unservable};
+use scenario::run::Run;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -48,15 +53,14 @@ pub struct TrackSummary {
     pub skipped: u64,
 }
 
-/// Serves the irregularity of a scenario until `stop`, or until its serial line is closed;
-/// `is_endless` runs it there and back and there again.
+/// Serves the irregularity of a scenario until `stop`, or until its serial line is closed.
 ///
 /// # Errors
-/// A grid or a sample that does not travel; the interface or the line cannot be used.
+/// A grid or a sample that does not travel; the interface or the line cannot be used; the next
+/// stretch of the track is not made.
 pub fn run_on(
-    scenario: &Path,
-    track: &Irregularity<'_>,
-    is_endless: bool,
+    (scenario, run): (&Path, &Run),
+    ways: Ways,
     line: &Line,
     stop: &AtomicBool,
 ) -> Result<TrackSummary, BenchError> {
@@ -65,15 +69,13 @@ pub fn run_on(
         found: why.to_string(),
         expected: why.expected(),
     };
-    let mut server = Server::new(track, is_endless).map_err(refused)?;
-    let Identity { fingerprint, step_um, .. } = server.identity();
-    let step_m = f64::from(step_um) / 1e6;
-    let count = track.samples.len();
-    let ways = if is_endless { ", there and back" } else { "" };
-    files::say!(
-        "track {fingerprint:08x}, {:.0} m in {count} samples{ways}: waiting for a locomotive",
-        count as f64 * step_m
-    );
+    let track = run.track.view();
+    let identity = Identity::of(&track.irregularity, ways).map_err(refused)?;
+    let mut server = Server::new(identity, LongTrack::new(run, &track));
+    let Identity { fingerprint, step_um, samples, .. } = identity;
+    let length_km = f64::from(samples) * f64::from(step_um) / 1e9;
+    let shape = if ways == Ways::ThereAndBack { ", there and back" } else { "" };
+    files::say!("track {fingerprint:08x}, {length_km:.1} km{shape}: waiting for a locomotive");
     let (skipped, bus) = match line {
         Line::Can(interface) => {
             let heard = [MessageId::TrackRequest];
@@ -86,6 +88,9 @@ pub fn run_on(
             serve(&mut server, &mut bus, is_over)
         }
     };
+    if server.source().has_failed() {
+        return Err(NoStretch.into());
+    }
     let Counts { offers, requests, samples, repeated, .. } = server.counts();
     Ok(TrackSummary {
         fingerprint: format!("{fingerprint:08x}"),
@@ -101,13 +106,13 @@ pub fn run_on(
 
 /// The loop; the ticks that its clock missed, and what went over the bus.
 fn serve<B: Bus>(
-    server: &mut Server<'_>,
+    server: &mut Server<LongTrack<'_>>,
     bus: &mut B,
     is_over: impl Fn(&B) -> bool,
 ) -> (u64, BusCounters) {
     let mut pacer = Pacer::every(TICK);
     let (mut printed, mut said) = (Instant::now(), server.counts());
-    while !is_over(bus) {
+    while !is_over(bus) && !server.source().has_failed() {
         pacer.wait();
         while let Some(frame) = bus.receive() {
             server.hear(&frame);

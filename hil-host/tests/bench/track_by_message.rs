@@ -6,13 +6,13 @@ use crate::support::locomotive::{NODE, scenario};
 use can_protocol::{Frame, MessageId, Pace, Profile, RunState};
 use firmware_core::line::Line;
 use firmware_core::supervision::Signal;
-use firmware_core::track::{Irregularity, Track};
+use firmware_core::track::{Irregularity, IrregularitySample, Track};
 use hil_host::rig::RigNode;
 use nodes::can::{receive, transmit};
 use nodes::locomotive::{End, Locomotive, NotArmed, SILENCE_TICKS, STOP_CYCLES};
 use nodes::loopback::{End as BusEnd, Loopback};
 use nodes::timed::{TimedLocomotive, TimedRig, TimedServer};
-use nodes::track::{Reader, Server, TrackFault, as_sent};
+use nodes::track::{Reader, Server, TrackFault, Ways, as_sent};
 use scenario::run::Run;
 
 /// Ticks after which a bench that has not ended hangs.
@@ -83,8 +83,8 @@ fn reader(session: u16, expected: Option<u32>) -> BoardReader {
     reader
 }
 
-fn server(run: &Run) -> Server<'_> {
-    Server::new(&run.track.view().irregularity, false).unwrap()
+fn server(run: &Run) -> Server<&[IrregularitySample]> {
+    Server::of(&run.track.view().irregularity, Ways::One).unwrap()
 }
 
 /// The run with the whole track in memory.
@@ -188,7 +188,9 @@ fn without_the_right_track_no_rig_is_armed() {
         let mut servers: Vec<_> = tracks.iter().map(|run| server(run)).collect();
         let found = session(&run, Pace::Clock, &mut reader(7, expected), |_, can| {
             while let Some(frame) = receive(can) {
-                servers.iter_mut().for_each(|server| server.hear(&frame));
+                for server in &mut servers {
+                    server.hear(&frame);
+                }
             }
             for server in &mut servers {
                 server.tick();

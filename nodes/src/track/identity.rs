@@ -11,40 +11,60 @@ pub struct Identity {
     pub first_um: i32,
     /// Distance between samples (um).
     pub step_um: u32,
-    /// Samples of the whole track; [`Identity::ENDLESS`] where it is run there and back and there
-    /// again.
+    /// Samples of the track, one way.
     pub samples: u32,
-    /// [`TrackFingerprint`] of its samples, those of one way.
+    /// Whether it ends with them.
+    pub ways: Ways,
+    /// [`TrackFingerprint`] of all that.
     pub fingerprint: u32,
 }
 
-impl Identity {
-    /// Number of samples of a track without an end.
-    pub const ENDLESS: u32 = u32::MAX;
+/// How a track goes on behind its last sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ways {
+    /// It ends there.
+    One = 1,
+    /// It is run there and back and there again, without an end.
+    ThereAndBack = 2,
+}
 
-    /// The identity of a whole track.
+impl Ways {
+    /// Of its number on the wire.
+    pub(super) const fn of(ways: u32) -> Option<Self> {
+        match ways {
+            1 => Some(Self::One),
+            2 => Some(Self::ThereAndBack),
+            _ => None,
+        }
+    }
+}
+
+impl Identity {
+    /// The identity of a track by its first stretch.
     ///
     /// # Errors
-    /// A grid that is not in whole micrometres, or a sample beyond what travels.
-    pub fn of(track: &Irregularity<'_>, is_endless: bool) -> Result<Self, Unservable> {
+    /// A grid that is not in whole micrometres, or a sample of the stretch beyond what travels.
+    pub fn of(track: &Irregularity<'_>, ways: Ways) -> Result<Self, Unservable> {
+        debug_assert!(track.before == 0, "a track without its first {} samples", track.before);
         let grid = Unservable::Grid { first_m: track.first_m, step_m: track.step_m };
         let first_um = whole_um(track.first_m).ok_or(grid)?;
         let first_um = i32::try_from(first_um).map_err(|_| grid)?;
         let step_um = whole_um(track.step_m).ok_or(grid)?;
         let step_um = u32::try_from(step_um).ok().filter(|step| *step > 0).ok_or(grid)?;
-        let count = track.samples.len();
-        let too_long = Unservable::Samples { found: count };
-        let samples = match u32::try_from(count) {
-            Ok(count) if (4..Self::ENDLESS).contains(&count) => count,
-            _ => return Err(too_long),
-        };
-        let samples = if is_endless { Self::ENDLESS } else { samples };
-        let mut fingerprint = TrackFingerprint::new(first_um, step_um, samples);
+        let found = track.samples.len().saturating_add(track.behind);
+        let samples = u32::try_from(found).ok().filter(|count| *count >= 4);
+        let samples = samples.ok_or(Unservable::Samples { found })?;
+        if ways == Ways::ThereAndBack && track.behind > 0 {
+            return Err(Unservable::TooLongForTheWayBack { found: samples });
+        }
+        let mut fingerprint = TrackFingerprint::new(first_um, step_um, samples, ways as u32);
         for (number, sample) in track.samples.iter().enumerate() {
             as_sent(sample).ok_or(Unservable::Sample { number })?;
-            fingerprint.add(channels(sample));
+            if number < TrackFingerprint::SAMPLES {
+                fingerprint.add(channels(sample));
+            }
         }
-        Ok(Self { first_um, step_um, samples, fingerprint: fingerprint.value() })
+        Ok(Self { first_um, step_um, samples, ways, fingerprint: fingerprint.value() })
     }
 
     /// Its value of an item on the wire.
@@ -53,6 +73,7 @@ impl Identity {
             TrackItem::First => self.first_um as u32,
             TrackItem::Step => self.step_um,
             TrackItem::Samples => self.samples,
+            TrackItem::Ways => self.ways as u32,
             TrackItem::Fingerprint => self.fingerprint,
         }
     }
@@ -107,6 +128,11 @@ pub enum Unservable {
         /// How many there are.
         found: usize,
     },
+    /// A track that is not in memory as a whole cannot be run back.
+    TooLongForTheWayBack {
+        /// How many samples there are.
+        found: u32,
+    },
     /// A channel of a sample is beyond ±83.9 mm, or no number.
     Sample {
         /// Its number.
@@ -121,7 +147,8 @@ impl Unservable {
             Self::Grid { .. } => {
                 "a grid in whole micrometres, with the first sample within 2147 m of the start"
             }
-            Self::Samples { .. } => "4 to 4294967294 samples",
+            Self::Samples { .. } => "4 to 4294967295 samples",
+            Self::TooLongForTheWayBack { .. } => "at most 262144 for a track there and back",
             Self::Sample { .. } => "at most 83.88607 mm in each channel",
         }
     }
@@ -135,6 +162,7 @@ impl fmt::Display for Unservable {
                 write!(f, "samples of the track every {step_m} m from {first_m} m")
             }
             Self::Samples { found } => write!(f, "{found} samples of the track"),
+            Self::TooLongForTheWayBack { found } => write!(f, "{found} samples of the track"),
             Self::Sample { number } => write!(f, "more in sample {number} of the track"),
         }
     }
@@ -158,31 +186,34 @@ mod tests {
             samples[3].cross_level_m = cross_level_m;
             samples
         };
-        let of =
-            |samples: &[_], step_m, is_endless| Identity::of(&track(samples, step_m), is_endless);
-        let identity = of(&plain, 0.1, false).unwrap();
+        let of = |samples: &[_], step_m, ways| Identity::of(&track(samples, step_m), ways);
+        let identity = of(&plain, 0.1, Ways::One).unwrap();
         let Identity { first_um, step_um, samples, .. } = identity;
         assert_eq!((first_um, step_um, samples), (-20_000_000, 100_000, 5));
         for other in [
-            of(&with(10e-9), 0.1, false),
-            of(&plain, 0.2, false),
-            of(&plain, 0.1, true),
-            of(&plain[..4], 0.1, false),
+            of(&with(10e-9), 0.1, Ways::One),
+            of(&plain, 0.2, Ways::One),
+            of(&plain, 0.1, Ways::ThereAndBack),
+            of(&plain[..4], 0.1, Ways::One),
         ] {
             assert_ne!(other.unwrap().fingerprint, identity.fingerprint);
         }
         // Less than half a step of 10 nm is not seen, and does not travel.
-        assert_eq!(of(&with(4e-9), 0.1, false), Ok(identity));
+        assert_eq!(of(&with(4e-9), 0.1, Ways::One), Ok(identity));
     }
 
     #[test]
     fn what_cannot_travel_is_refused() {
-        let of = |samples: &[_], step_m| Identity::of(&track(samples, step_m), false);
+        let of = |samples: &[_], step_m| Identity::of(&track(samples, step_m), Ways::One);
         let samples = [IrregularitySample::default(); 5];
         for step_m in [1.0 / 3.0, 0.0, -0.1, f64::NAN, 1e9] {
             assert!(matches!(of(&samples, step_m), Err(Unservable::Grid { .. })), "{step_m}");
         }
         assert_eq!(of(&samples[..3], 0.1), Err(Unservable::Samples { found: 3 }));
+        let long = Irregularity { behind: 300_000, ..track(&samples, 0.1) };
+        assert_eq!(Identity::of(&long, Ways::One).map(|track| track.samples), Ok(300_005));
+        let found = Unservable::TooLongForTheWayBack { found: 300_005 };
+        assert_eq!(Identity::of(&long, Ways::ThereAndBack), Err(found));
         for vertical_m in [0.084, -0.084, f64::NAN, f64::INFINITY] {
             let mut samples = samples;
             samples[2].vertical_m = vertical_m;

@@ -11,9 +11,9 @@ mod identity;
 mod reader;
 mod server;
 
-pub use identity::{Identity, Unservable, as_sent};
+pub use identity::{Identity, Unservable, Ways, as_sent};
 pub use reader::{Reader, TrackFault};
-pub use server::{Counts, Server, there_and_back};
+pub use server::{Counts, Server, Source, there_and_back};
 
 /// No wheel is further than this from the vehicle's reference point (m).
 pub const REACH_M: f64 = 10.0;
@@ -43,7 +43,7 @@ mod tests {
     fn a_window_of_25_m_runs_over_a_track_that_nobody_has_in_memory() {
         let samples = samples(1000);
         let track = Irregularity { samples: &samples, step_m: 0.1, ..Irregularity::default() };
-        let mut server = Server::new(&track, true).unwrap();
+        let mut server = Server::of(&track, Ways::ThereAndBack).unwrap();
         let mut reader = Reader::<256>::NEW;
         reader.begin(0xFFFF, Some(server.identity().fingerprint));
         let (mut cycles, mut most_ticks) = (0_u32, 0);
@@ -52,7 +52,7 @@ mod tests {
             if reader.tick(at_m, 0.0444) {
                 if cycles % 997 == 0 {
                     let place = (at_m / 0.1) as usize;
-                    let turn = |place| samples[there_and_back(place, samples.len())];
+                    let turn = |place| samples[there_and_back(place as u32, 1000) as usize];
                     let around = [place - 1, place, place + 1, place + 2].map(turn);
                     let expected = Irregularity { samples: &around, before: place - 1, ..track };
                     let expected = Irregularity { behind: usize::MAX - place - 3, ..expected };

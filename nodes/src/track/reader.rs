@@ -9,7 +9,7 @@
 //! for whatever has not come in 20 ticks. A sample is taken in its place or not at all.
 
 use super::REACH_M;
-use super::identity::Identity;
+use super::identity::{Identity, Ways};
 use crate::WireFrame;
 use can_protocol::{Frame, MessageId, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample};
 use firmware_core::track::{Irregularity, IrregularitySample, Window};
@@ -136,9 +136,14 @@ impl<const N: usize> Reader<N> {
             return;
         }
         self.phase = match answered {
-            [Some(first), Some(step_um), Some(samples), Some(fingerprint)] => {
+            [Some(first), Some(step_um), Some(samples), Some(ways), Some(fingerprint)] => {
                 let first_um = first as i32;
-                self.judge(&Identity { first_um, step_um, samples, fingerprint })
+                match Ways::of(ways) {
+                    Some(ways) => {
+                        self.judge(&Identity { first_um, step_um, samples, ways, fingerprint })
+                    }
+                    None => Phase::Failed(TrackFault::Grid),
+                }
             }
             _ => Phase::Asking(answered),
         };
@@ -155,9 +160,9 @@ impl<const N: usize> Reader<N> {
         if track.samples < 4 || step_m <= 0.0 || !holds_vehicle {
             return Phase::Failed(TrackFault::Grid);
         }
-        let total = match track.samples {
-            Identity::ENDLESS => usize::MAX,
-            samples => samples as usize,
+        let total = match track.ways {
+            Ways::One => track.samples as usize,
+            Ways::ThereAndBack => usize::MAX,
         };
         self.window.restart(total, first_m, step_m);
         self.session = TrackRequest::session(self.drawn, found);

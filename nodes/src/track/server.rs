@@ -1,6 +1,6 @@
 //! The track server: the node that has the whole track.
 
-use super::identity::{Identity, Unservable, as_sent, channels};
+use super::identity::{Identity, Unservable, Ways, as_sent, channels};
 use crate::WireFrame;
 use can_protocol::{Frame, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample};
 use firmware_core::track::{Irregularity, IrregularitySample};
@@ -9,10 +9,22 @@ use heapless::Deque;
 /// Frames that wait to be taken: an offer, or the samples of a tick.
 const FRAMES: usize = 8;
 
+/// Where a server has its samples from.
+pub trait Source {
+    /// The sample at a place of the track, one way; none beyond its end.
+    fn sample(&mut self, place: u32) -> Option<IrregularitySample>;
+}
+
+impl Source for &[IrregularitySample] {
+    fn sample(&mut self, place: u32) -> Option<IrregularitySample> {
+        self.get(place as usize).copied()
+    }
+}
+
 /// Serves one locomotive at a time: whoever asked last.
 #[derive(Debug, Clone)]
-pub struct Server<'a> {
-    samples: &'a [IrregularitySample],
+pub struct Server<S> {
+    source: S,
     identity: Identity,
     /// The session of the last request, and the samples that it asked for and did not get yet.
     session: u16,
@@ -36,20 +48,33 @@ pub struct Counts {
     pub end: u32,
 }
 
-impl<'a> Server<'a> {
-    /// A server of a whole track; `is_endless` runs it there and back and there again.
+impl<'a> Server<&'a [IrregularitySample]> {
+    /// A server of a track that is in memory.
     ///
     /// # Errors
     /// A grid or a sample that cannot travel.
-    pub fn new(track: &Irregularity<'a>, is_endless: bool) -> Result<Self, Unservable> {
-        Ok(Self {
-            samples: track.samples,
-            identity: Identity::of(track, is_endless)?,
+    pub fn of(track: &Irregularity<'a>, ways: Ways) -> Result<Self, Unservable> {
+        debug_assert!(track.behind == 0, "{} samples are not in memory", track.behind);
+        Ok(Self::new(Identity::of(track, ways)?, track.samples))
+    }
+}
+
+impl<S: Source> Server<S> {
+    /// A server of a track, with its samples.
+    pub fn new(identity: Identity, source: S) -> Self {
+        Self {
+            source,
+            identity,
             session: 0,
             wanted: 0..0,
             frames: Deque::new(),
             counts: Counts::default(),
-        })
+        }
+    }
+
+    /// Where it has its samples from.
+    pub fn source(&self) -> &S {
+        &self.source
     }
 
     /// The track that it has.
@@ -75,7 +100,11 @@ impl<'a> Server<'a> {
             self.offer();
         } else {
             self.counts.requests += 1;
-            let end = first.saturating_add(u32::from(count)).min(self.identity.samples);
+            let end = first.saturating_add(u32::from(count));
+            let end = match self.identity.ways {
+                Ways::One => end.min(self.identity.samples),
+                Ways::ThereAndBack => end,
+            };
             self.wanted = first.min(end)..end;
         }
     }
@@ -121,12 +150,12 @@ impl<'a> Server<'a> {
     }
 
     /// A sample of the track as it travels.
-    fn sample(&self, number: u32) -> Option<IrregularitySample> {
-        let place = match self.identity.samples {
-            Identity::ENDLESS => there_and_back(number as usize, self.samples.len()),
-            _ => number as usize,
+    fn sample(&mut self, number: u32) -> Option<IrregularitySample> {
+        let place = match self.identity.ways {
+            Ways::One => number,
+            Ways::ThereAndBack => there_and_back(number, self.identity.samples),
         };
-        as_sent(self.samples.get(place)?)
+        as_sent(&self.source.sample(place)?)
     }
 }
 
@@ -137,8 +166,8 @@ impl<'a> Server<'a> {
 /// let places = (0..8).map(|place| nodes::track::there_and_back(place, 4));
 /// assert!(places.eq([0, 1, 2, 3, 2, 1, 0, 1]));
 /// ```
-pub fn there_and_back(place: usize, samples: usize) -> usize {
-    let period = (2 * samples).saturating_sub(2).max(1);
+pub fn there_and_back(place: u32, samples: u32) -> u32 {
+    let period = samples.saturating_mul(2).saturating_sub(2).max(1);
     let at = place % period;
     if at < samples { at } else { period - at }
 }

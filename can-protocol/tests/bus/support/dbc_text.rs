@@ -231,12 +231,7 @@ fn rows(message: MessageId) -> Vec<Row> {
             rows.extend(layout.time.map(time));
             rows
         }
-        MessageId::Fault(_) => vec![
-            counter(Fault::COUNTER),
-            state(Fault::STATE),
-            fault_code(Fault::CODE, "What went wrong; a code that is not listed is still a fault."),
-            code("detail", Fault::DETAIL, "How much, by the code: limits in per mille."),
-        ],
+        MessageId::Fault(_) => fault(),
         MessageId::Telemetry(_) => telemetry(),
         MessageId::Residual(_) => residual(),
         MessageId::PressureOff(_) => vec![
@@ -245,21 +240,8 @@ fn rows(message: MessageId) -> Vec<Row> {
             fault_code(PressureOff::CODE, "Why; any code, listed or not, drops the pressure."),
             code("detail", PressureOff::DETAIL, "How much, as in FAULT."),
         ],
-        MessageId::TrackRequest => vec![
-            code("count", TrackRequest::COUNT, "Samples wanted; 0 asks which track this is."),
-            code("session", TrackRequest::SESSION, "Number that the locomotive has drawn."),
-            code("first", TrackRequest::FIRST, "Number of the first sample wanted."),
-        ],
-        MessageId::TrackOffer => vec![
-            table(
-                "item",
-                TrackOffer::ITEM,
-                TrackItem::ALL.iter().map(|item| (u16::from(item.code()), item.name())),
-                "Which property; other codes are reserved.",
-            ),
-            code("session", TrackOffer::SESSION, "Number of the request."),
-            code("value", TrackOffer::VALUE, "Value of the property."),
-        ],
+        MessageId::TrackRequest => track_request(),
+        MessageId::TrackOffer => track_offer(),
         MessageId::TrackSample(part) => track_sample(part),
         MessageId::ArmRequest(_) | MessageId::ArmAnswer(_) => vec![
             counter(ArmMessage::COUNTER),
@@ -277,6 +259,15 @@ fn rows(message: MessageId) -> Vec<Row> {
     rows.push(code("crc", protection::crc_field(message), ""));
     rows.sort_by_key(|row| row.start_bit);
     rows
+}
+
+fn fault() -> Vec<Row> {
+    vec![
+        counter(Fault::COUNTER),
+        state(Fault::STATE),
+        fault_code(Fault::CODE, "What went wrong; a code that is not listed is still a fault."),
+        code("detail", Fault::DETAIL, "How much, by the code: limits in per mille."),
+    ]
 }
 
 fn fault_code(field: Field, comment: &str) -> Row {
@@ -329,6 +320,27 @@ fn residual() -> Vec<Row> {
     ]
 }
 
+fn track_request() -> Vec<Row> {
+    vec![
+        code("count", TrackRequest::COUNT, "Samples wanted; 0 asks which track this is."),
+        code(
+            "session",
+            TrackRequest::SESSION,
+            "Number that the locomotive has drawn for this run.",
+        ),
+        code("first", TrackRequest::FIRST, "Number of the first sample wanted."),
+    ]
+}
+
+fn track_offer() -> Vec<Row> {
+    let items = TrackItem::ALL.iter().map(|item| (u16::from(item.code()), item.name()));
+    vec![
+        table("item", TrackOffer::ITEM, items, "Which property; other codes are reserved."),
+        code("session", TrackOffer::SESSION, "Session of the request."),
+        code("value", TrackOffer::VALUE, "Value of the property."),
+    ]
+}
+
 fn track_sample(part: TrackPart) -> Vec<Row> {
     let [first, second] = TrackSample::CHANNELS;
     let number = code("number", TrackSample::NUMBER, "Number of the sample, modulo 256.");
@@ -340,8 +352,12 @@ fn track_sample(part: TrackPart) -> Vec<Row> {
         ],
         TrackPart::Rails => vec![
             number,
-            fixed("cross_level_mm", first, "Right rail lower than left."),
-            fixed("gauge_mm", second, "Wider than nominal."),
+            fixed(
+                "cross_level_mm",
+                first,
+                "Right rail less left, positive where the right one is lower.",
+            ),
+            fixed("gauge_mm", second, "Gauge less nominal, positive where it is wider."),
         ],
     }
 }

@@ -146,19 +146,32 @@ pub(crate) fn duties(message: MessageId) -> &'static str {
         MessageId::Telemetry(_) | MessageId::Residual(_) => "The counter is not judged. ",
         MessageId::TrackRequest => {
             "From a locomotive that has no memory for its track. With count 0 the track server \
-             answers with one TRACK_OFFER for each item; otherwise with the samples first to \
-             first + count - 1, as many as the track has, CENTRE_LINE before RAILS. A newer request \
-             replaces one that is still being served; whatever did not arrive is asked for again. "
+             answers with one TRACK_OFFER for each item in the order of their codes, and first means \
+             nothing. Otherwise it answers with the samples first to first + count - 1, of each \
+             CENTRE_LINE and then RAILS, at most one sample per millisecond; beyond the end of the \
+             track it answers nothing. A newer request, of any session and count, replaces one that \
+             is still being served: a server has one locomotive. A frame that is damaged is ignored. \
+             A locomotive repeats what is not answered within 20 ms, asks for the first sample that \
+             it lacks, and gives up after 5 s. "
         }
         MessageId::TrackOffer => {
-            "Plain CRC. The fingerprint is the CRC-32 of zlib over FIRST_UM, STEP_UM and SAMPLES, four \
-             bytes each, then the codes of all samples in their order, vertical, alignment, cross \
-             level and gauge, three bytes each; low byte first. A track that is run there and back \
-             again has no end: SAMPLES is 0xFFFFFFFF, and the samples of one way count once. "
+            "Plain CRC. It does not change while a server runs. FIRST_UM is the distance of sample 0 \
+             from the start of the run, two's complement, STEP_UM the distance from one sample to the \
+             next, SAMPLES their number one way. WAYS is 1 where the track ends with them, 2 where it \
+             is run there and back and there again, without an end: number n is then the sample n, \
+             or on the way back 2 * (SAMPLES - 1) - n, and so on; the samples at both ends come once, \
+             and no sign changes. FINGERPRINT is the CRC-32 of zlib over FIRST_UM, STEP_UM, SAMPLES \
+             and WAYS, four bytes each, then the codes of the first 262144 samples or of all of one \
+             way, vertical, alignment, cross level and gauge, three bytes each in two's complement; \
+             low byte first in all of these. "
         }
         MessageId::TrackSample(_) => {
-            "Sealed as CMD is: h is the session of the request, r the fingerprint, and the number of \
-             the sample in the whole track stands for the cycle; k is that number divided by 15. "
+            "Always sealed; the worked frame is the same without the seal. The mask is that of CMD, \
+             where h is the session of the request, with 0 in the upper two of its four bytes, r is \
+             FINGERPRINT, and the number of the sample in the whole track stands for the cycle: k is \
+             that number divided by 15 without remainder, although the field number counts to 255. \
+             Where the low byte of s would be 0, a locomotive asks for samples under the next higher \
+             session for which it is not. INVALID is never sent, and such a sample is not taken. "
         }
         MessageId::ArmRequest(_) => {
             "The counter is not judged: the host may have started again. ARM is repeated until it \
@@ -193,7 +206,9 @@ fn counters() -> String {
          The host announces profile, pace and period by SYNC; one bus runs either the classical or \
          the FD variants of CMD and MEAS. FD frames are sent with bit-rate switch. \
          A rig sends one MEAS per cycle and echoes the newest CMD. FAULT codes below {} are of the \
-         link, the others of the bench.",
+         link, the others of the bench. \
+         TRACK is a server of the track for a HOST on a board that has no memory for it; no rig has \
+         to know the messages TRACK_*.",
         FaultCode::ForceLimit.code()
     )
 }

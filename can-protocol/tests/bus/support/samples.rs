@@ -304,25 +304,8 @@ pub(crate) fn dbc_values(message: &Message, profile: Profile) -> Vec<(String, Va
             put("residual_rms_n", or(residual.rms_n, 1.0));
             put("watch", Value::Name(residual.watch.name()));
         }
-        Message::TrackRequest(request) => {
-            put("count", number(request.count.into()));
-            put("session", number(request.session.into()));
-            put("first", number(request.first));
-        }
-        Message::TrackOffer(offer) => {
-            put("item", Value::Name(offer.item.name()));
-            put("session", number(offer.session.into()));
-            put("value", number(offer.value));
-        }
-        Message::TrackSample(sample) => {
-            let names = match sample.part {
-                TrackPart::CentreLine => ["vertical_mm", "alignment_mm"],
-                TrackPart::Rails => ["cross_level_mm", "gauge_mm"],
-            };
-            put("number", number(sample.number.into()));
-            for (name, value_m) in names.into_iter().zip(sample.channels_m) {
-                put(name, or(value_m, 1e3));
-            }
+        Message::TrackRequest(_) | Message::TrackOffer(_) | Message::TrackSample(_) => {
+            return track_values(message);
         }
         Message::Heartbeat(heartbeat) => {
             put("counter", number(heartbeat.counter.into()));
@@ -337,6 +320,36 @@ pub(crate) fn dbc_values(message: &Message, profile: Profile) -> Vec<(String, Va
         }
     }
     values
+}
+
+/// The same of a message between a locomotive and its track server.
+fn track_values(message: &Message) -> Vec<(String, Value)> {
+    let number = |name: &str, value: u32| (name.to_string(), Value::Number(f64::from(value)));
+    match message {
+        Message::TrackRequest(request) => vec![
+            number("count", request.count.into()),
+            number("session", request.session.into()),
+            number("first", request.first),
+        ],
+        Message::TrackOffer(offer) => vec![
+            ("item".to_string(), Value::Name(offer.item.name())),
+            number("session", offer.session.into()),
+            number("value", offer.value),
+        ],
+        Message::TrackSample(sample) => {
+            let names = match sample.part {
+                TrackPart::CentreLine => ["vertical_mm", "alignment_mm"],
+                TrackPart::Rails => ["cross_level_mm", "gauge_mm"],
+            };
+            let channel = |(name, value_m): (&str, Option<f64>)| {
+                let value = value_m.map_or(Value::Name("INVALID"), |m| Value::Number(m * 1e3));
+                (name.to_string(), value)
+            };
+            let channels = names.into_iter().zip(sample.channels_m).map(channel);
+            channels.chain([number("number", sample.number.into())]).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 fn fault_code(code: FaultCode) -> Value {

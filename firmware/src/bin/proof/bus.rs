@@ -105,7 +105,7 @@ fn session(profile: Profile, node: Node) {
         black_box(reception);
     }
     black_box(state.cycle());
-    let mut fingerprint = TrackFingerprint::new(black_box(0), black_box(1), black_box(2));
+    let mut fingerprint = TrackFingerprint::new(black_box(0), black_box(1), black_box(2), 1);
     fingerprint.add(black_box([0.0; 4]));
     black_box((fingerprint.value(), TrackRequest::session(black_box(1), black_box(2))));
 }
