@@ -25,9 +25,9 @@ pub(crate) struct Silence {
 }
 
 impl Silence {
-    /// Begins now.
-    pub(crate) fn new() -> Self {
-        Self { looked: Instant::now(), lasted: Duration::ZERO }
+    /// Begins at `now`.
+    pub(crate) fn from(now: Instant) -> Self {
+        Self { looked: now, lasted: Duration::ZERO }
     }
 
     /// How long it has lasted at `now`, which is a glance after the last call.
@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn a_silence_lasts_as_long_as_somebody_listens() {
-        let mut silence = Silence::new();
+        let mut silence = Silence::from(Instant::now());
         let begin = silence.looked;
         for glance in 1..=20_u32 {
             assert_eq!(silence.lasts(begin + GLANCE * glance), GLANCE * glance);
@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn a_machine_that_stands_still_hears_no_silence() {
-        let mut silence = Silence::new();
+        let mut silence = Silence::from(Instant::now());
         let later = silence.looked + Duration::from_secs(3600);
         assert_eq!(silence.lasts(later), MOST);
         assert_eq!(silence.lasts(later + GLANCE), MOST + GLANCE);

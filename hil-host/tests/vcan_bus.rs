@@ -233,6 +233,8 @@ impl Armed {
     /// The next message of the rig.
     fn next(&mut self, bus: &mut impl Bus) -> Message {
         loop {
+            // To wait is to read; a rig in memory has answered already.
+            let is_silent = bus.has_own_time() && !bus.wait(PATIENCE);
             if let Some(frame) = bus.receive() {
                 let (id, data) = (frame.id(), frame.data());
                 return match self.opener.hear(NODE, &frame) {
@@ -242,7 +244,7 @@ impl Armed {
                     None => Message::decode(id, data).unwrap(),
                 };
             }
-            assert!(bus.wait(PATIENCE), "the rig is silent");
+            assert!(!is_silent && (bus.has_own_time() || bus.wait(PATIENCE)), "the rig is silent");
         }
     }
 

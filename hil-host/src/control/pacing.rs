@@ -235,8 +235,8 @@ impl Session<'_> {
         buses: &mut Buses<'_, '_, B>,
         patience: Duration,
     ) -> bool {
-        let mut silence = Silence::new();
-        // Rigs in memory have answered already.
+        let mut silence = Silence::from(Instant::now());
+        // Rigs in virtual time have answered already, and a wait is a cycle of theirs.
         for bus in 0..buses.count() {
             while !buses.has_own_time(bus) && self.receive_next(state, buses, bus) {}
         }
@@ -253,9 +253,8 @@ impl Session<'_> {
                 return false;
             }
             // The next cycle takes in what has come behind the answer.
-            if buses.wait(bus, patience.min(GLANCE)) {
-                self.receive_next(state, buses, bus);
-            }
+            buses.wait(bus, patience.min(GLANCE));
+            self.receive_next(state, buses, bus);
         }
     }
 

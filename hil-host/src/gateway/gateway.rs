@@ -307,6 +307,10 @@ impl<W: Wire> Bus for Gateway<W> {
         has_come
     }
 
+    fn has_own_time(&self) -> bool {
+        self.wire.has_own_time()
+    }
+
     fn counters(&self) -> BusCounters {
         self.wire.counters()
     }

@@ -16,6 +16,11 @@ pub trait Wire {
     /// virtual time it is one cycle of the rig.
     fn wait(&mut self, timeout: Duration) -> bool;
 
+    /// Whether the rig goes on in cycles that the host misses; false in virtual time.
+    fn has_own_time(&self) -> bool {
+        true
+    }
+
     /// What went over the bus so far.
     fn counters(&self) -> BusCounters;
 

@@ -132,8 +132,11 @@ fn run<B: Bus>(
             skipped += pacer.skipped();
             pacer = Pacer::new(timing.wall_period_ns(), 1);
         }
+        // Read once: where the kernel has to be asked, it costs as much as a frame.
+        let now;
         if timing.pace == Pace::Clock {
             pacer.wait();
+            now = Instant::now();
             take_in(rig, bus);
             // The sync that sets another pace ends this one's cycles.
             if rig.pace() == Pace::Clock {
@@ -143,6 +146,7 @@ fn run<B: Bus>(
         } else if rig.is_idle() || (rig.is_latched() && rig.is_at_rest()) {
             // Without commands its own clock is the only one.
             pacer.wait();
+            now = Instant::now();
             take_in(rig, bus);
             rig.rest_if_uncommanded();
             send_out(rig, bus);
@@ -154,18 +158,19 @@ fn run<B: Bus>(
                 rig.on_frame(&frame);
                 send_out(rig, bus);
             }
-            if watch.silence(rig, Instant::now()) >= SILENCE && !rig.is_idle() {
+            now = Instant::now();
+            if watch.silence(rig, now) >= SILENCE && !rig.is_idle() {
                 rig.host_is_silent(silent_cycles(timing));
                 send_out(rig, bus);
                 come_to_rest(rig, bus, &mut pacer);
             }
         }
-        if watch.second_is_over() {
+        if watch.second_is_over(now) {
             // A printer that is stuck loses lines, and nothing waits for it.
             let _full = statuses.enqueue(Status::of(rig, bus.counters()));
         }
         let over = rig.runs() > runs_before && rig.run_state() == RunState::Standby;
-        if exit_after_run && (over || watch.safe_for(rig) >= LINGER) {
+        if exit_after_run && (over || watch.safe_for(rig, now) >= LINGER) {
             break;
         }
     }
@@ -218,7 +223,8 @@ struct Watch {
 
 impl Watch {
     fn new() -> Self {
-        Self { accepted: 0, silence: Silence::new(), safe_since: None, printed: Instant::now() }
+        let now = Instant::now();
+        Self { accepted: 0, silence: Silence::from(now), safe_since: None, printed: now }
     }
 
     /// How long no new valid command had come at that time.
@@ -226,23 +232,23 @@ impl Watch {
         let accepted = rig.frames().received;
         if accepted != self.accepted {
             self.accepted = accepted;
-            self.silence = Silence::new();
+            self.silence = Silence::from(now);
         }
         self.silence.lasts(now)
     }
 
-    fn safe_for(&mut self, rig: &RigNode) -> Duration {
+    fn safe_for(&mut self, rig: &RigNode, now: Instant) -> Duration {
         if !rig.is_latched() {
             self.safe_since = None;
             return Duration::ZERO;
         }
-        self.safe_since.get_or_insert_with(Instant::now).elapsed()
+        now.saturating_duration_since(*self.safe_since.get_or_insert(now))
     }
 
-    fn second_is_over(&mut self) -> bool {
-        let over = self.printed.elapsed() >= Duration::from_secs(1);
+    fn second_is_over(&mut self, now: Instant) -> bool {
+        let over = now.saturating_duration_since(self.printed) >= Duration::from_secs(1);
         if over {
-            self.printed = Instant::now();
+            self.printed = now;
         }
         over
     }

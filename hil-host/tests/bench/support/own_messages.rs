@@ -223,6 +223,10 @@ impl Wire for OwnRig {
         true
     }
 
+    fn has_own_time(&self) -> bool {
+        false
+    }
+
     fn counters(&self) -> BusCounters {
         self.counters
     }
