@@ -1,8 +1,8 @@
 //! The nodes on the bus and the ids of their messages.
 //!
 //! Ids are ordered by urgency, since the lower id wins: pressure off, sync, commands, measurements,
-//! faults, telemetry, residuals, track, arming, heartbeats. The `DataID` that enters a frame's CRC is
-//! `0x5000 + id`, so that a frame sent under a wrong id fails its check.
+//! faults, telemetry, residuals, track, arming, heartbeats. The `DataID` that enters a frame's CRC
+//! is `0x5000 + id`, so that a frame sent under a wrong id fails its check.
 use crate::{Error, Profile, TrackPart};
 use core::fmt;
 

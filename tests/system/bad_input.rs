@@ -179,7 +179,7 @@ fn an_output_folder_that_cannot_be_created_is_bad_input() {
 }
 
 /// Command lines that are refused before anything is read, and the whole line that says so.
-const REFUSED: [(&[&str], &str); 39] = [
+const REFUSED: [(&[&str], &str); 42] = [
     (&["runn", "a.toml"], "runn: unknown command; did you mean run?"),
     (&["xyz"], "xyz: unknown command; `yawbench --help` lists the commands"),
     (&["--foo"], "--foo: unknown option"),
@@ -216,6 +216,15 @@ const REFUSED: [(&[&str], &str); 39] = [
     (
         &["rig-reset", "--bus", "memory"],
         "--bus memory: expected socketcan:INTERFACE: rigs in memory begin anew with every run",
+    ),
+    (&["track-server", "a.toml"], "--bus <BUS> is missing"),
+    (
+        &["track-server", "a.toml", "--bus", "memory"],
+        "--bus memory: expected socketcan:INTERFACE, where a locomotive can hear it",
+    ),
+    (
+        &["track-server", "a.toml", "--bus", "socketcan:can0", "--line", "l"],
+        "--bus: cannot be used with --line",
     ),
     (&["characterise", "--seed", "-1", "a"], "--seed -1: expected a whole number, 0 or more"),
     (&["characterise", "a.toml", "--from", "b.csv"], "[MODEL]: cannot be used with --from"),

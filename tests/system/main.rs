@@ -52,5 +52,6 @@ mod several_rigs;
 mod side_by_side;
 mod stale_answers;
 mod system_calls;
+mod track_server;
 mod watch;
 mod yaw_damper_problem;

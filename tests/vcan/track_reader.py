@@ -19,9 +19,10 @@ import time
 import zlib
 
 REQUEST, OFFER, CENTRE_LINE, RAILS = 0x540, 0x541, 0x542, 0x543
-ITEMS = ["first_um", "step_um", "samples", "fingerprint"]
-ENDLESS, INVALID = 0xFFFFFFFF, -(1 << 23)
+ITEMS = ["first_um", "step_um", "samples", "ways", "fingerprint"]
+THERE_AND_BACK, INVALID = 2, -(1 << 23)
 CHANNELS = ["vertical", "alignment", "cross_level", "gauge"]
+COUNTED_SAMPLES = 262144  # of the fingerprint, 12 bytes each
 LARGEST_REQUEST = 200  # below 256, so that its number says which of them a sample is
 QUIET_S, PATIENCE_S, CONNECT_S = 0.2, 5.0, 60.0  # the last leaves time to start a server by hand
 
@@ -74,6 +75,7 @@ class Line:
             listener.bind(path)
             listener.listen(1)
             listener.settimeout(CONNECT_S)
+            print("listening", file=sys.stderr, flush=True)
             self.socket, _ = listener.accept()
         pathlib.Path(path).unlink()
         self.rest, self.frames = b"", []
@@ -98,7 +100,7 @@ class Line:
 
 class Reader:
     def __init__(self, link, session, drop):
-        self.link, self.session, self.drop = link, session, drop
+        self.link, self.drawn, self.session, self.drop = link, session, session, drop
         self.offer, self.code, self.sample_frames, self.refused = {}, None, 0, 0
         self.codes = bytearray()  # of whole samples, in the order of the fingerprint
         self.next, self.end = 0, 0  # the sample that comes next, and the end of the request
@@ -136,7 +138,7 @@ class Reader:
             item, session, value = struct.unpack("<BHI", data[1:])
             if checksum(OFFER, data[1:]) != data[0]:
                 self.refused += 1
-            elif session == self.session and item < 4 and ITEMS[item] not in self.offer:
+            elif session == self.drawn and item < len(ITEMS) and ITEMS[item] not in self.offer:
                 self.offer[ITEMS[item]] = value
                 self.heard = self.progress = time.monotonic()
         elif can_id in (CENTRE_LINE, RAILS) and self.code is not None:
@@ -165,26 +167,32 @@ class Reader:
 
     def read(self, limit):
         self.until(lambda: len(self.offer) == len(ITEMS))
-        numbers = struct.pack("<II", self.session, self.offer["fingerprint"])
-        self.code = crc(numbers, 0xFFFF, 16, 0x1021)
-        wanted = self.offer["samples"] if limit is None else min(limit, self.offer["samples"])
-        if wanted == ENDLESS:
+        while self.code is None or not self.code & 0xFF:
+            # A code with the low byte 0 would leave the plain CRC.
+            self.session += self.code is not None
+            numbers = struct.pack("<II", self.session & 0xFFFF, self.offer["fingerprint"])
+            self.code = crc(numbers, 0xFFFF, 16, 0x1021)
+        self.session &= 0xFFFF
+        has_end = self.offer["ways"] != THERE_AND_BACK
+        if limit is None and not has_end:
             raise RuntimeError("the track has no end: say with --samples how much of it to read")
+        wanted = min(limit or self.offer["samples"], self.offer["samples"] if has_end else limit)
         while self.next < wanted:
             self.end = min(self.next + LARGEST_REQUEST, wanted)
             self.until(lambda: self.next == self.end)
 
     def summary(self):
         computed = None
-        if self.next == self.offer["samples"]:
-            head = struct.pack("<III", *(self.offer[item] for item in ITEMS[:3]))
-            computed = f"{zlib.crc32(head + self.codes):08x}"
+        counted = min(self.offer["samples"], COUNTED_SAMPLES)
+        if self.next >= counted:
+            head = struct.pack("<IIII", *(self.offer[item] for item in ITEMS[:4]))
+            computed = f"{zlib.crc32(head + self.codes[:counted * 12]):08x}"
         codes = [int.from_bytes(self.codes[at:at + 3], "little", signed=True)
                  for at in range(0, len(self.codes), 3)]
         largest = {name: max((abs(code) for code in codes[at::4] if code != INVALID), default=0)
                    for at, name in enumerate(CHANNELS)}
         offered = self.offer | {"fingerprint": f"{self.offer['fingerprint']:08x}"}
-        return {"session": self.session, **offered, "computed_fingerprint": computed,
+        return {"session": self.drawn, **offered, "computed_fingerprint": computed,
                 "received": self.next, "refused": self.refused,
                 "largest_mm": {name: code / 1e5 for name, code in largest.items()}}
 

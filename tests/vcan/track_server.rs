@@ -1,7 +1,7 @@
 //! `yawbench track-server` on a bus with a locomotive of a board's memory and a rig in a process of
 //! its own. The CAN driver of the locomotive is that of the crate `socketcan`.
 
-use crate::interface::{Interface, yawbench};
+use crate::interface::{Interface, aloud, yawbench};
 use crate::rig::{LOCK_STEP_RIG, Rig, alone};
 use can_protocol::arming::{Patience, Requirements};
 use can_protocol::{Node, Pace, Profile};
@@ -19,7 +19,7 @@ use socketcan::{CanSocket, Socket};
 use std::io::Read;
 use std::num::NonZeroU8;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 
 /// Cycles of RUN.
 const CYCLES: u64 = 1000;
@@ -69,6 +69,28 @@ impl Drop for TrackServer {
             let _ = child.wait();
         }
     }
+}
+
+/// The reader that was written from the DBC alone, by the same server as the test below.
+#[test]
+fn a_reader_in_another_language_reads_the_track_from_the_bus() {
+    let Some((vcan, _turn)) = alone() else { return };
+    let server = TrackServer::start(&vcan, &[]);
+    let mut python = Command::new("python3");
+    python.arg("-B").arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vcan/track_reader.py"));
+    python.args(["--bus", &vcan, "--session", "258", "--samples", "2000"]);
+    let output = match python.output() {
+        Ok(output) => output,
+        Err(reason) => {
+            aloud(&format!("SKIPPED: no reader of a track: python3: {reason}"));
+            return;
+        }
+    };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let reader: Value = serde_json::from_slice(&output.stdout).expect("its summary");
+    let server = server.interrupt();
+    assert_eq!((&reader["received"], &reader["refused"]), (&2000.into(), &0.into()));
+    assert_eq!(reader["fingerprint"], server["fingerprint"]);
 }
 
 fn terms(run: &Run) -> Terms {

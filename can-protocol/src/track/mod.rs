@@ -20,10 +20,12 @@
 //! a bus of 1 Mbit/s. Their ids lose against those of all that moves a rig.
 mod fingerprint;
 mod offer;
+mod part;
 mod request;
 mod sample;
 
 pub use fingerprint::TrackFingerprint;
 pub use offer::{TrackItem, TrackOffer};
+pub use part::TrackPart;
 pub use request::TrackRequest;
-pub use sample::{TrackPart, TrackSample};
+pub use sample::TrackSample;

@@ -1,22 +1,9 @@
 //! A sample of the track, in two halves of two channels each.
+use super::part::TrackPart;
 use crate::command::write_value;
 use crate::signal::{Field, FixedPoint, Quantity, Saturated, Word};
 use crate::{Error, Frame, MessageId, Seal, protection};
 use core::fmt;
-
-/// One half of a sample: two of its four channels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum TrackPart {
-    /// The mean of both rails: vertical, positive down, and alignment, positive right.
-    CentreLine,
-    /// Their difference: cross level, right rail lower, and gauge, wider than nominal.
-    Rails,
-}
-
-impl TrackPart {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::CentreLine, Self::Rails];
-}
 
 /// Half a sample of the track's irregularity.
 #[derive(Clone, Copy, Debug, PartialEq)]

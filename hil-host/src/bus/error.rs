@@ -99,7 +99,7 @@ impl fmt::Display for BusError {
                 quoted(interface)
             ),
             Self::NoLine { line, error } => {
-                write!(f, "line {}: {error}", quoted(&line.display().to_string()))
+                write!(f, "line \"{}\": {error}", quoted(&line.display().to_string()))
             }
             Self::Refused { interface, error } => {
                 write!(f, "CAN interface \"{}\" cannot be used: {error}", quoted(interface))
