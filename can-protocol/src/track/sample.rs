@@ -30,7 +30,7 @@ impl TrackSample {
         self.frame(None)
     }
 
-    /// The sealed frame ([`TrackRequest::seal`](crate::TrackRequest::seal)), and what had to be saturated to fit it.
+    /// The frame with a [seal](crate::TrackRequest::seal), and what had to be saturated to fit it.
     pub fn encode_sealed(&self, seal: Seal) -> (Frame, Saturated) {
         self.frame(Some(seal))
     }
