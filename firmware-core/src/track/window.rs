@@ -53,6 +53,14 @@ impl<const N: usize> Window<N> {
         (self.total, self.first_m, self.step_m) = (total, first_m, step_m);
     }
 
+    /// Lets an empty window begin where a vehicle stands, by the distance of its rearmost wheel (m);
+    /// the number of the sample that is to be handed over first.
+    pub fn begin_at(&mut self, distance_m: f64) -> usize {
+        debug_assert!(self.held == 0, "a window that holds {} samples", self.held);
+        self.first = self.first_needed(distance_m).min(self.total);
+        self.first
+    }
+
     /// How many samples can be handed over now.
     pub fn room(&self) -> usize {
         (N - self.held).min(self.total.saturating_sub(self.first + self.held))
@@ -76,7 +84,7 @@ impl<const N: usize> Window<N> {
 
     /// Forgets what lies behind the four samples around a distance: that of the rearmost wheel (m).
     pub fn pass(&mut self, distance_m: f64) {
-        let needed = (self.place(distance_m) as usize).saturating_sub(1);
+        let needed = self.first_needed(distance_m);
         let passed = needed.saturating_sub(self.first).min(self.held);
         (self.first, self.held) = (self.first + passed, self.held - passed);
     }
@@ -100,6 +108,11 @@ impl<const N: usize> Window<N> {
             first_m: self.first_m,
             step_m: self.step_m,
         }
+    }
+
+    /// The first of the four samples around a distance (m).
+    fn first_needed(&self, distance_m: f64) -> usize {
+        (self.place(distance_m) as usize).saturating_sub(1)
     }
 
     /// A distance (m) in samples of the whole track.
@@ -151,6 +164,11 @@ mod tests {
         assert_eq!(window.room(), 2, "a window does not move back");
         window.pass(1e9);
         assert_eq!(window.room(), 8, "it forgets what it holds, and no more");
+        window.restart(100, 0.0, 1.0);
+        assert_eq!(window.begin_at(40.5), 39);
+        while window.push(sample(0)) {}
+        window.pass(40.5);
+        assert!(window.room() == 0 && window.reaches(44.0));
         window.restart(5, -1.0, 0.5);
         assert_eq!((window.room(), window), (5, Window::new(5, -1.0, 0.5)));
     }

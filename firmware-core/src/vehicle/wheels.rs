@@ -179,7 +179,7 @@ impl Vehicle {
                     return;
                 }
                 if let Some(kept) = state.wheels[seat.axle][seat.side].get_mut(seat.lane) {
-                    *kept = force.map(|value| value.get(place));
+                    force.write_place(place, kept);
                 }
             });
         }

@@ -106,35 +106,32 @@ pub struct Rolling<N = f64> {
 }
 
 impl<N: Number> WheelForce<N> {
-    /// Every number put through a function: one place out of four.
+    /// Writes one place out of four, number by number: a value of its own would be copied.
     #[inline(always)]
-    #[must_use]
-    pub fn map<M>(&self, of: impl Fn(N) -> M) -> WheelForce<M> {
-        let rolling = |Rolling { creepage, force }: Rolling<N>| Rolling {
-            creepage: Creepage {
-                longitudinal: of(creepage.longitudinal),
-                lateral: of(creepage.lateral),
-                spin_per_m: of(creepage.spin_per_m),
-            },
-            force: CreepForce {
-                longitudinal_n: of(force.longitudinal_n),
-                lateral_n: of(force.lateral_n),
-                spin_moment_n_m: of(force.spin_moment_n_m),
-            },
-        };
-        WheelForce {
-            longitudinal_n: of(self.longitudinal_n),
-            lateral_n: of(self.lateral_n),
-            vertical_n: of(self.vertical_n),
-            roll_n_m: of(self.roll_n_m),
-            pitch_n_m: of(self.pitch_n_m),
-            yaw_n_m: of(self.yaw_n_m),
-            tread_n: of(self.tread_n),
-            flange_n: of(self.flange_n),
-            wear_w: of(self.wear_w),
-            tread: rolling(self.tread),
-            flange: rolling(self.flange),
-        }
+    pub fn write_place(&self, place: usize, into: &mut WheelForce) {
+        into.longitudinal_n = self.longitudinal_n.get(place);
+        into.lateral_n = self.lateral_n.get(place);
+        into.vertical_n = self.vertical_n.get(place);
+        into.roll_n_m = self.roll_n_m.get(place);
+        into.pitch_n_m = self.pitch_n_m.get(place);
+        into.yaw_n_m = self.yaw_n_m.get(place);
+        into.tread_n = self.tread_n.get(place);
+        into.flange_n = self.flange_n.get(place);
+        into.wear_w = self.wear_w.get(place);
+        self.tread.write_place(place, &mut into.tread);
+        self.flange.write_place(place, &mut into.flange);
+    }
+}
+
+impl<N: Number> Rolling<N> {
+    #[inline(always)]
+    fn write_place(&self, place: usize, into: &mut Rolling) {
+        into.creepage.longitudinal = self.creepage.longitudinal.get(place);
+        into.creepage.lateral = self.creepage.lateral.get(place);
+        into.creepage.spin_per_m = self.creepage.spin_per_m.get(place);
+        into.force.longitudinal_n = self.force.longitudinal_n.get(place);
+        into.force.lateral_n = self.force.lateral_n.get(place);
+        into.force.spin_moment_n_m = self.force.spin_moment_n_m.get(place);
     }
 }
 

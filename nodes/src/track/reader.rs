@@ -171,7 +171,9 @@ impl<const N: usize> Reader<N> {
     }
 
     fn hear_sample(&mut self, frame: &WireFrame, fingerprint: u32) {
-        if !matches!(MessageId::from_raw(frame.id()), Some(MessageId::TrackSample(_))) {
+        // Before the first request it has none to expect.
+        let is_sample = matches!(MessageId::from_raw(frame.id()), Some(MessageId::TrackSample(_)));
+        if !is_sample || self.ticks == 0 {
             return;
         }
         let seal = TrackRequest::seal(self.session, fingerprint, self.next);
@@ -213,6 +215,11 @@ impl<const N: usize> Reader<N> {
                 false
             }
             Phase::Reading(_) => {
+                if self.ticks == 1 {
+                    let first = self.window.begin_at(at_m - REACH_M);
+                    self.next = u32::try_from(first).unwrap_or(u32::MAX);
+                    self.asked = self.next;
+                }
                 self.window.pass(at_m - REACH_M);
                 self.ask_ahead();
                 let has_track = self.window.reaches(at_m + REACH_M + ahead_m);
