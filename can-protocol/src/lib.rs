@@ -157,4 +157,6 @@ pub use signal::Saturated;
 pub use state::RunState;
 pub use sync::{PROTOCOL_VERSION, Pace, Sync};
 pub use telemetry::{Pressure, Telemetry, Trips};
-pub use track::{TrackFingerprint, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample};
+pub use track::{
+    TrackFingerprint, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample, TrackSeal,
+};

@@ -99,28 +99,39 @@ fn masked_checksum(message: MessageId, payload: &[u8], mask: u16) -> u16 {
 }
 
 /// The frame of a message whose fields are set: with its CRC.
-pub(crate) fn protect(message: MessageId, mut word: Word, seal: Option<Seal>) -> Frame {
+pub(crate) fn protect(message: MessageId, word: Word, seal: Option<Seal>) -> Frame {
+    protect_masked(message, word, mask(message, seal))
+}
+
+/// The same with any mask.
+pub(crate) fn protect_masked(message: MessageId, mut word: Word, mask: u16) -> Frame {
     let bytes = word.to_bytes();
     debug_assert!(message.payload_len() <= bytes.len(), "{message:?} is longer than 16 bytes");
     let payload = bytes.get(..message.payload_len()).unwrap_or(&bytes);
-    word.put(crc_field(message), u32::from(expected(message, payload, seal)));
+    word.put(crc_field(message), u32::from(masked_checksum(message, payload, mask)));
     Frame::new(message, word.to_bytes())
 }
 
 /// The fields of a payload whose length and CRC are right.
 pub(crate) fn open(message: MessageId, payload: &[u8], seal: Option<Seal>) -> Result<Word, Error> {
+    open_masked(message, payload, mask(message, seal))
+}
+
+/// The same with any mask.
+pub(crate) fn open_masked(message: MessageId, payload: &[u8], mask: u16) -> Result<Word, Error> {
     let (id, length) = (message.raw(), message.payload_len());
     if payload.len() != length {
         return Err(Error::Length { id, found: payload.len(), expected: length });
     }
     let word = Word::from_bytes(payload);
     let found = word.get(crc_field(message)) as u16;
-    let expected = expected(message, payload, seal);
+    let expected = masked_checksum(message, payload, mask);
     if found == expected { Ok(word) } else { Err(Error::Checksum { id, found, expected }) }
 }
 
-fn expected(message: MessageId, payload: &[u8], seal: Option<Seal>) -> u16 {
-    seal.map_or_else(|| checksum(message, payload), |seal| sealed_checksum(message, payload, seal))
+/// The mask of a seal; 0 without one.
+fn mask(message: MessageId, seal: Option<Seal>) -> u16 {
+    seal.map_or(0, |seal| seal.mask(message.profile()))
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use firmware_core::wheel_rail::table::{ContactTable, ZoneTable};
 use firmware_core::wheel_rail::wheel::{Rolling, Surface, Wheel, WheelForce};
 use nalgebra::Vector3;
 use nodes::timed::TimedServer;
-use nodes::track::{Server, Ways};
+use nodes::track::{Server, Terms, Ways};
 use same_bits::locomotive::BoardWindow;
 use same_bits::two_roles::{self, BoardReader};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -107,7 +107,12 @@ pub fn window() -> Option<&'static mut BoardWindow> {
 /// second time.
 pub fn track_reader() -> Option<&'static mut BoardReader> {
     let reader = READER.try_take()?;
-    reader.begin(two_roles::TRACK_SESSION, Some(TRACK_FINGERPRINT));
+    reader.begin(Terms {
+        session: two_roles::TRACK_SESSION,
+        expected: Some(TRACK_FINGERPRINT),
+        reach_m: VEHICLE.reach_m(),
+        ahead_m: SPEED_M_PER_S * CYCLE_S,
+    });
     Some(reader)
 }
 

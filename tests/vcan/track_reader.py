@@ -100,7 +100,7 @@ class Line:
 
 class Reader:
     def __init__(self, link, session, drop):
-        self.link, self.drawn, self.session, self.drop = link, session, session, drop
+        self.link, self.session, self.drop = link, session, drop
         self.offer, self.code, self.sample_frames, self.refused = {}, None, 0, 0
         self.codes = bytearray()  # of whole samples, in the order of the fingerprint
         self.next, self.end = 0, 0  # the sample that comes next, and the end of the request
@@ -138,7 +138,7 @@ class Reader:
             item, session, value = struct.unpack("<BHI", data[1:])
             if checksum(OFFER, data[1:]) != data[0]:
                 self.refused += 1
-            elif session == self.drawn and item < len(ITEMS) and ITEMS[item] not in self.offer:
+            elif session == self.session and item < len(ITEMS) and ITEMS[item] not in self.offer:
                 self.offer[ITEMS[item]] = value
                 self.heard = self.progress = time.monotonic()
         elif can_id in (CENTRE_LINE, RAILS) and self.code is not None:
@@ -151,7 +151,7 @@ class Reader:
         sample = self.next + (data[1] - self.next) % 256
         if sample >= self.end:
             sample -= 256  # not asked for, so it was there before
-        mask = (self.code + sample // 15 * (2 * self.code + 1)) & 0xFF
+        mask = (self.code + sample // 15 * (2 * self.code + 1)) >> 8 & 0xFF
         if sample < 0 or checksum(can_id, data[1:], mask) != data[0]:
             self.refused += 1
             return
@@ -167,12 +167,8 @@ class Reader:
 
     def read(self, limit):
         self.until(lambda: len(self.offer) == len(ITEMS))
-        while self.code is None or not self.code & 0xFF:
-            # A code with the low byte 0 would leave the plain CRC.
-            self.session += self.code is not None
-            numbers = struct.pack("<II", self.session & 0xFFFF, self.offer["fingerprint"])
-            self.code = crc(numbers, 0xFFFF, 16, 0x1021)
-        self.session &= 0xFFFF
+        numbers = struct.pack("<II", self.session, self.offer["fingerprint"])
+        self.code = crc(numbers, 0xFFFF, 16, 0x1021)
         has_end = self.offer["ways"] != THERE_AND_BACK
         if limit is None and not has_end:
             raise RuntimeError("the track has no end: say with --samples how much of it to read")
@@ -192,7 +188,7 @@ class Reader:
         largest = {name: max((abs(code) for code in codes[at::4] if code != INVALID), default=0)
                    for at, name in enumerate(CHANNELS)}
         offered = self.offer | {"fingerprint": f"{self.offer['fingerprint']:08x}"}
-        return {"session": self.drawn, **offered, "computed_fingerprint": computed,
+        return {"session": self.session, **offered, "computed_fingerprint": computed,
                 "received": self.next, "refused": self.refused,
                 "largest_mm": {name: code / 1e5 for name, code in largest.items()}}
 

@@ -12,7 +12,7 @@ use hil_host::clock::Pacer;
 use nodes::locomotive::{End, Locomotive, Terms};
 use nodes::loopback::Loopback;
 use nodes::timed::{TimedLocomotive, TimedRig};
-use nodes::track::{Reader, as_sent};
+use nodes::track::{self, Reader, as_sent};
 use scenario::run::{Overrides, Run};
 use serde_json::Value;
 use socketcan::{CanSocket, Socket};
@@ -164,7 +164,8 @@ fn a_locomotive_with_25_m_of_track_in_memory_has_the_hash_of_one_with_all_of_it(
     let locomotive = Locomotive::new(&line, &mut state, terms(&run)).expect("a slot with a rig");
     let mut locomotive = TimedLocomotive::new(locomotive);
     let mut reader = Reader::<256>::NEW;
-    reader.begin(0x5EED, None);
+    let (reach_m, ahead_m) = (run.vehicle.reach_m(), run.speed_m_per_s * run.cycle_s());
+    reader.begin(track::Terms { session: 0x5EED, expected: None, reach_m, ahead_m });
     let mut can = CanSocket::open(&vcan).expect("a CAN socket");
     can.set_nonblocking(true).expect("a socket that does not wait");
     let mut pacer = Pacer::new(1_000_000, 1);

@@ -96,10 +96,12 @@ fn on_two_boards(
         (of_locomotive, of_rig.join(), of_server.join())
     });
     let panicked = |_| "a thread has panicked".to_owned();
-    let server = server.map_err(panicked)?.map_err(|reason| format!("track server: {reason}"))?;
-    println!("{}", last(&server));
+    let server = server.map_err(panicked)?.map_err(|reason| format!("track server: {reason}"));
+    // Why the locomotive has ended comes first: a rig that it leaves waits for another one.
+    let first = first.map_err(|reason| format!("locomotive: {reason}"))?;
     let second = second.map_err(panicked)?.map_err(|reason| format!("rig: {reason}"))?;
-    Ok((first?, second))
+    println!("{}", last(&server?));
+    Ok((first, second))
 }
 
 /// What a board says until it ends well.

@@ -1,6 +1,6 @@
 //! The locomotive asks: which track this is, or for its next samples.
 use crate::signal::{Field, Word};
-use crate::{Error, Frame, MessageId, Seal, SessionCode, SessionHistory, protection};
+use crate::{Error, Frame, MessageId, protection};
 use core::fmt;
 
 /// What a locomotive asks its track server for.
@@ -46,27 +46,6 @@ impl TrackRequest {
             first: word.get(Self::FIRST),
         })
     }
-
-    /// What seals a sample of a session on the track with a fingerprint.
-    ///
-    /// ```
-    /// use can_protocol::{Profile, TrackRequest};
-    /// let seal = TrackRequest::seal(0x1234, 0xDEAD_BEEF, 1000);
-    /// assert_eq!(seal.code.bits(), 0xDB7C);
-    /// assert_eq!(seal.mask(Profile::Classical), 0xAE);
-    /// ```
-    pub fn seal(session: u16, fingerprint: u32, sample: u32) -> Seal {
-        Seal { code: SessionCode::of(u32::from(session), fingerprint), cycle: sample }
-    }
-
-    /// The first number from `drawn` on whose seal is not the plain CRC.
-    pub fn session(drawn: u16, fingerprint: u32) -> u16 {
-        let seals = |session: &u16| {
-            SessionHistory::default().allows(Self::seal(*session, fingerprint, 0).code)
-        };
-        // Of 256 numbers in a row more than 200 do.
-        (0..=u16::from(u8::MAX)).map(|more| drawn.wrapping_add(more)).find(seals).unwrap_or(drawn)
-    }
 }
 
 impl fmt::Display for TrackRequest {
@@ -82,16 +61,6 @@ impl fmt::Display for TrackRequest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Profile;
-
-    #[test]
-    fn no_session_has_the_plain_crc() {
-        for drawn in (0..=u16::MAX).step_by(17) {
-            let session = TrackRequest::session(drawn, 0xABCD);
-            assert_ne!(TrackRequest::seal(session, 0xABCD, 0).mask(Profile::Classical), 0);
-            assert!(session.wrapping_sub(drawn) < 64, "{drawn} gives {session}");
-        }
-    }
 
     #[test]
     fn a_request_comes_back() {

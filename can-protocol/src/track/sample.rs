@@ -1,8 +1,9 @@
 //! A sample of the track, in two halves of two channels each.
 use super::part::TrackPart;
+use super::seal::TrackSeal;
 use crate::command::write_value;
 use crate::signal::{Field, FixedPoint, Quantity, Saturated, Word};
-use crate::{Error, Frame, MessageId, Seal, protection};
+use crate::{Error, Frame, MessageId, protection};
 use core::fmt;
 
 /// Half a sample of the track's irregularity.
@@ -27,15 +28,16 @@ impl TrackSample {
 
     /// The plain frame, and what had to be saturated to fit it.
     pub fn encode(&self) -> (Frame, Saturated) {
-        self.frame(None)
+        self.frame(0)
     }
 
-    /// The frame with a [seal](crate::TrackRequest::seal), and what had to be saturated to fit it.
-    pub fn encode_sealed(&self, seal: Seal) -> (Frame, Saturated) {
-        self.frame(Some(seal))
+    /// The frame sealed as that of a sample of the whole track, and what had to be saturated to fit
+    /// it.
+    pub fn encode_sealed(&self, seal: TrackSeal, sample: u32) -> (Frame, Saturated) {
+        self.frame(seal.mask(sample))
     }
 
-    fn frame(&self, seal: Option<Seal>) -> (Frame, Saturated) {
+    fn frame(&self, mask: u16) -> (Frame, Saturated) {
         let mut word = Word::default();
         word.put(Self::NUMBER, u32::from(self.number));
         let mut is_saturated = false;
@@ -44,7 +46,7 @@ impl TrackSample {
         }
         let mut saturated = Saturated::empty();
         saturated.set(Saturated::TRACK, is_saturated);
-        (protection::protect(MessageId::TrackSample(self.part), word, seal), saturated)
+        (protection::protect_masked(MessageId::TrackSample(self.part), word, mask), saturated)
     }
 
     /// The half sample in a plain frame.
@@ -52,22 +54,27 @@ impl TrackSample {
     /// # Errors
     /// Not a sample's id, a wrong length or CRC.
     pub fn decode(id: u16, data: &[u8]) -> Result<Self, Error> {
-        Self::read(id, data, None)
+        Self::read(id, data, 0)
     }
 
     /// The half sample in a sealed frame.
     ///
     /// # Errors
     /// Not a sample's id, a wrong length, or a CRC that is not that of the seal.
-    pub fn decode_sealed(id: u16, data: &[u8], seal: Seal) -> Result<Self, Error> {
-        Self::read(id, data, Some(seal))
+    pub fn decode_sealed(
+        id: u16,
+        data: &[u8],
+        seal: TrackSeal,
+        sample: u32,
+    ) -> Result<Self, Error> {
+        Self::read(id, data, seal.mask(sample))
     }
 
-    fn read(id: u16, data: &[u8], seal: Option<Seal>) -> Result<Self, Error> {
+    fn read(id: u16, data: &[u8], mask: u16) -> Result<Self, Error> {
         let Some(message @ MessageId::TrackSample(part)) = MessageId::from_raw(id) else {
             return Err(Error::UnknownId { id });
         };
-        let word = protection::open(message, data, seal)?;
+        let word = protection::open_masked(message, data, mask)?;
         Ok(Self {
             part,
             number: word.get(Self::NUMBER) as u8,
@@ -109,7 +116,6 @@ impl fmt::Display for TrackSample {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TrackRequest;
 
     const SAMPLE: TrackSample = TrackSample {
         part: TrackPart::Rails,
@@ -130,14 +136,15 @@ mod tests {
 
     #[test]
     fn a_sample_opens_in_its_place_and_no_other() {
-        let seal = |sample| TrackRequest::seal(7, 0xF00D, sample);
-        let (frame, _) = SAMPLE.encode_sealed(seal(1000));
-        let read = |seal| TrackSample::decode_sealed(frame.id(), frame.data(), seal);
-        assert_eq!(read(seal(1000)), Ok(SAMPLE));
+        let seal = TrackSeal::new(7, 0xF00D);
+        let (frame, _) = SAMPLE.encode_sealed(seal, 1000);
+        let read =
+            |seal, sample| TrackSample::decode_sealed(frame.id(), frame.data(), seal, sample);
+        assert_eq!(read(seal, 1000), Ok(SAMPLE));
         // A whole window behind: the number is the same, the mask is not.
-        assert!(read(seal(1000 - 256)).is_err());
-        assert!(read(TrackRequest::seal(8, 0xF00D, 1000)).is_err(), "another session");
-        assert!(read(TrackRequest::seal(7, 0xF00E, 1000)).is_err(), "another track");
+        assert!(read(seal, 1000 - 256).is_err());
+        assert!(read(TrackSeal::new(8, 0xF00D), 1000).is_err(), "another session");
+        assert!(read(TrackSeal::new(7, 0xF00E), 1000).is_err(), "another track");
         assert!(TrackSample::decode(frame.id(), frame.data()).is_err(), "not plain");
     }
 

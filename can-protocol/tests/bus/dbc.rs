@@ -164,7 +164,11 @@ fn the_sealed_frames_of_the_comments_follow_their_recipe() {
         let (code, name, numbers) =
             if message.is_of_track() { (0xDB7C, "number", 256) } else { (0x49C5, "counter", 0) };
         let (modulus, masks) = if data.len() == 8 { (15, 256) } else { (255, 65_536) };
-        let mask = (code + 1000 / modulus * (2 * code + 1)) % masks;
+        let mask = if message.is_of_track() {
+            (code + 1000 / 15 * (2 * code + 1)) % 65_536 / 256
+        } else {
+            (code + 1000 / modulus * (2 * code + 1)) % masks
+        };
         assert_eq!(raw(name), 1000 % modulus.max(numbers));
         assert_eq!(raw("crc"), wire::masked_crc(&dbc, message.raw(), &data, mask));
         count += 1;

@@ -63,7 +63,12 @@ impl<const N: usize> Window<N> {
 
     /// How many samples can be handed over now.
     pub fn room(&self) -> usize {
-        (N - self.held).min(self.total.saturating_sub(self.first + self.held))
+        (N - self.held).min(self.missing())
+    }
+
+    /// How many samples of the track were not handed over yet.
+    pub fn missing(&self) -> usize {
+        self.total.saturating_sub(self.first + self.held)
     }
 
     /// Takes the next sample of the track; false where there is no room, or no more track.

@@ -96,6 +96,12 @@ impl Vehicle {
         vehicle
     }
 
+    /// How far its outermost wheelset is from its reference point (m).
+    pub fn reach_m(&self) -> f64 {
+        let bodies = self.axles.iter().filter_map(|axle| self.bodies.get(axle.body.index()));
+        bodies.map(|body| body.station_m.abs()).fold(0.0, f64::max)
+    }
+
     /// Checks what a step relies on.
     ///
     /// # Errors

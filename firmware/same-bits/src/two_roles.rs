@@ -33,7 +33,7 @@ const OTHER_TICKS: u32 = 5_000;
 /// The number that the reader of a track draws. On a real bus nobody may foresee it.
 pub const TRACK_SESSION: u16 = 0x5EED;
 
-/// Reads 25.6 m of track, with a locomotive of 18 m between its wheels.
+/// Reads 25.6 m of track.
 pub type BoardReader = nodes::track::Reader<256>;
 
 /// A rig of these runs.

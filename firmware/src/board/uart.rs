@@ -34,7 +34,7 @@ const FASTEST: u32 = 16;
 /// Reads of `STATE` before a byte is given up that cannot be sent.
 const PATIENCE: u32 = 10_000_000;
 
-/// Bytes that have arrived; more than the other node sends in two ticks.
+/// Bytes that have arrived; more than all other nodes send in two ticks.
 static ARRIVED: Mutex<RefCell<Deque<u8, 512>>> = Mutex::new(RefCell::new(Deque::new()));
 
 #[derive(Clone, Copy)]

@@ -19,11 +19,12 @@ use super::raw_frame::RawFrame;
 use super::{BusCounters, Sent};
 use dbc::CanId;
 use nix::errno::Errno;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use nix::sys::socket::{ControlMessageOwned, MsgFlags, recvmsg, send};
 use nodes::MAX_BYTES;
 use socketcan::{CanFdSocket, CanFilter, Socket, SocketOptions};
 use std::io::{self, IoSliceMut};
-use std::os::fd::AsRawFd;
+use std::os::fd::{AsFd, AsRawFd};
 use std::time::{Duration, Instant};
 
 /// Bytes asked for the send buffer. The kernel doubles the number and charges somewhat under 1 kB
@@ -139,11 +140,16 @@ impl CanSocket {
         if self.arrived.is_some() {
             return true;
         }
-        let flags = if timeout.is_zero() || !self.limits_read(timeout) {
-            MsgFlags::MSG_DONTWAIT
-        } else {
-            MsgFlags::empty()
-        };
+        let mut flags = MsgFlags::MSG_DONTWAIT;
+        if timeout >= LONG && self.limits_read(timeout) {
+            flags = MsgFlags::empty();
+        } else if !timeout.is_zero() {
+            let timeout = PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX);
+            let mut sockets = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
+            if !matches!(poll(&mut sockets, timeout), Ok(1..)) {
+                return false;
+            }
+        }
         match self.read(flags) {
             Ok(arrived) => self.arrived = Some(arrived),
             Err(Errno::EAGAIN | Errno::EINTR) => return false,
@@ -156,8 +162,6 @@ impl CanSocket {
     /// Tells the kernel how long a read may take at most, where that has changed; false where it
     /// takes no such limit.
     fn limits_read(&mut self, limit: Duration) -> bool {
-        // Less than a microsecond would be no limit.
-        let limit = limit.max(Duration::from_micros(1));
         if self.read_limit != limit {
             if self.socket.set_read_timeout(limit).is_err() {
                 return false;
@@ -201,6 +205,10 @@ fn kernel_frame(frame: &RawFrame) -> ([u8; FD_BYTES], usize) {
 
 /// Error frames that one call of `receive` passes over.
 const MOST_SKIPPED: u32 = 64;
+
+/// Waits from here on are limited reads, whose limit the kernel rounds up to its ticks of some
+/// milliseconds. For a shorter one it is asked first.
+const LONG: Duration = Duration::from_millis(40);
 
 /// What the kernel handed over.
 #[derive(Debug, PartialEq, Eq)]

@@ -105,6 +105,12 @@ impl Bus for SerialLineBus {
     }
 
     fn wait(&mut self, timeout: Duration) -> bool {
+        if !self.unread.is_empty() {
+            return true;
+        }
+        if self.is_closed {
+            return false;
+        }
         let timeout = PollTimeout::try_from(timeout).unwrap_or(PollTimeout::MAX);
         let mut sockets = [PollFd::new(self.socket.as_fd(), PollFlags::POLLIN)];
         matches!(poll(&mut sockets, timeout), Ok(1..))

@@ -7,7 +7,7 @@
 mod long_track;
 
 use crate::BenchError;
-use crate::bus::{Bus, BusCounters, SerialLineBus, SocketCanBus};
+use crate::bus::{Bus, BusCounters, BusError, Sent, SerialLineBus, SocketCanBus};
 use crate::clock::Pacer;
 use crate::control::NoStretch;
 use can_protocol::{MessageId, Profile};
@@ -71,12 +71,12 @@ pub fn run_on(
     };
     let track = run.track.view();
     let identity = Identity::of(&track.irregularity, ways).map_err(refused)?;
-    let mut server = Server::new(identity, LongTrack::new(run, &track));
+    let mut server = Server::new(identity, LongTrack::new(run));
     let Identity { fingerprint, step_um, samples, .. } = identity;
     let length_km = f64::from(samples) * f64::from(step_um) / 1e9;
     let shape = if ways == Ways::ThereAndBack { ", there and back" } else { "" };
     files::say!("track {fingerprint:08x}, {length_km:.1} km{shape}: waiting for a locomotive");
-    let (skipped, bus) = match line {
+    let (is_down, skipped, bus) = match line {
         Line::Can(interface) => {
             let heard = [MessageId::TrackRequest];
             let mut bus = SocketCanBus::open(interface, &heard, Profile::Classical)?;
@@ -91,6 +91,12 @@ pub fn run_on(
     if server.source().has_failed() {
         return Err(NoStretch.into());
     }
+    if let Some(number) = server.unsendable() {
+        return Err(refused(Unservable::Sample { number: number as usize }));
+    }
+    if is_down && let Line::Can(interface) = line {
+        return Err(BusError::Down { interface: interface.clone() }.into());
+    }
     let Counts { offers, requests, samples, repeated, .. } = server.counts();
     Ok(TrackSummary {
         fingerprint: format!("{fingerprint:08x}"),
@@ -104,23 +110,37 @@ pub fn run_on(
     })
 }
 
-/// The loop; the ticks that its clock missed, and what went over the bus.
+/// The loop; whether the bus is down, the ticks that its clock missed, and what went over the bus.
 fn serve<B: Bus>(
     server: &mut Server<LongTrack<'_>>,
     bus: &mut B,
     is_over: impl Fn(&B) -> bool,
-) -> (u64, BusCounters) {
+) -> (bool, u64, BusCounters) {
     let mut pacer = Pacer::every(TICK);
     let (mut printed, mut said) = (Instant::now(), server.counts());
-    while !is_over(bus) && !server.source().has_failed() {
+    let (mut pending, mut is_down) = (None, false);
+    let cannot_go_on = |server: &Server<LongTrack<'_>>| {
+        server.source().has_failed() || server.unsendable().is_some()
+    };
+    while !is_over(bus) && !is_down && !cannot_go_on(server) {
         pacer.wait();
         while let Some(frame) = bus.receive() {
             server.hear(&frame);
         }
         server.tick();
-        while let Some(frame) = server.take_frame() {
-            // Whatever the bus does not take is asked for again.
-            bus.send(&frame);
+        while let Some(frame) = pending.take().or_else(|| server.take_frame()) {
+            match bus.send(&frame) {
+                Sent::Away => {}
+                Sent::Dropped => {
+                    // The next tick tries again.
+                    pending = Some(frame);
+                    break;
+                }
+                Sent::Down => {
+                    is_down = true;
+                    break;
+                }
+            }
         }
         if printed.elapsed() >= Duration::from_secs(1) && server.counts() != said {
             (printed, said) = (Instant::now(), server.counts());
@@ -128,7 +148,7 @@ fn serve<B: Bus>(
             files::say!("sample {end}, sent {samples}, again {repeated}");
         }
     }
-    (pacer.skipped(), bus.counters())
+    (is_down, pacer.skipped(), bus.counters())
 }
 
 /// The account of a server in one line.

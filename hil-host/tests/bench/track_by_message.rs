@@ -3,7 +3,7 @@
 
 use crate::locomotive_node::terms;
 use crate::support::locomotive::{NODE, scenario};
-use can_protocol::{Frame, MessageId, Pace, Profile, RunState};
+use can_protocol::{Frame, MessageId, PROTOCOL_VERSION, Pace, Profile, RunState, Sync};
 use firmware_core::line::Line;
 use firmware_core::supervision::Signal;
 use firmware_core::track::{Irregularity, IrregularitySample, Track};
@@ -12,8 +12,9 @@ use nodes::can::{receive, transmit};
 use nodes::locomotive::{End, Locomotive, NotArmed, SILENCE_TICKS, STOP_CYCLES};
 use nodes::loopback::{End as BusEnd, Loopback};
 use nodes::timed::{TimedLocomotive, TimedRig, TimedServer};
-use nodes::track::{Reader, Server, TrackFault, Ways, as_sent};
+use nodes::track::{self, Reader, Server, TrackFault, Ways, as_sent};
 use scenario::run::Run;
+use std::num::{NonZeroU8, NonZeroU16};
 
 /// Ticks after which a bench that has not ended hangs.
 const MOST_TICKS: u32 = 20_000;
@@ -45,7 +46,18 @@ fn session(
     run: &Run,
     pace: Pace,
     reader: &mut BoardReader,
+    else_on_bus: impl FnMut(u64, &mut BusEnd<'_>),
+) -> Found {
+    session_with(run, pace, reader, else_on_bus, false)
+}
+
+/// The same with a rig that may have run before.
+fn session_with(
+    run: &Run,
+    pace: Pace,
+    reader: &mut BoardReader,
     mut else_on_bus: impl FnMut(u64, &mut BusEnd<'_>),
+    ran_before: bool,
 ) -> Found {
     // No sample of the track is in this memory.
     let irregularity = Irregularity { samples: &[], ..run.track.view().irregularity };
@@ -58,6 +70,20 @@ fn session(
     let mut locomotive = TimedLocomotive::new(locomotive);
     let rig: RigNode = RigNode::new(&run.rig, NODE, Profile::Classical);
     let mut rig = TimedRig::new(rig, SILENCE_TICKS);
+    if ran_before {
+        // It is in STANDBY and sends heartbeats.
+        let sync = Sync {
+            version: PROTOCOL_VERSION,
+            profile: Profile::Classical,
+            pace,
+            period_us: NonZeroU16::new(1000).unwrap(),
+            slow_down: NonZeroU8::MIN,
+            time_us: 0,
+        };
+        assert!(transmit(&mut at_server, &sync.encode()));
+        rig.tick(&mut at_rig);
+        assert_eq!(rig.rig().run_state(), RunState::Standby);
+    }
     for _ in 0..MOST_TICKS {
         else_on_bus(locomotive.locomotive().state().cycle, &mut at_server);
         locomotive.tick_reading(&mut at_locomotive, reader, 0);
@@ -77,9 +103,10 @@ fn session(
     panic!("no end after {MOST_TICKS} ticks, in cycle {}", locomotive.locomotive().state().cycle)
 }
 
-fn reader(session: u16, expected: Option<u32>) -> BoardReader {
+fn reader(run: &Run, session: u16, expected: Option<u32>) -> BoardReader {
     let mut reader = BoardReader::NEW;
-    reader.begin(session, expected);
+    let (reach_m, ahead_m) = (run.vehicle.reach_m(), run.speed_m_per_s * run.cycle_s());
+    reader.begin(track::Terms { session, expected, reach_m, ahead_m });
     reader
 }
 
@@ -112,15 +139,16 @@ fn a_track_by_message_gives_the_bits_of_the_track_in_memory() {
     for pace in [Pace::LockStep, Pace::Clock] {
         let mut server = TimedServer::new(server(&run));
         let fingerprint = server.server().identity().fingerprint;
-        let mut reader = reader(7, Some(fingerprint));
+        let mut reader = reader(&run, 7, Some(fingerprint));
         let found = session(&run, pace, &mut reader, |_, can| server.tick(can));
         assert_eq!(found, expected, "{pace:?}");
         let counts = server.server().counts();
-        assert_eq!((counts.offers, counts.repeated), (1, 0), "{counts:?}");
-        // About a sample of 0.1 m for every 2.25 ms, and the windows at both ends.
+        // It asks once a second whether this is still its track.
+        assert_eq!((counts.offers, counts.repeated), (5, 0), "{counts:?}");
+        // About a sample of 0.1 m for every 2.25 ms, and the window.
         let way = f64::from(expected.cycles as u32) * run.cycle_s() * run.speed_m_per_s / 0.1;
         let more = counts.samples as f64 - way;
-        assert!((256.0..300.0).contains(&more), "{} samples over {way:.0}", counts.samples);
+        assert!((200.0..256.0).contains(&more), "{} samples over {way:.0}", counts.samples);
     }
 }
 
@@ -131,7 +159,7 @@ fn frames_that_are_lost_are_asked_for_again() {
     for (pace, every) in [(Pace::LockStep, 29), (Pace::Clock, 101)] {
         let mut server = server(&run);
         let mut sent = 0;
-        let found = session(&run, pace, &mut reader(7, None), |_, can| {
+        let found = session(&run, pace, &mut reader(&run, 7, None), |_, can| {
             while let Some(frame) = receive(can) {
                 server.hear(&frame);
             }
@@ -155,7 +183,7 @@ fn a_server_that_falls_silent_stops_the_locomotive_where_its_window_ends() {
         let mut server = TimedServer::new(server(&run));
         let mut trackless = 0;
         let mut last = (0, 0);
-        let found = session(&run, pace, &mut reader(7, None), |cycle, can| {
+        let found = session(&run, pace, &mut reader(&run, 7, None), |cycle, can| {
             if cycle < 1500 {
                 server.tick(can);
             } else {
@@ -167,9 +195,9 @@ fn a_server_that_falls_silent_stops_the_locomotive_where_its_window_ends() {
         });
         assert_eq!((found.end, found.rig), (End::Safe, RunState::Safe), "{pace:?}");
         let Some((cycle, Signal::Track)) = found.stop else { panic!("{found:?}") };
-        // What it still had: up to the window less the reach of the vehicle to either side, 5 m.
+        // What it still had: the window less the vehicle between its wheels, 15 m.
         let way_m = (cycle - 1500) as f64 * run.cycle_s() * run.speed_m_per_s;
-        assert!((3.5..=5.6).contains(&way_m), "{way_m} m after the last sample");
+        assert!((8.5..=10.6).contains(&way_m), "{way_m} m after the last sample");
         assert_eq!(found.cycles, cycle + 1 + STOP_CYCLES);
         assert_eq!(trackless, ticks, "{pace:?}");
     }
@@ -180,13 +208,13 @@ fn without_the_right_track_no_rig_is_armed() {
     let run = on_a_track_that_travels();
     let mut other = on_a_track_that_travels();
     other.track.samples.samples[1000].gauge_m += 1e-6;
-    let mut wide = on_a_track_that_travels();
-    wide.track.samples.step_m = 0.05;
+    let mut fine = on_a_track_that_travels();
+    fine.track.samples.step_m = 0.05;
     let right = server(&run).identity().fingerprint;
     let wrong = server(&other).identity().fingerprint;
     let refused = |tracks: &[&Run], expected| {
         let mut servers: Vec<_> = tracks.iter().map(|run| server(run)).collect();
-        let found = session(&run, Pace::Clock, &mut reader(7, expected), |_, can| {
+        let found = session(&run, Pace::Clock, &mut reader(&run, 7, expected), |_, can| {
             while let Some(frame) = receive(can) {
                 for server in &mut servers {
                     server.hear(&frame);
@@ -208,7 +236,7 @@ fn without_the_right_track_no_rig_is_armed() {
     assert_eq!(refused(&[&other], Some(right)), not_armed(another));
     assert_eq!(refused(&[&run, &other], None), not_armed(TrackFault::TwoServers));
     // On a finer grid the window does not hold the vehicle.
-    assert_eq!(refused(&[&wide], None), not_armed(TrackFault::Grid));
+    assert_eq!(refused(&[&fine], None), not_armed(TrackFault::Grid));
 }
 
 #[test]
@@ -218,7 +246,7 @@ fn samples_of_an_old_session_are_not_taken() {
     let is_sample =
         |frame: &Frame| matches!(MessageId::from_raw(frame.id()), Some(MessageId::TrackSample(_)));
     let mut log = Vec::new();
-    session(&run, Pace::Clock, &mut reader(7, None), |_, can| {
+    session(&run, Pace::Clock, &mut reader(&run, 7, None), |_, can| {
         while let Some(frame) = receive(can) {
             server.hear(&frame);
         }
@@ -231,7 +259,7 @@ fn samples_of_an_old_session_are_not_taken() {
     assert!(log.len() > 4000);
     // The server answers which track it has, and the log comes in the place of its samples.
     let mut played = log.iter().filter(|frame| is_sample(frame)).cycle();
-    let found = session(&run, Pace::Clock, &mut reader(8, None), |_, can| {
+    let found = session(&run, Pace::Clock, &mut reader(&run, 8, None), |_, can| {
         while let Some(frame) = receive(can) {
             server.hear(&frame);
         }
@@ -248,6 +276,108 @@ fn samples_of_an_old_session_are_not_taken() {
         }
     });
     assert_eq!(found.end, End::NotArmed(NotArmed::Track(TrackFault::NoSamples)));
+}
+
+#[test]
+fn a_rig_in_standby_was_armed_without_a_track() {
+    let run = on_a_track_that_travels();
+    for pace in [Pace::LockStep, Pace::Clock] {
+        let alone = |_: u64, can: &mut BusEnd<'_>| while receive(can).is_some() {};
+        let found = session_with(&run, pace, &mut reader(&run, 7, None), alone, true);
+        let fault = NotArmed::Track(TrackFault::NoServer);
+        assert_eq!((found.end, found.cycles), (End::NotArmed(fault), 0), "{pace:?}");
+        assert_eq!(found.rig, RunState::Standby);
+        // One that comes late is waited for.
+        let mut server = TimedServer::new(server(&run));
+        let mut ticks = 0;
+        let late = |_: u64, can: &mut BusEnd<'_>| {
+            ticks += 1;
+            if ticks > 290 {
+                server.tick(can);
+            } else {
+                while receive(can).is_some() {}
+            }
+        };
+        let found = session_with(&run, pace, &mut reader(&run, 7, None), late, true);
+        assert_eq!((found.end, found.hash), (End::Completed, in_memory(&run).hash), "{pace:?}");
+    }
+}
+
+#[test]
+fn the_end_of_a_track_was_never_asked_for() {
+    for spare in 0..17 {
+        let mut run = on_a_track_that_travels();
+        // It ends under the vehicle: behind it the rails are perfect.
+        run.track.samples.samples.truncate(1000 + spare);
+        let expected = in_memory(&run);
+        assert_eq!(expected.end, End::Completed);
+        let mut server = TimedServer::new(server(&run));
+        let mut reader = reader(&run, 7, None);
+        let found = session(&run, Pace::Clock, &mut reader, |_, can| server.tick(can));
+        assert_eq!(found, expected, "{} samples", 1000 + spare);
+    }
+}
+
+#[test]
+fn a_vehicle_longer_than_the_locomotive_stands_on_its_whole_track() {
+    let mut run = on_a_track_that_travels();
+    for body in &mut run.vehicle.bodies {
+        body.station_m *= 10.78 / 7.54;
+    }
+    assert!((run.vehicle.reach_m() - 10.78).abs() < 1e-9);
+    let expected = in_memory(&run);
+    let mut server = TimedServer::new(server(&run));
+    let found = session(&run, Pace::Clock, &mut reader(&run, 7, None), |_, can| server.tick(can));
+    assert_eq!((found.end, found.hash), (End::Completed, expected.hash));
+    // Of 25 m between its wheels the window does not hold enough.
+    for body in &mut run.vehicle.bodies {
+        body.station_m *= 12.5 / 10.78;
+    }
+    let mut server = TimedServer::new(super::track_by_message::server(&run));
+    let found = session(&run, Pace::Clock, &mut reader(&run, 7, None), |_, can| server.tick(can));
+    assert_eq!(found.end, End::NotArmed(NotArmed::Track(TrackFault::Grid)));
+}
+
+#[test]
+fn every_grid_that_is_accepted_can_be_run_on() {
+    let mut ran = 0;
+    for step_um in (60_000..=100_000_u32).step_by(2_500) {
+        let mut run = on_a_track_that_travels();
+        run.track.samples.step_m = f64::from(step_um) / 1e6;
+        let mut server = TimedServer::new(server(&run));
+        let mut reader = reader(&run, 7, None);
+        let found = session(&run, Pace::Clock, &mut reader, |_, can| server.tick(can));
+        let refused = End::NotArmed(NotArmed::Track(TrackFault::Grid));
+        assert!(found.end == End::Completed || found.end == refused, "{step_um}: {found:?}");
+        ran += u32::from(found.end == End::Completed);
+    }
+    assert!(ran > 5, "{ran} grids");
+}
+
+#[test]
+fn a_server_that_is_started_anew_with_another_track_is_found_out_within_a_second() {
+    let run = on_a_track_that_travels();
+    let mut other = on_a_track_that_travels();
+    other.track.samples.samples[1000].gauge_m += 1e-6;
+    for pace in [Pace::Clock, Pace::LockStep] {
+        let [mut first, mut second] = [&run, &other].map(|run| TimedServer::new(server(run)));
+        let mut reader = reader(&run, 7, None);
+        let found = session(&run, pace, &mut reader, |cycle, can| {
+            if cycle < 1500 { first.tick(can) } else { second.tick(can) }
+        });
+        assert_eq!(found.end, End::Safe, "{found:?}");
+        let Some((cycle, Signal::Track)) = found.stop else { panic!("{found:?}") };
+        assert!((1500..2500).contains(&cycle), "{cycle}");
+    }
+}
+
+#[test]
+fn a_vehicle_that_is_faster_than_its_samples_come_is_not_armed() {
+    let mut run = on_a_track_that_travels();
+    run.speed_m_per_s = 95.0;
+    let mut server = TimedServer::new(server(&run));
+    let found = session(&run, Pace::Clock, &mut reader(&run, 7, None), |_, can| server.tick(can));
+    assert_eq!(found.end, End::NotArmed(NotArmed::Track(TrackFault::TooFast)));
 }
 
 /// How far a rounded track moves the command of the rig from that on the track as it is.

@@ -56,6 +56,11 @@ impl Locomotive<'_> {
     /// Takes a frame before the rig has agreed: its heartbeat answers the announcement.
     pub(super) fn hear_of_agreement(&mut self, frame: &WireFrame) {
         self.quiet.hear(frame.id(), frame.data());
+        // A rig may be in STANDBY from an earlier session: before this one has been announced it
+        // has not agreed to it.
+        if self.ticks == 0 {
+            return;
+        }
         let heartbeat = match self.rig.heartbeat(frame) {
             Some(Ok(heartbeat)) => heartbeat,
             Some(Err(Error::Length { .. })) => return self.refuse(NotArmed::Version),

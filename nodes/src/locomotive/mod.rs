@@ -248,15 +248,18 @@ impl<'a> Locomotive<'a> {
         self.ticks = if goes_on { self.ticks + 1 } else { 0 };
     }
 
-    /// The same on a track that comes by messages. Before the first tick it waits for its track. In
+    /// The same on a track that comes by messages. It greets its rig when it has its track. In
     /// lock-step it waits for a late one too, as long as for a silent rig; in clock pace a late
-    /// track ends the run in SAFE.
+    /// track ends the run in SAFE, and in both a track that has become another one.
     pub fn tick_reading<const N: usize>(&mut self, reader: &mut Reader<N>, skipped: u32) {
-        let at_m = self.state.vehicle.distance_m.lane(0);
-        let has_track = reader.tick(at_m, self.line.speed_m_per_s * self.line.cycle_s);
-        let needs_track = self.phase == Phase::Running && !self.state.is_safe();
-        let has_begun = self.phase != Phase::Meeting || self.ticks > 0;
-        if !has_track && !has_begun {
+        let needs_track = match self.phase {
+            Phase::Meeting | Phase::Arming => true,
+            Phase::Running => !self.state.is_safe(),
+            Phase::Leaving(..) | Phase::Over(_) => false,
+        };
+        let has_track = needs_track && reader.tick(self.state.vehicle.distance_m.lane(0));
+        if let (Phase::Meeting | Phase::Arming, false) = (self.phase, has_track) {
+            // Nobody is armed for a vehicle without a track.
             if let Some(fault) = reader.fault() {
                 self.refuse(NotArmed::Track(fault));
             }
@@ -265,7 +268,7 @@ impl<'a> Locomotive<'a> {
         self.trackless_ticks =
             if has_track || !needs_track { 0 } else { self.trackless_ticks.saturating_add(1) };
         if self.trackless_ticks > 0 {
-            let waits = self.terms.pace == Pace::LockStep;
+            let waits = self.terms.pace == Pace::LockStep && reader.fault().is_none();
             if waits && self.trackless_ticks < self.terms.silence_ticks {
                 return;
             }

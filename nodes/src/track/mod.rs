@@ -12,11 +12,8 @@ mod reader;
 mod server;
 
 pub use identity::{Identity, Unservable, Ways, as_sent};
-pub use reader::{Reader, TrackFault};
+pub use reader::{Reader, Terms, TrackFault};
 pub use server::{Counts, Server, Source, there_and_back};
-
-/// No wheel is further than this from the vehicle's reference point (m).
-pub const REACH_M: f64 = 10.0;
 
 #[cfg(test)]
 mod tests {
@@ -38,18 +35,19 @@ mod tests {
         (0..count).filter_map(|number| as_sent(&sample(number))).collect()
     }
 
-    /// 240 km in an hour and a half, in which every number on the wire wraps.
+    /// 240 km in an hour and a half, in which the number of a sample on the wire and its mask wrap.
     #[test]
     fn a_window_of_25_m_runs_over_a_track_that_nobody_has_in_memory() {
         let samples = samples(1000);
         let track = Irregularity { samples: &samples, step_m: 0.1, ..Irregularity::default() };
         let mut server = Server::of(&track, Ways::ThereAndBack).unwrap();
         let mut reader = Reader::<256>::NEW;
-        reader.begin(0xFFFF, Some(server.identity().fingerprint));
+        let expected = Some(server.identity().fingerprint);
+        reader.begin(Terms { session: 0xFFFF, expected, reach_m: 10.0, ahead_m: 0.0444 });
         let (mut cycles, mut most_ticks) = (0_u32, 0);
         for tick in 0..5_500_000 {
             let at_m = 12.0 + f64::from(cycles) * 0.0444;
-            if reader.tick(at_m, 0.0444) {
+            if reader.tick(at_m) {
                 if cycles % 997 == 0 {
                     let place = (at_m / 0.1) as usize;
                     let turn = |place| samples[there_and_back(place as u32, 1000) as usize];

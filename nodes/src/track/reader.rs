@@ -6,12 +6,15 @@
 //! ```
 //!
 //! While it reads it asks for a sixteenth of the window as soon as there is room for it, and again
-//! for whatever has not come in 20 ticks. A sample is taken in its place or not at all.
+//! for whatever has not come in 20 ticks, or in twice the time of the slowest answer. Once a second
+//! it asks once more which track this is: a server that was started anew with another one is found
+//! out. A sample is taken in its place or not at all.
 
-use super::REACH_M;
 use super::identity::{Identity, Ways};
 use crate::WireFrame;
-use can_protocol::{Frame, MessageId, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample};
+use can_protocol::{
+    Frame, MessageId, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample, TrackSeal,
+};
 use firmware_core::track::{Irregularity, IrregularitySample, Window};
 
 /// Ticks after which a question or request is repeated.
@@ -23,7 +26,32 @@ const ANSWER_TICKS: u32 = 5000;
 /// Ticks in which the first window has to be full.
 const FILL_TICKS: u32 = 5000;
 
-/// Why there is no track to begin on.
+/// Ticks between two questions for the track while it is read: a second at 1 kHz.
+const CHECK_TICKS: u32 = 1000;
+
+/// Longest wait for an answer that is believed to be one (ticks).
+const SLOWEST_TICKS: u32 = 200;
+
+/// Samples of a window that its vehicle cannot stand on: what is asked for at once, and the four
+/// around each end.
+const fn spare(samples: usize) -> usize {
+    samples / 16 + 8
+}
+
+/// What a reader is told before it begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Terms {
+    /// The number of this session, which nobody can foresee on a real bus.
+    pub session: u16,
+    /// Fingerprint of the only track that will do; none where any does.
+    pub expected: Option<u32>,
+    /// The furthest wheel from the vehicle's reference point (m): [`reach_m`](firmware_core::vehicle::Vehicle::reach_m).
+    pub reach_m: f64,
+    /// Way of the vehicle in a tick (m).
+    pub ahead_m: f64,
+}
+
+/// What is wrong with the track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackFault {
     /// No server has answered.
@@ -37,8 +65,10 @@ pub enum TrackFault {
     },
     /// Two servers answer, with different tracks.
     TwoServers,
-    /// A grid on which no vehicle can run.
+    /// A grid on which the window does not hold the vehicle.
     Grid,
+    /// The vehicle runs over more samples in a tick than a server sends.
+    TooFast,
     /// Its samples do not come, or all fail their seal.
     NoSamples,
 }
@@ -57,11 +87,7 @@ enum Phase {
 pub struct Reader<const N: usize> {
     window: Window<N>,
     phase: Phase,
-    /// Fingerprint of the only track that will do; none where any does.
-    expected: Option<u32>,
-    /// The number that was drawn, which offers carry, and that of the session, which seals samples.
-    drawn: u16,
-    session: u16,
+    terms: Terms,
     /// The sample that comes next, and its first half.
     next: u32,
     centre_line_m: Option<[f64; 2]>,
@@ -70,6 +96,9 @@ pub struct Reader<const N: usize> {
     /// Ticks of this phase, and since the last sample or request.
     ticks: u32,
     waited_ticks: u32,
+    /// Ticks since the last request, and how long the slowest first answer to one took.
+    since_request: Option<u32>,
+    slowest_ticks: u32,
     /// Whether the window has been full once.
     has_begun: bool,
     frame: Option<Frame>,
@@ -80,27 +109,28 @@ impl<const N: usize> Reader<N> {
     pub const NEW: Self = Self {
         window: Window::new(0, 0.0, 1.0),
         phase: Phase::Asking([None; TrackItem::ALL.len()]),
-        expected: None,
-        drawn: 0,
-        session: 0,
+        terms: Terms { session: 0, expected: None, reach_m: 0.0, ahead_m: 0.0 },
         next: 0,
         centre_line_m: None,
         asked: 0,
         ticks: 0,
         waited_ticks: 0,
+        since_request: None,
+        slowest_ticks: 0,
         has_begun: false,
         frame: None,
     };
 
-    /// Begins a session under a number that nobody can foresee on a real bus; with `expected` on
-    /// the track with this fingerprint and no other.
-    pub fn begin(&mut self, drawn: u16, expected: Option<u32>) {
+    /// Begins a session.
+    pub fn begin(&mut self, terms: Terms) {
+        const { assert!(N >= 64 && N <= 4096, "a window of 64 to 4096 samples") };
+        debug_assert!(terms.reach_m >= 0.0 && terms.ahead_m >= 0.0, "{terms:?}");
         self.window.restart(0, 0.0, 1.0);
         self.phase = Phase::Asking([None; TrackItem::ALL.len()]);
-        (self.drawn, self.session, self.expected) = (drawn, drawn, expected);
+        self.terms = terms;
         (self.next, self.asked, self.centre_line_m) = (0, 0, None);
         (self.ticks, self.waited_ticks, self.has_begun) = (0, 0, false);
-        self.frame = None;
+        (self.since_request, self.slowest_ticks, self.frame) = (None, 0, None);
     }
 
     /// Takes in any frame of the bus.
@@ -115,18 +145,17 @@ impl<const N: usize> Reader<N> {
         }
     }
 
-    /// The offer of a second server, which comes behind that of the first.
+    /// The offer of a second server, or of one that was started anew with another track.
     fn hear_another(&mut self, frame: &WireFrame, track: &Identity) {
         let Ok(offer) = TrackOffer::decode(frame.id(), frame.data()) else { return };
-        let is_other = offer.session == self.drawn && offer.value != track.value(offer.item);
-        if is_other && !self.has_begun {
+        if offer.session == self.terms.session && offer.value != track.value(offer.item) {
             self.phase = Phase::Failed(TrackFault::TwoServers);
         }
     }
 
     fn hear_offer(&mut self, frame: &WireFrame, answered: [Option<u32>; TrackItem::ALL.len()]) {
         let Ok(offer) = TrackOffer::decode(frame.id(), frame.data()) else { return };
-        if offer.session != self.drawn {
+        if offer.session != self.terms.session {
             return;
         }
         let mut answered = answered;
@@ -152,21 +181,25 @@ impl<const N: usize> Reader<N> {
     /// Takes up a track, or refuses it.
     fn judge(&mut self, track: &Identity) -> Phase {
         let found = track.fingerprint;
-        if let Some(expected) = self.expected.filter(|expected| *expected != found) {
+        if let Some(expected) = self.terms.expected.filter(|expected| *expected != found) {
             return Phase::Failed(TrackFault::AnotherTrack { found, expected });
         }
         let (first_m, step_m) = track.grid_m();
-        let holds_vehicle = N.saturating_sub(4) as f64 * step_m > 2.0 * REACH_M;
-        if track.samples < 4 || step_m <= 0.0 || !holds_vehicle {
+        let Terms { reach_m, ahead_m, .. } = self.terms;
+        let held_m = N.saturating_sub(spare(N)) as f64 * step_m;
+        if track.samples < 4 || step_m <= 0.0 || held_m < 2.0 * reach_m + ahead_m {
             return Phase::Failed(TrackFault::Grid);
+        }
+        // A server sends a sample in a tick, and some more than once.
+        if ahead_m > 0.9 * step_m {
+            return Phase::Failed(TrackFault::TooFast);
         }
         let total = match track.ways {
             Ways::One => track.samples as usize,
             Ways::ThereAndBack => usize::MAX,
         };
         self.window.restart(total, first_m, step_m);
-        self.session = TrackRequest::session(self.drawn, found);
-        (self.ticks, self.waited_ticks) = (0, REPEAT_TICKS);
+        (self.ticks, self.waited_ticks) = (0, 0);
         Phase::Reading(*track)
     }
 
@@ -176,13 +209,18 @@ impl<const N: usize> Reader<N> {
         if !is_sample || self.ticks == 0 {
             return;
         }
-        let seal = TrackRequest::seal(self.session, fingerprint, self.next);
-        let Ok(half) = TrackSample::decode_sealed(frame.id(), frame.data(), seal) else { return };
+        let (seal, next) = (TrackSeal::new(self.terms.session, fingerprint), self.next);
+        let Ok(half) = TrackSample::decode_sealed(frame.id(), frame.data(), seal, next) else {
+            return;
+        };
         let ([Some(first_m), Some(second_m)], true) =
             (half.channels_m, half.number == self.next as u8)
         else {
             return;
         };
+        if let Some(ticks) = self.since_request.take() {
+            self.slowest_ticks = self.slowest_ticks.max(ticks.min(SLOWEST_TICKS));
+        }
         match half.part {
             TrackPart::CentreLine => self.centre_line_m = Some([first_m, second_m]),
             TrackPart::Rails => {
@@ -200,29 +238,35 @@ impl<const N: usize> Reader<N> {
         }
     }
 
-    /// One tick with the vehicle at `at_m` and `ahead_m` to go in it: whether the window holds all
-    /// that its wheels will stand on.
-    pub fn tick(&mut self, at_m: f64, ahead_m: f64) -> bool {
+    /// One tick with the vehicle at `at_m`: whether the window holds all that its wheels will stand
+    /// on in it.
+    pub fn tick(&mut self, at_m: f64) -> bool {
         self.ticks = self.ticks.saturating_add(1);
         self.waited_ticks = self.waited_ticks.saturating_add(1);
+        self.since_request = self.since_request.map(|ticks| ticks.saturating_add(1));
         match self.phase {
             Phase::Asking(_) => {
                 if self.ticks > ANSWER_TICKS {
                     self.phase = Phase::Failed(TrackFault::NoServer);
                 } else if self.ticks % REPEAT_TICKS == 1 {
-                    self.ask(0);
+                    self.ask_which();
                 }
                 false
             }
             Phase::Reading(_) => {
+                let Terms { reach_m, ahead_m, .. } = self.terms;
                 if self.ticks == 1 {
-                    let first = self.window.begin_at(at_m - REACH_M);
+                    let first = self.window.begin_at(at_m - reach_m);
                     self.next = u32::try_from(first).unwrap_or(u32::MAX);
                     self.asked = self.next;
                 }
-                self.window.pass(at_m - REACH_M);
-                self.ask_ahead();
-                let has_track = self.window.reaches(at_m + REACH_M + ahead_m);
+                self.window.pass(at_m - reach_m);
+                let has_track = self.window.reaches(at_m + reach_m + ahead_m);
+                if self.ticks.is_multiple_of(CHECK_TICKS) {
+                    self.ask_which();
+                } else {
+                    self.ask_ahead(has_track);
+                }
                 // It begins with all that it can hold.
                 self.has_begun |= has_track && self.window.room() == 0;
                 if !self.has_begun && self.ticks > FILL_TICKS {
@@ -235,19 +279,31 @@ impl<const N: usize> Reader<N> {
     }
 
     /// Asks for what there is room for, when it is due.
-    fn ask_ahead(&mut self) {
-        let room = self.window.room().min(usize::from(u8::MAX)) as u8;
+    fn ask_ahead(&mut self, has_track: bool) {
+        let room = self.window.room();
         let is_owed = self.next < self.asked;
-        let has_much_room = usize::from(room) >= N / 16 || !self.has_begun;
-        let is_due = if is_owed { self.waited_ticks >= REPEAT_TICKS } else { has_much_room };
+        let is_enough = room >= N / 16 || room == self.window.missing();
+        let repeat_ticks = REPEAT_TICKS.max(2 * self.slowest_ticks);
+        let is_due = if is_owed {
+            self.waited_ticks >= repeat_ticks
+        } else {
+            is_enough || !has_track || !self.has_begun
+        };
         if room > 0 && is_due {
-            self.ask(room);
+            let count = room.min(usize::from(u8::MAX)) as u8;
+            self.send(count);
+            (self.asked, self.waited_ticks) = (self.next.saturating_add(u32::from(count)), 0);
+            self.since_request = Some(0);
         }
     }
 
-    fn ask(&mut self, count: u8) {
-        self.frame = Some(TrackRequest { session: self.session, first: self.next, count }.encode());
-        (self.asked, self.waited_ticks) = (self.next.saturating_add(u32::from(count)), 0);
+    fn ask_which(&mut self) {
+        self.send(0);
+    }
+
+    fn send(&mut self, count: u8) {
+        let request = TrackRequest { session: self.terms.session, first: self.next, count };
+        self.frame = Some(request.encode());
     }
 
     /// The next frame to send.

@@ -2,7 +2,7 @@
 
 use super::identity::{Identity, Unservable, Ways, as_sent, channels};
 use crate::WireFrame;
-use can_protocol::{Frame, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample};
+use can_protocol::{Frame, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample, TrackSeal};
 use firmware_core::track::{Irregularity, IrregularitySample};
 use heapless::Deque;
 
@@ -11,7 +11,7 @@ const FRAMES: usize = 8;
 
 /// Where a server has its samples from.
 pub trait Source {
-    /// The sample at a place of the track, one way; none beyond its end.
+    /// The sample at a place of the track, one way; none where it is not there yet. Never waits.
     fn sample(&mut self, place: u32) -> Option<IrregularitySample>;
 }
 
@@ -31,6 +31,7 @@ pub struct Server<S> {
     wanted: core::ops::Range<u32>,
     frames: Deque<Frame, FRAMES>,
     counts: Counts,
+    unsendable: Option<u32>,
 }
 
 /// What a server has done.
@@ -69,7 +70,13 @@ impl<S: Source> Server<S> {
             wanted: 0..0,
             frames: Deque::new(),
             counts: Counts::default(),
+            unsendable: None,
         }
+    }
+
+    /// Place of a sample that was asked for and does not travel.
+    pub fn unsendable(&self) -> Option<u32> {
+        self.unsendable
     }
 
     /// Where it has its samples from.
@@ -93,10 +100,9 @@ impl<S: Source> Server<S> {
         let TrackRequest { session, first, count } = request;
         if session != self.session {
             // Another locomotive, or one that has started again.
-            (self.session, self.counts.end) = (session, 0);
+            (self.session, self.counts.end, self.wanted) = (session, 0, 0..0);
         }
         if count == 0 {
-            self.wanted = 0..0;
             self.offer();
         } else {
             self.counts.requests += 1;
@@ -119,23 +125,28 @@ impl<S: Source> Server<S> {
         }
     }
 
-    /// One tick: the next sample that is wanted. One per millisecond is enough up to 360 km/h on a
+    /// One tick: the next sample that is wanted. One per millisecond is enough up to 324 km/h on a
     /// grid of 0.1 m, and leaves the bus to the rigs.
     pub fn tick(&mut self) {
         if self.frames.len() + TrackPart::ALL.len() > FRAMES {
             return;
         }
-        let Some(number) = self.wanted.next() else { return };
+        let number = self.wanted.start;
+        if self.wanted.is_empty() {
+            return;
+        }
+        // One that is still being made goes out later.
         let Some(sample) = self.sample(number) else { return };
+        self.wanted.start = number.saturating_add(1);
         let [vertical_m, alignment_m, cross_level_m, gauge_m] = channels(&sample);
-        let seal = TrackRequest::seal(self.session, self.identity.fingerprint, number);
+        let seal = TrackSeal::new(self.session, self.identity.fingerprint);
         for (part, [first_m, second_m]) in [
             (TrackPart::CentreLine, [vertical_m, alignment_m]),
             (TrackPart::Rails, [cross_level_m, gauge_m]),
         ] {
             let channels_m = [Some(first_m), Some(second_m)];
             let half = TrackSample { part, number: number as u8, channels_m };
-            let (frame, saturated) = half.encode_sealed(seal);
+            let (frame, saturated) = half.encode_sealed(seal, number);
             debug_assert!(saturated.is_empty(), "sample {number} does not travel");
             let _full = self.frames.push_back(frame);
         }
@@ -155,7 +166,12 @@ impl<S: Source> Server<S> {
             Ways::One => number,
             Ways::ThereAndBack => there_and_back(number, self.identity.samples),
         };
-        as_sent(&self.source.sample(place)?)
+        let sample = self.source.sample(place)?;
+        let sent = as_sent(&sample);
+        if sent.is_none() {
+            self.unsendable = Some(place);
+        }
+        sent
     }
 }
 

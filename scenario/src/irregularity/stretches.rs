@@ -62,6 +62,11 @@ impl Stretches {
         1 + self.total.saturating_sub(self.length).div_ceil(self.length - self.overlap)
     }
 
+    /// The stretch that has a sample, by its place in the whole track; the last one behind its end.
+    pub fn number_at(&self, place: usize) -> usize {
+        (place / (self.length - self.overlap)).min(self.count() - 1)
+    }
+
     /// The samples of a stretch.
     fn range(&self, number: usize) -> Range<usize> {
         debug_assert!(number < self.count(), "stretch {number} of {}", self.count());
@@ -120,6 +125,10 @@ mod tests {
             }
         }
         assert_eq!(samples.behind, 0);
+        for place in (0..10_004).chain([20_000]) {
+            let range = stretches.range(stretches.number_at(place));
+            assert!(range.contains(&place.min(10_003)), "{place}");
+        }
         assert_eq!(made(&Stretches::new(BAND, (0.0, 1000.0), 9.0), 0), whole);
     }
 

@@ -6,7 +6,7 @@ use can_protocol::{
     HeartbeatFlags, Measurement, MeasurementFlags, MeasurementLayout, Message, MessageId, Mode,
     PROTOCOL_VERSION, Pace, Pressure, PressureOff, Profile, Residual, RunState, Seal, Sender,
     SessionCode, Sync, Telemetry, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample,
-    Trips, Watch, protection,
+    TrackSeal, Trips, Watch, protection,
 };
 use std::fmt::Write as _;
 use std::num::{NonZeroU8, NonZeroU16};
@@ -525,14 +525,14 @@ fn sealed(message: MessageId) -> String {
 
 /// The same for a sample of the track.
 fn sealed_sample(sample: &TrackSample) -> String {
-    let seal = TrackRequest::seal(0x1234, 0xDEAD_BEEF, 1000);
-    let (frame, _) = sample.encode_sealed(seal);
+    let seal = TrackSeal::new(0x1234, 0xDEAD_BEEF);
+    let (frame, _) = sample.encode_sealed(seal, 1000);
     format!(
         "Sealed frame: {} (session 0x1234, fingerprint 0xDEADBEEF, code 0x{:04X}, sample 1000, \
          mask 0x{:02X}). ",
         hex(frame.data()),
-        seal.code.bits(),
-        seal.mask(Profile::Classical)
+        seal.code(),
+        seal.mask(1000)
     )
 }
 

@@ -149,10 +149,12 @@ pub(crate) fn duties(message: MessageId) -> &'static str {
              answers with one TRACK_OFFER for each item in the order of their codes, and first means \
              nothing. Otherwise it answers with the samples first to first + count - 1, of each \
              CENTRE_LINE and then RAILS, at most one sample per millisecond; beyond the end of the \
-             track it answers nothing. A newer request, of any session and count, replaces one that \
-             is still being served: a server has one locomotive. A frame that is damaged is ignored. \
-             A locomotive repeats what is not answered within 20 ms, asks for the first sample that \
-             it lacks, and gives up after 5 s. "
+             track it answers nothing. A newer request, of any session, replaces one that \
+             is still being served: a server has one locomotive. A question which track it is replaces \
+             none. A frame that is damaged is ignored. A locomotive repeats what is not answered \
+             within 20 of its cycles, asks for the first sample that it lacks, and asks once more \
+             now and then which track it is. It gives up before a run after 5000 cycles, and in a \
+             run when the track is not there as the vehicle comes. "
         }
         MessageId::TrackOffer => {
             "Plain CRC. It does not change while a server runs. FIRST_UM is the distance of sample 0 \
@@ -166,12 +168,11 @@ pub(crate) fn duties(message: MessageId) -> &'static str {
              low byte first in all of these. "
         }
         MessageId::TrackSample(_) => {
-            "Always sealed; the worked frame is the same without the seal. The mask is that of CMD, \
-             where h is the session of the request, with 0 in the upper two of its four bytes, r is \
-             FINGERPRINT, and the number of the sample in the whole track stands for the cycle: k is \
-             that number divided by 15 without remainder, although the field number counts to 255. \
-             Where the low byte of s would be 0, a locomotive asks for samples under the next higher \
-             session for which it is not. INVALID is never sent, and such a sample is not taken. "
+            "Always sealed; the worked frame is the same without the seal. The code s is as for CMD, \
+             where h is the session of the request, with 0 in the upper two of its four bytes, and r \
+             is FINGERPRINT. The mask is the upper byte of (s + k * (2 * s + 1)) mod 65536, where k is \
+             the number of the sample in the whole track divided by 15 without remainder; the field \
+             number is that number modulo 256. INVALID is never sent, and such a sample is not taken. "
         }
         MessageId::ArmRequest(_) => {
             "The counter is not judged: the host may have started again. ARM is repeated until it \

@@ -12,7 +12,7 @@ use can_protocol::{
     Measurement, MeasurementFlags, Message, Mode, Node, Pace, Pressure, PressureOff, Profile,
     Receiver, ReceiverState, Residual, RunState, Seal, Sender, SessionCode, SessionHistory, Sync,
     Telemetry, TrackFingerprint, TrackItem, TrackOffer, TrackPart, TrackRequest, TrackSample,
-    Trips, Watch, from_embedded, to_embedded,
+    TrackSeal, Trips, Watch, from_embedded, to_embedded,
 };
 use embedded_can::Id;
 
@@ -86,8 +86,10 @@ fn session(profile: Profile, node: Node) {
             Message::Command(command) => command.encode_sealed(profile, seal).0,
             Message::Measurement(measurement) => measurement.encode_sealed(profile, seal).0,
             Message::TrackSample(sample) => {
-                let frame = sample.encode_sealed(seal).0;
-                black_box(TrackSample::decode_sealed(frame.id(), frame.data(), seal).is_ok());
+                let seal = TrackSeal::new(black_box(1), black_box(2));
+                let frame = sample.encode_sealed(seal, black_box(3)).0;
+                let decoded = TrackSample::decode_sealed(frame.id(), frame.data(), seal, 3);
+                black_box(decoded.is_ok());
                 frame
             }
             _ => continue,
@@ -107,7 +109,7 @@ fn session(profile: Profile, node: Node) {
     black_box(state.cycle());
     let mut fingerprint = TrackFingerprint::new(black_box(0), black_box(1), black_box(2), 1);
     fingerprint.add(black_box([0.0; 4]));
-    black_box((fingerprint.value(), TrackRequest::session(black_box(1), black_box(2))));
+    black_box(fingerprint.value());
 }
 
 /// Both sides of the arming exchange.
