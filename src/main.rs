@@ -96,7 +96,7 @@ enum Command {
     RigReset(rig_reset::RigResetArgs),
     /// Hand the track of a scenario to a locomotive on a board, which has no memory for it.
     #[command(
-        after_help = "Example: yawbench track-server scenarios/ss9-160kmh.toml --duration 86400 --bus socketcan:can0"
+        after_help = "Example: yawbench track-server scenarios/ss9-160kmh.toml --duration 10.5 --there-and-back --bus socketcan:can0"
     )]
     TrackServer(track_server::TrackServerArgs),
     /// Look at this machine and its CAN interface: what holds a run back, and how to change it.

@@ -217,7 +217,7 @@ const REFUSED: [(&[&str], &str); 42] = [
         &["rig-reset", "--bus", "memory"],
         "--bus memory: expected socketcan:INTERFACE: rigs in memory begin anew with every run",
     ),
-    (&["track-server", "a.toml"], "--bus <BUS> is missing"),
+    (&["track-server", "a.toml"], "--bus: expected socketcan:INTERFACE, or --line SOCKET"),
     (
         &["track-server", "a.toml", "--bus", "memory"],
         "--bus memory: expected socketcan:INTERFACE, where a locomotive can hear it",

@@ -139,7 +139,9 @@ class Reader:
             if checksum(OFFER, data[1:]) != data[0]:
                 self.refused += 1
             elif session == self.session and item < len(ITEMS) and ITEMS[item] not in self.offer:
-                self.offer[ITEMS[item]] = value
+                # FIRST_UM is in two's complement.
+                signed = item == 0 and value >= 1 << 31
+                self.offer[ITEMS[item]] = value - (1 << 32) * signed
                 self.heard = self.progress = time.monotonic()
         elif can_id in (CENTRE_LINE, RAILS) and self.code is not None:
             self.sample_frames += 1
@@ -181,7 +183,7 @@ class Reader:
         computed = None
         counted = min(self.offer["samples"], COUNTED_SAMPLES)
         if self.next >= counted:
-            head = struct.pack("<IIII", *(self.offer[item] for item in ITEMS[:4]))
+            head = struct.pack("<iII", *map(self.offer.get, ("first_um", "step_um", "ways")))
             computed = f"{zlib.crc32(head + self.codes[:counted * 12]):08x}"
         codes = [int.from_bytes(self.codes[at:at + 3], "little", signed=True)
                  for at in range(0, len(self.codes), 3)]

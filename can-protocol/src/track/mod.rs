@@ -13,8 +13,8 @@
 //! Request and offer have the plain CRC and carry the number that the locomotive has drawn for
 //! this session. Samples are sealed ([`TrackSeal`]) with that number, the fingerprint of the track
 //! and their place on it. So a sample of an old log, of another track or out of its order fails its
-//! CRC but for chance. The locomotive asks again for whatever it has not got, and now and then which
-//! track this is; no message is acknowledged.
+//! CRC but for chance. The locomotive asks again for whatever it has not got, and now and then
+//! which track this is; no message is acknowledged.
 //!
 //! At 160 km/h and a sample every 0.1 m these are 889 frames per second and 28 requests, in the
 //! worst case 12.4 % of a bus of 1 Mbit/s. A server sends two frames in a cycle at most: 27 % while

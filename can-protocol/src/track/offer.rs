@@ -16,7 +16,7 @@ wire_enum! {
         Samples = 2, "SAMPLES";
         /// 1: from one end to the other. 2: there and back and there again, without an end.
         Ways = 3, "WAYS";
-        /// CRC-32 over the others and the samples ([`TrackFingerprint`](crate::TrackFingerprint)).
+        /// CRC-32 over beginning, step, ways and samples, [as defined](crate::TrackFingerprint).
         Fingerprint = 4, "FINGERPRINT";
     }
 }

@@ -53,8 +53,8 @@ impl<const N: usize> Window<N> {
         (self.total, self.first_m, self.step_m) = (total, first_m, step_m);
     }
 
-    /// Lets an empty window begin where a vehicle stands, by the distance of its rearmost wheel (m);
-    /// the number of the sample that is to be handed over first.
+    /// Lets an empty window begin where a vehicle stands, by the distance of its rearmost wheel
+    /// (m); the number of the sample that is to be handed over first.
     pub fn begin_at(&mut self, distance_m: f64) -> usize {
         debug_assert!(self.held == 0, "a window that holds {} samples", self.held);
         self.first = self.first_needed(distance_m).min(self.total);

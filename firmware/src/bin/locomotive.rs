@@ -15,10 +15,11 @@ use firmware::board::uart::Uart;
 use firmware::expected;
 use firmware::roles::{self, BoardLocomotive, PERIOD_US};
 use firmware::setup;
-use nodes::locomotive::End;
+use nodes::locomotive::{End, NotArmed};
 use nodes::loopback::Loopback;
 use nodes::rig::Plant;
 use nodes::timed::TimedRig;
+use nodes::track::TrackFault;
 use same_bits::Random;
 
 #[entry]
@@ -49,6 +50,9 @@ fn run(bus: &str, cycles: u32) -> Option<bool> {
     let _ = writeln!(Console, "late {late}");
     let _ = writeln!(Console, "stack steps {}", stack::deepest());
     if end != End::Completed {
+        if let End::NotArmed(NotArmed::Track(TrackFault::AnotherTrack { found, expected })) = end {
+            let _ = writeln!(Console, "track {found:08x}, expected {expected:08x}");
+        }
         let how = if end == End::Safe { "in SAFE" } else { "early" };
         let _ = writeln!(Console, "ended {how}");
     }

@@ -5,8 +5,8 @@
 //!                               ---- wanted -->
 //! ```
 //! The server never waits: a sample of a stretch that is not there yet is served when it is. The
-//! next stretch is made while the present one is served; where somebody asks for another place, that
-//! one is made, and the first stretch is always there.
+//! next stretch is made while the present one is served; where somebody asks for another place,
+//! that one is made, and the first stretch is always there.
 
 use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 use firmware_core::track::IrregularitySample;

@@ -46,6 +46,9 @@ impl Identity {
     /// A grid that is not in whole micrometres, or a sample of the stretch beyond what travels.
     pub fn of(track: &Irregularity<'_>, ways: Ways) -> Result<Self, Unservable> {
         debug_assert!(track.before == 0, "a track without its first {} samples", track.before);
+        if track.samples.is_empty() {
+            return Err(Unservable::None);
+        }
         let grid = Unservable::Grid { first_m: track.first_m, step_m: track.step_m };
         let first_um = whole_um(track.first_m).ok_or(grid)?;
         let first_um = i32::try_from(first_um).map_err(|_| grid)?;
@@ -57,7 +60,7 @@ impl Identity {
         if ways == Ways::ThereAndBack && track.behind > 0 {
             return Err(Unservable::TooLongForTheWayBack { found: samples });
         }
-        let mut fingerprint = TrackFingerprint::new(first_um, step_um, samples, ways as u32);
+        let mut fingerprint = TrackFingerprint::new(first_um, step_um, ways as u32);
         for (number, sample) in track.samples.iter().enumerate() {
             as_sent(sample).ok_or(Unservable::Sample { number })?;
             if number < TrackFingerprint::SAMPLES {
@@ -116,6 +119,8 @@ pub(super) const fn channels(sample: &IrregularitySample) -> [f64; 4] {
 /// Why a track cannot be served.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unservable {
+    /// The rails are perfect.
+    None,
     /// First sample or step is not in whole micrometres, or too far away.
     Grid {
         /// Distance of the first sample (m).
@@ -144,6 +149,7 @@ impl Unservable {
     /// What was expected.
     pub const fn expected(&self) -> &'static str {
         match self {
+            Self::None => "irregularity: perfect track needs no server",
             Self::Grid { .. } => {
                 "a grid in whole micrometres, with the first sample within 2147 m of the start"
             }
@@ -158,6 +164,7 @@ impl Unservable {
 impl fmt::Display for Unservable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::None => f.write_str("a track without irregularity"),
             Self::Grid { first_m, step_m } => {
                 write!(f, "samples of the track every {step_m} m from {first_m} m")
             }
@@ -209,6 +216,7 @@ mod tests {
         for step_m in [1.0 / 3.0, 0.0, -0.1, f64::NAN, 1e9] {
             assert!(matches!(of(&samples, step_m), Err(Unservable::Grid { .. })), "{step_m}");
         }
+        assert_eq!(of(&[], 0.1), Err(Unservable::None));
         assert_eq!(of(&samples[..3], 0.1), Err(Unservable::Samples { found: 3 }));
         let long = Irregularity { behind: 300_000, ..track(&samples, 0.1) };
         assert_eq!(Identity::of(&long, Ways::One).map(|track| track.samples), Ok(300_005));

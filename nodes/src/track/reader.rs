@@ -6,7 +6,7 @@
 //! ```
 //!
 //! While it reads it asks for a sixteenth of the window as soon as there is room for it, and again
-//! for whatever has not come in 20 ticks, or in twice the time of the slowest answer. Once a second
+//! for whatever has not come in 20 ticks, on a slow bus in up to 60. Once a second
 //! it asks once more which track this is: a server that was started anew with another one is found
 //! out. A sample is taken in its place or not at all.
 
@@ -29,8 +29,9 @@ const FILL_TICKS: u32 = 5000;
 /// Ticks between two questions for the track while it is read: a second at 1 kHz.
 const CHECK_TICKS: u32 = 1000;
 
-/// Longest wait for an answer that is believed to be one (ticks).
-const SLOWEST_TICKS: u32 = 200;
+/// Longest wait before a request is repeated, whatever answers took: a quarter of what is ahead of
+/// the SS9 at 160 km/h.
+const REPEAT_TICKS_MAX: u32 = 60;
 
 /// Samples of a window that its vehicle cannot stand on: what is asked for at once, and the four
 /// around each end.
@@ -45,7 +46,7 @@ pub struct Terms {
     pub session: u16,
     /// Fingerprint of the only track that will do; none where any does.
     pub expected: Option<u32>,
-    /// The furthest wheel from the vehicle's reference point (m): [`reach_m`](firmware_core::vehicle::Vehicle::reach_m).
+    /// [Reach](firmware_core::vehicle::Vehicle::reach_m) of the vehicle (m).
     pub reach_m: f64,
     /// Way of the vehicle in a tick (m).
     pub ahead_m: f64,
@@ -219,7 +220,7 @@ impl<const N: usize> Reader<N> {
             return;
         };
         if let Some(ticks) = self.since_request.take() {
-            self.slowest_ticks = self.slowest_ticks.max(ticks.min(SLOWEST_TICKS));
+            self.slowest_ticks = self.slowest_ticks.max(ticks.min(REPEAT_TICKS_MAX));
         }
         match half.part {
             TrackPart::CentreLine => self.centre_line_m = Some([first_m, second_m]),
@@ -283,7 +284,7 @@ impl<const N: usize> Reader<N> {
         let room = self.window.room();
         let is_owed = self.next < self.asked;
         let is_enough = room >= N / 16 || room == self.window.missing();
-        let repeat_ticks = REPEAT_TICKS.max(2 * self.slowest_ticks);
+        let repeat_ticks = (2 * self.slowest_ticks).clamp(REPEAT_TICKS, REPEAT_TICKS_MAX);
         let is_due = if is_owed {
             self.waited_ticks >= repeat_ticks
         } else {

@@ -162,9 +162,9 @@ pub(crate) fn duties(message: MessageId) -> &'static str {
              next, SAMPLES their number one way. WAYS is 1 where the track ends with them, 2 where it \
              is run there and back and there again, without an end: number n is then the sample n, \
              or on the way back 2 * (SAMPLES - 1) - n, and so on; the samples at both ends come once, \
-             and no sign changes. FINGERPRINT is the CRC-32 of zlib over FIRST_UM, STEP_UM, SAMPLES \
-             and WAYS, four bytes each, then the codes of the first 262144 samples or of all of one \
-             way, vertical, alignment, cross level and gauge, three bytes each in two's complement; \
+             and no sign changes. FINGERPRINT is the CRC-32 of zlib over FIRST_UM, STEP_UM and WAYS, \
+             four bytes each, then the codes of the first 262144 samples or of all of one way, \
+             vertical, alignment, cross level and gauge, three bytes each in two's complement; \
              low byte first in all of these. "
         }
         MessageId::TrackSample(_) => {

@@ -107,7 +107,7 @@ fn session(profile: Profile, node: Node) {
         black_box(reception);
     }
     black_box(state.cycle());
-    let mut fingerprint = TrackFingerprint::new(black_box(0), black_box(1), black_box(2), 1);
+    let mut fingerprint = TrackFingerprint::new(black_box(0), black_box(1), black_box(2));
     fingerprint.add(black_box([0.0; 4]));
     black_box(fingerprint.value());
 }
