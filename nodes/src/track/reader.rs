@@ -6,9 +6,9 @@
 //! ```
 //!
 //! While it reads it asks for a sixteenth of the window as soon as there is room for it, and again
-//! for whatever has not come in 20 ticks, on a slow bus in up to 60. Once a second it asks once more
-//! which track this is: a server that was started anew with another one is found out. A sample is
-//! taken in its place or not at all.
+//! for whatever has not come in 20 ticks, on a slow bus in up to 60. Once a second it asks once
+//! more which track this is: a server that was started anew with another one is found out. A sample
+//! is taken in its place or not at all.
 
 use super::identity::{Identity, Ways};
 use crate::WireFrame;
