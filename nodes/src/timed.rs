@@ -8,7 +8,7 @@ use crate::can::{receive, transmit};
 use crate::locomotive::Locomotive;
 use crate::rig::{Numbers, Plant, RigNode};
 use crate::track::{Reader, Server, Source};
-use can_protocol::{Frame, Pace};
+use can_protocol::Pace;
 use embedded_can::nb::Can;
 
 /// Cycles in which a rig that has lost its host in lock-step comes to rest: a second at 1 kHz,
@@ -148,34 +148,28 @@ impl<'a> TimedLocomotive<'a> {
 
 /// A track server with its CAN driver.
 #[derive(Debug, Clone)]
-pub struct TimedServer<S> {
-    server: Server<S>,
-    /// A frame that has found no room.
-    pending: Option<Frame>,
-}
+pub struct TimedServer<S>(Server<S>);
 
 impl<S: Source> TimedServer<S> {
     /// A server that waits for a locomotive.
     pub fn new(server: Server<S>) -> Self {
-        Self { server, pending: None }
+        Self(server)
     }
 
     /// The server.
     pub fn server(&self) -> &Server<S> {
-        &self.server
+        &self.0
     }
 
     /// One tick of the timer.
     pub fn tick<C: Can>(&mut self, can: &mut C) {
         while let Some(frame) = receive(can) {
-            self.server.hear(&frame);
+            self.0.hear(&frame);
         }
-        self.server.tick();
-        while let Some(frame) = self.pending.take().or_else(|| self.server.take_frame()) {
+        self.0.tick();
+        while let Some(frame) = self.0.take_frame() {
             if !transmit(can, &frame) {
-                // The next tick tries again: a controller may have fewer mailboxes than an offer.
-                self.pending = Some(frame);
-                break;
+                return self.0.put_back(frame);
             }
         }
     }

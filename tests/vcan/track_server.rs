@@ -3,12 +3,13 @@
 
 use crate::interface::{Interface, aloud, yawbench};
 use crate::rig::{LOCK_STEP_RIG, Rig, alone};
-use can_protocol::arming::{Patience, Requirements};
+use can_protocol::arming::Patience;
 use can_protocol::{Node, Pace, Profile};
 use firmware_core::line::Line;
 use firmware_core::supervision::Checks;
 use firmware_core::track::{Irregularity, Track};
 use hil_host::clock::Pacer;
+use hil_host::control::Arming;
 use nodes::locomotive::{End, Locomotive, Terms};
 use nodes::loopback::Loopback;
 use nodes::timed::{TimedLocomotive, TimedRig};
@@ -94,6 +95,7 @@ fn a_reader_in_another_language_reads_the_track_from_the_bus() {
 }
 
 fn terms(run: &Run) -> Terms {
+    let Arming { number, boot, requirements, .. } = Arming::in_memory().requiring(&run.readiness);
     let profile = Profile::Classical;
     Terms {
         node: Node::ALL[0],
@@ -101,15 +103,9 @@ fn terms(run: &Run) -> Terms {
         profile,
         pace: Pace::LockStep,
         slow_down: NonZeroU8::MIN,
-        number: 0x1234_5678,
-        boot: 0xB007,
-        requirements: Requirements {
-            enabled: true,
-            zero_age_s: 8 * 3600,
-            shunt_passed: true,
-            force_at_rest_n: 2000,
-            stroke_um: 5000,
-        },
+        number,
+        boot,
+        requirements,
         checks: Checks::usual(profile.counter_modulus(), run.cycle_s(), 100e3),
         patience: Patience {
             repeat_cycles: 20,

@@ -65,6 +65,11 @@ impl SerialLineBus {
         }
         !self.unread.is_empty()
     }
+
+    fn dropped(&mut self, sent: Sent) -> Sent {
+        self.counters.send_dropped += 1;
+        sent
+    }
 }
 
 impl Bus for SerialLineBus {
@@ -118,13 +123,6 @@ impl Bus for SerialLineBus {
 
     fn counters(&self) -> BusCounters {
         self.counters
-    }
-}
-
-impl SerialLineBus {
-    fn dropped(&mut self, sent: Sent) -> Sent {
-        self.counters.send_dropped += 1;
-        sent
     }
 }
 

@@ -1,7 +1,7 @@
 //! `yawbench track-server`: the whole track, for a locomotive on a board that has no memory for it.
 //!
 //! The node is [`nodes::track::Server`]; here it has a process, a clock and a bus. It answers
-//! whoever asks, a sample per millisecond at most, and prints once a second how far it is. Nothing
+//! whoever asks, a sample per millisecond at most, and prints once a minute how far it is. Nothing
 //! here moves a rig: a server that is late or gone stops a locomotive, which says so itself.
 
 mod long_track;
@@ -135,7 +135,7 @@ fn serve<B: Bus>(
 ) -> (bool, u64, BusCounters) {
     let mut pacer = Pacer::every(TICK);
     let (mut printed, mut said) = (Instant::now(), server.counts());
-    let (mut pending, mut is_down) = (None, false);
+    let mut is_down = false;
     let cannot_go_on = |server: &Server<LongTrack<'_>>| {
         server.source().has_failed() || server.unsendable().is_some()
     };
@@ -145,12 +145,11 @@ fn serve<B: Bus>(
             server.hear(&frame);
         }
         server.tick();
-        while let Some(frame) = pending.take().or_else(|| server.take_frame()) {
+        while let Some(frame) = server.take_frame() {
             match bus.send(&frame) {
                 Sent::Away => {}
                 Sent::Dropped => {
-                    // The next tick tries again.
-                    pending = Some(frame);
+                    server.put_back(frame);
                     break;
                 }
                 Sent::Down => {
@@ -180,8 +179,9 @@ fn serve<B: Bus>(
 pub fn summary_text(summary: &TrackSummary) -> String {
     let TrackSummary { fingerprint, offers, requests, samples, repeated, .. } = summary;
     format!(
-        "track {fingerprint}: asked {offers} times which it is; {samples} samples sent in {requests} \
-         requests, {repeated} of them again; {} times no room on the bus, {} frames lost on the way in",
+        "track {fingerprint}: asked {offers} times which it is; {samples} samples sent in \
+         {requests} requests, {repeated} of them again; {} times no room on the bus, {} frames lost \
+         on the way in",
         summary.send_dropped, summary.receive_dropped
     )
 }

@@ -87,14 +87,27 @@ pub(crate) fn together<P: Plant>(
     mut disturb: impl FnMut(u32, &mut Locomotive<'_>, &mut BusEnd<'_>) -> bool,
 ) -> Found<P> {
     let wire = Loopback::default();
-    let [mut at_locomotive, mut at_rig] = wire.ends();
+    let [mut at_locomotive, at_rig] = wire.ends();
     let locomotive = Locomotive::new(line, &mut state, terms).unwrap();
     let mut locomotive = TimedLocomotive::new(locomotive);
-    let mut rig = TimedRig::new(rig, SILENCE_TICKS);
-    for tick in 0..MOST_TICKS {
-        let is_rig_there = disturb(tick, locomotive.locomotive_mut(), &mut at_rig);
+    let rig = TimedRig::new(rig, SILENCE_TICKS);
+    until_end(&mut locomotive, (rig, at_rig), MOST_TICKS, |tick, locomotive, at_rig| {
+        let is_rig_there = disturb(tick, locomotive.locomotive_mut(), at_rig);
         locomotive.tick(&mut at_locomotive, 0);
-        if is_rig_there {
+        is_rig_there
+    })
+}
+
+/// Ticks a locomotive as it is told, which says whether the rig is there in that tick, until it
+/// ends.
+pub(crate) fn until_end<P: Plant>(
+    locomotive: &mut TimedLocomotive<'_>,
+    (mut rig, mut at_rig): (TimedRig<P, Draw>, BusEnd<'_>),
+    most_ticks: u32,
+    mut tick_locomotive: impl FnMut(u32, &mut TimedLocomotive<'_>, &mut BusEnd<'_>) -> bool,
+) -> Found<P> {
+    for tick in 0..most_ticks {
+        if tick_locomotive(tick, locomotive, &mut at_rig) {
             rig.tick(&mut at_rig);
         }
         let node = locomotive.locomotive();
@@ -111,7 +124,7 @@ pub(crate) fn together<P: Plant>(
             };
         }
     }
-    panic!("no end after {MOST_TICKS} ticks: {locomotive:?}")
+    panic!("no end after {most_ticks} ticks, in cycle {}", locomotive.locomotive().state().cycle)
 }
 
 /// The host's run of the same scenario on the memory bus.

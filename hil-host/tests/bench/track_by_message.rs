@@ -1,7 +1,7 @@
 //! A locomotive node that reads its track from a server on the bus: the bits of the track in
 //! memory, and what happens where the samples are late, lost, old or another's.
 
-use crate::locomotive_node::terms;
+use crate::locomotive_node::{self, terms, together, until_end};
 use crate::support::locomotive::{NODE, scenario};
 use can_protocol::{Frame, MessageId, PROTOCOL_VERSION, Pace, Profile, RunState, Sync};
 use firmware_core::line::Line;
@@ -11,6 +11,7 @@ use hil_host::rig::RigNode;
 use nodes::can::{receive, transmit};
 use nodes::locomotive::{End, Locomotive, NotArmed, SILENCE_TICKS, STOP_CYCLES};
 use nodes::loopback::{End as BusEnd, Loopback};
+use nodes::rig::Plant;
 use nodes::timed::{TimedLocomotive, TimedRig, TimedServer};
 use nodes::track::{self, Reader, Server, TrackFault, Ways, as_sent};
 use scenario::run::Run;
@@ -84,23 +85,19 @@ fn session_with(
         rig.tick(&mut at_rig);
         assert_eq!(rig.rig().run_state(), RunState::Standby);
     }
-    for _ in 0..MOST_TICKS {
+    let found = until_end(&mut locomotive, (rig, at_rig), MOST_TICKS, |_, locomotive, _| {
         else_on_bus(locomotive.locomotive().state().cycle, &mut at_server);
         locomotive.tick_reading(&mut at_locomotive, reader, 0);
-        rig.tick(&mut at_rig);
-        let node = locomotive.locomotive();
-        if let Some(end) = node.end() {
-            rig.tick(&mut at_rig);
-            return Found {
-                hash: node.hash(),
-                end,
-                stop: node.stop().map(|stop| (stop.cycle, stop.cause.signal)),
-                cycles: node.state().cycle,
-                rig: rig.rig().run_state(),
-            };
-        }
+        true
+    });
+    found.into()
+}
+
+impl<P: Plant> From<locomotive_node::Found<P>> for Found {
+    fn from(found: locomotive_node::Found<P>) -> Self {
+        let locomotive_node::Found { hash, end, stop, cycles, rig, .. } = found;
+        Self { hash, end, stop, cycles, rig }
     }
-    panic!("no end after {MOST_TICKS} ticks, in cycle {}", locomotive.locomotive().state().cycle)
 }
 
 fn reader(run: &Run, session: u16, expected: Option<u32>) -> BoardReader {
@@ -120,13 +117,7 @@ fn in_memory(run: &Run) -> Found {
     let line = hil_host::run::line(run, &track);
     let state = line.start(run.start.state.clone());
     let rig: RigNode = RigNode::new(&run.rig, NODE, Profile::Classical);
-    let found = crate::locomotive_node::together(
-        &line,
-        state,
-        terms(run, Pace::LockStep),
-        rig,
-        |_, _, _| true,
-    );
+    let found = together(&line, state, terms(run, Pace::LockStep), rig, |_, _, _| true);
     let (hash, cycles) = (found.hash, found.cycles);
     Found { hash, end: found.end, stop: found.stop, cycles, rig: found.rig }
 }
@@ -333,7 +324,7 @@ fn a_vehicle_longer_than_the_locomotive_stands_on_its_whole_track() {
     for body in &mut run.vehicle.bodies {
         body.station_m *= 12.5 / 10.78;
     }
-    let mut server = TimedServer::new(super::track_by_message::server(&run));
+    let mut server = TimedServer::new(self::server(&run));
     let found = session(&run, Pace::Clock, &mut reader(&run, 7, None), |_, can| server.tick(can));
     assert_eq!(found.end, End::NotArmed(NotArmed::Track(TrackFault::Grid)));
 }
@@ -390,16 +381,10 @@ fn rounding_to_ten_nanometres_moves_the_rig_by_less_than_its_converters_see() {
         let state = line.start(run.start.state.clone());
         let rig: RigNode = RigNode::new(&run.rig, NODE, Profile::Classical);
         let mut commands = Vec::new();
-        crate::locomotive_node::together(
-            &line,
-            state,
-            terms(run, Pace::LockStep),
-            rig,
-            |_, node, _| {
-                commands.push(node.state().slots[0].command.displacement_m);
-                true
-            },
-        );
+        together(&line, state, terms(run, Pace::LockStep), rig, |_, node, _| {
+            commands.push(node.state().slots[0].command.displacement_m);
+            true
+        });
         commands
     };
     let (exact, rounded): (Vec<f64>, Vec<f64>) = (commands(&exact), commands(&rounded));

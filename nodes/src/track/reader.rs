@@ -136,47 +136,46 @@ impl<const N: usize> Reader<N> {
 
     /// Takes in any frame of the bus.
     pub fn hear(&mut self, frame: &WireFrame) {
-        match self.phase {
-            Phase::Asking(answered) => self.hear_offer(frame, answered),
-            Phase::Reading(track) => {
-                self.hear_sample(frame, track.fingerprint);
-                self.hear_another(frame, &track);
+        if let Ok(offer) = TrackOffer::decode(frame.id(), frame.data()) {
+            if offer.session == self.terms.session {
+                self.hear_offer(offer);
             }
-            Phase::Failed(_) => {}
+        } else if let Phase::Reading(track) = self.phase {
+            self.hear_sample(frame, track.fingerprint);
         }
     }
 
-    /// The offer of a second server, or of one that was started anew with another track.
-    fn hear_another(&mut self, frame: &WireFrame, track: &Identity) {
-        let Ok(offer) = TrackOffer::decode(frame.id(), frame.data()) else { return };
-        if offer.session == self.terms.session && offer.value != track.value(offer.item) {
-            self.phase = Phase::Failed(TrackFault::TwoServers);
-        }
-    }
-
-    fn hear_offer(&mut self, frame: &WireFrame, answered: [Option<u32>; TrackItem::ALL.len()]) {
-        let Ok(offer) = TrackOffer::decode(frame.id(), frame.data()) else { return };
-        if offer.session != self.terms.session {
-            return;
-        }
-        let mut answered = answered;
-        let Some(place) = answered.get_mut(usize::from(offer.item.code())) else { return };
-        if place.replace(offer.value).is_some_and(|before| before != offer.value) {
-            self.phase = Phase::Failed(TrackFault::TwoServers);
-            return;
-        }
-        self.phase = match answered {
-            [Some(first), Some(step_um), Some(samples), Some(ways), Some(fingerprint)] => {
-                let first_um = first as i32;
-                match Ways::of(ways) {
-                    Some(ways) => {
-                        self.judge(&Identity { first_um, step_um, samples, ways, fingerprint })
-                    }
-                    None => Phase::Failed(TrackFault::Grid),
-                }
+    fn hear_offer(&mut self, offer: TrackOffer) {
+        self.phase = match self.phase {
+            Phase::Asking(answered) => self.answered(answered, offer),
+            // Of a second server, or of one that was started anew with another track.
+            Phase::Reading(track) if offer.value != track.value(offer.item) => {
+                Phase::Failed(TrackFault::TwoServers)
             }
-            _ => Phase::Asking(answered),
+            phase => phase,
         };
+    }
+
+    /// What comes of an answer, besides those that were there.
+    fn answered(
+        &mut self,
+        mut answered: [Option<u32>; TrackItem::ALL.len()],
+        offer: TrackOffer,
+    ) -> Phase {
+        let place = answered.get_mut(usize::from(offer.item.code()));
+        let before = place.and_then(|place| place.replace(offer.value));
+        if before.is_some_and(|before| before != offer.value) {
+            return Phase::Failed(TrackFault::TwoServers);
+        }
+        let [Some(first), Some(step_um), Some(samples), Some(ways), Some(fingerprint)] = answered
+        else {
+            return Phase::Asking(answered);
+        };
+        let first_um = first as i32;
+        match Ways::of(ways) {
+            Some(ways) => self.judge(&Identity { first_um, step_um, samples, ways, fingerprint }),
+            None => Phase::Failed(TrackFault::Grid),
+        }
     }
 
     /// Takes up a track, or refuses it.

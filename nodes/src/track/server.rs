@@ -160,6 +160,13 @@ impl<S: Source> Server<S> {
         self.frames.pop_front()
     }
 
+    /// Takes back the frame that was taken last and found no room: the next tick tries again, since
+    /// a controller may have fewer mailboxes than an offer has frames.
+    pub fn put_back(&mut self, frame: Frame) {
+        let is_full = self.frames.push_front(frame).is_err();
+        debug_assert!(!is_full, "a frame that was not taken");
+    }
+
     /// A sample of the track as it travels.
     fn sample(&mut self, number: u32) -> Option<IrregularitySample> {
         let place = match self.identity.ways {

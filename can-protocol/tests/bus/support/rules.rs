@@ -56,7 +56,8 @@ fn arming() -> String {
          bytes: version, profile, pace and slow_down in one byte each, period_us and watchdog in \
          cycles in two, stroke, velocity, acceleration and force as agreed and the hash of this \
          file in four, low byte first. The hash of this file is the CRC-32 over its BO_ and SG_ \
-         lines in their order, without those of the messages TRACK_*, each without white space at its ends and with one line feed behind \
+         lines in their order, without those of the messages TRACK_*, each without white space \
+         at its ends and with one line feed behind \
          it: 0x{DBC_HASH:08X}. \
          5. {} with r xor c: the one frame that arms, in STANDBY and with all of the above in \
          order. The rig answers {} with h xor c, or {} with the cycles that are missing to {} \
@@ -146,33 +147,34 @@ pub(crate) fn duties(message: MessageId) -> &'static str {
         MessageId::Telemetry(_) | MessageId::Residual(_) => "The counter is not judged. ",
         MessageId::TrackRequest => {
             "From a locomotive that has no memory for its track. With count 0 the track server \
-             answers with one TRACK_OFFER for each item in the order of their codes, and first means \
-             nothing. Otherwise it answers with the samples first to first + count - 1, of each \
-             CENTRE_LINE and then RAILS, at most one sample per millisecond; beyond the end of the \
-             track it answers nothing. A newer request, of any session, replaces one that \
-             is still being served: a server has one locomotive. A question which track it is replaces \
-             none. A frame that is damaged is ignored. A locomotive repeats what is not answered \
-             within 20 of its cycles, asks for the first sample that it lacks, and asks once more \
-             now and then which track it is. It gives up before a run after 5000 cycles, and in a \
-             run when the track is not there as the vehicle comes. "
+             answers with one TRACK_OFFER for each item in the order of their codes, and first \
+             means nothing. Otherwise it answers with the samples first to first + count - 1, of \
+             each CENTRE_LINE and then RAILS, at most one sample per millisecond; beyond the end \
+             of the track it answers nothing. A newer request, of any session, replaces one that \
+             is still being served: a server has one locomotive. A question which track it is \
+             replaces none. A frame that is damaged is ignored. A locomotive repeats what is not \
+             answered within 20 of its cycles, asks for the first sample that it lacks, and asks \
+             once more now and then which track it is. It gives up before a run after 5000 cycles, \
+             and in a run when the track is not there as the vehicle comes. "
         }
         MessageId::TrackOffer => {
-            "Plain CRC. It does not change while a server runs. FIRST_UM is the distance of sample 0 \
-             from the start of the run, two's complement, STEP_UM the distance from one sample to the \
-             next, SAMPLES their number one way. WAYS is 1 where the track ends with them, 2 where it \
-             is run there and back and there again, without an end: number n is then the sample n, \
-             or on the way back 2 * (SAMPLES - 1) - n, and so on; the samples at both ends come once, \
-             and no sign changes. FINGERPRINT is the CRC-32 of zlib over FIRST_UM, STEP_UM and WAYS, \
-             four bytes each, then the codes of the first 262144 samples or of all of one way, \
-             vertical, alignment, cross level and gauge, three bytes each in two's complement; \
-             low byte first in all of these. "
+            "Plain CRC. It does not change while a server runs. FIRST_UM is the distance of sample \
+             0 from the start of the run, two's complement, STEP_UM the distance from one sample \
+             to the next, SAMPLES their number one way. WAYS is 1 where the track ends with them, \
+             2 where it is run there and back and there again, without an end: number n is then \
+             the sample n, or on the way back 2 * (SAMPLES - 1) - n, and so on; the samples at \
+             both ends come once, and no sign changes. FINGERPRINT is the CRC-32 of zlib over \
+             FIRST_UM, STEP_UM and WAYS, four bytes each, then the codes of the first 262144 \
+             samples or of all of one way, vertical, alignment, cross level and gauge, three bytes \
+             each in two's complement; low byte first in all of these. "
         }
         MessageId::TrackSample(_) => {
-            "Always sealed; the worked frame is the same without the seal. The code s is as for CMD, \
-             where h is the session of the request, with 0 in the upper two of its four bytes, and r \
-             is FINGERPRINT. The mask is the upper byte of (s + k * (2 * s + 1)) mod 65536, where k is \
-             the number of the sample in the whole track divided by 15 without remainder; the field \
-             number is that number modulo 256. INVALID is never sent, and such a sample is not taken. "
+            "Always sealed; the worked frame is the same without the seal. The code s is as for \
+             CMD, where h is the session of the request, with 0 in the upper two of its four \
+             bytes, and r is FINGERPRINT. The mask is the upper byte of (s + k * (2 * s + 1)) mod \
+             65536, where k is the number of the sample in the whole track divided by 15 without \
+             remainder; the field number is that number modulo 256. INVALID is never sent, and \
+             such a sample is not taken. "
         }
         MessageId::ArmRequest(_) => {
             "The counter is not judged: the host may have started again. ARM is repeated until it \
@@ -208,8 +210,8 @@ fn counters() -> String {
          the FD variants of CMD and MEAS. FD frames are sent with bit-rate switch. \
          A rig sends one MEAS per cycle and echoes the newest CMD. FAULT codes below {} are of the \
          link, the others of the bench. \
-         TRACK is a server of the track for a HOST on a board that has no memory for it; no rig has \
-         to know the messages TRACK_*.",
+         TRACK is a server of the track for a HOST on a board that has no memory for it; no rig \
+         has to know the messages TRACK_*.",
         FaultCode::ForceLimit.code()
     )
 }
